@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sourced by the other scripts: where things are, and stages that log and show progress.
+# shellcheck shell=bash disable=SC2034
+
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+venv=$root/build/venv
+python=$venv/bin/python
+logs=$root/build/logs
+mkdir -p "$logs"
+# The distribution's compiler, CMake and Python come before any other on the caller's PATH.
+export PATH="$venv/bin:/usr/bin:/bin:/usr/sbin:/sbin:$PATH"
+export LC_ALL=C.UTF-8
+unset PYTHONPATH PYTHONHOME
+
+fail() {
+  printf 'error: %s\n' "$*" >&2
+  exit 1
+}
+
+# Shows the last line of a log in place, once a second, while a stage runs in a terminal.
+ticker() {
+  while sleep 1; do
+    printf '\r\033[K   %4d s  %.60s' "$SECONDS" "$(tail -n 1 "$1" | tr -d '\r\033')"
+  done
+}
+
+# stage NAME COMMAND...: runs the command into build/logs/NAME.log; on failure shows the log's end.
+stage() {
+  local name=$1 log=$logs/${1// /-}.log pid='' rc=0
+  shift
+  SECONDS=0
+  printf '== %s\n' "$name"
+  : >"$log"
+  if [ -t 1 ]; then
+    ticker "$log" &
+    pid=$!
+  fi
+  "$@" >"$log" 2>&1 </dev/null || rc=$?
+  if [ -n "$pid" ]; then
+    kill "$pid"
+    wait "$pid" 2>/dev/null || true
+    printf '\r\033[K'
+  fi
+  if [ "$rc" -ne 0 ]; then
+    tail -n 40 "$log" >&2
+    printf 'error: "%s" failed (exit status %d); the whole log: %s\n' "$name" "$rc" "${log#"$root"/}" >&2
+    return "$rc"
+  fi
+  printf '   done in %d s\n' "$SECONDS"
+}
+
+# The values of /etc/os-release as one word, such as debian-12.
+system_name() {
+  # shellcheck source=/dev/null
+  (. /etc/os-release 2>/dev/null && printf '%s-%s' "${ID:-unknown}" "${VERSION_ID:-}") || printf unknown
+}
+
+# One job for each core, fewer where memory is short: a file that includes CGAL takes about 1.5 GB.
+build_jobs() {
+  local cores gigabytes
+  cores=$(nproc)
+  gigabytes=$(awk '/MemAvailable/ {print int($2 / 1572864)}' /proc/meminfo)
+  [ "$gigabytes" -ge 1 ] || gigabytes=1
+  printf '%d' "$((cores < gigabytes ? cores : gigabytes))"
+}

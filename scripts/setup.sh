@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Makes a bare Debian 12 or 13 ready: packages, build/venv, the release build, the Python package.
+# What is already there is kept, so a second run takes about a second.
+#   scripts/setup.sh [--tools]     --tools: stop after packages and build/venv
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+system=$(system_name)
+packages=(
+  ca-certificates g++ cmake ninja-build python3 python3-venv python3-dev
+  libcgal-dev libembree-dev libopenmesh-dev pybind11-dev libtbb-dev libeigen3-dev libnanoflann-dev
+  libgtest-dev libbenchmark-dev
+  # What the bpy wheel needs; the last three are for the Workbench engine without a display.
+  libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri
+)
+case $system in
+  debian-12) ;;
+  debian-13) packages+=(blender python3-numpy) ;;
+  *) fail "this system is $system; supported are Debian 12 (bookworm) and Debian 13 (trixie)" ;;
+esac
+[ "$(uname -m)" = x86_64 ] || fail "this machine is $(uname -m); Blender's Python module needs x86_64"
+
+missing_packages() {
+  comm -23 <(printf '%s\n' "${packages[@]}" | sort) \
+    <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort)
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    fail "packages are missing (${missing[*]}) and there is neither root nor sudo to install them"
+  fi
+}
+
+install_packages() {
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get -q update &&
+    as_root env DEBIAN_FRONTEND=noninteractive \
+      apt-get -q -y install --no-install-recommends "${missing[@]}"
+}
+
+create_venv() {
+  /usr/bin/python3 -m venv --clear "$venv" &&
+    "$python" -m pip install --no-input -r scripts/requirements.txt
+}
+
+configure() {
+  # A new folder: CMake's --fresh would keep objects made by another compiler.
+  rm -rf build/release && cmake --preset release -DDAPPLE_PYTHON_INSTALL_DIR="$site_packages"
+}
+
+# A stamp file holds the hash of all that went into what it stands beside.
+hash_of() { printf '%s\n' "$@" | sha256sum | cut -d ' ' -f 1; }
+up_to_date() { [ -f "$1" ] && [ "$(<"$1")" = "$2" ]; }
+
+exec 9>build/setup.lock
+flock -n 9 || { echo '== waiting for another set-up of this folder'; flock 9; }
+
+mapfile -t missing < <(missing_packages)
+if [ "${#missing[@]}" -gt 0 ]; then
+  echo "   missing packages: ${missing[*]}"
+  stage 'system packages' install_packages
+fi
+
+python_version=$(/usr/bin/python3 -c 'import platform; print(platform.python_version())')
+venv_hash=$(hash_of "$root" "$python_version" "$(<scripts/requirements.txt)")
+if ! up_to_date "$venv/.stamp" "$venv_hash"; then
+  stage "virtual environment" create_venv
+  echo "$venv_hash" >"$venv/.stamp"
+fi
+[ "${1:-}" != --tools ] || exit 0
+
+site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+configure_hash=$(hash_of "$root" "$system" "$python_version" "$(<CMakePresets.json)" "$(cmake --version)")
+if ! up_to_date build/release/.stamp "$configure_hash"; then
+  stage 'configure' configure
+  echo "$configure_hash" >build/release/.stamp
+fi
+stage 'build' cmake --build build/release -j "$(build_jobs)"
+stage 'install into build/venv' cmake --install build/release --component python
