@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that work in steps: at once in background mode, else under a timer with Esc."""
+
+import bpy
+
+from ..core.errors import ScatterError, StoppedError
+from ..core.steps import Stepper, Steps, run_now
+
+_TICK = 0.02  # seconds
+Answer = set[str]
+
+
+class StepsOperator:
+    """Mixin for operators: write steps(context), perhaps done(context, result)."""
+
+    _stepper: Stepper | None = None
+    _timer: bpy.types.Timer | None = None
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """The work."""
+        raise NotImplementedError
+
+    def done(self, context: bpy.types.Context, result: object) -> None:
+        """Called once when the work is done."""
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        """Do all the work now."""
+        try:
+            self.done(context, run_now(self.steps(context)))
+        except (ScatterError, StoppedError) as error:
+            return self._failed(error)
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        """Start the work; modal goes on with it."""
+        if bpy.app.background:
+            return self.execute(context)
+        self._stepper = Stepper(self.steps(context))
+        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
+        context.window_manager.progress_begin(0.0, 1.0)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        """One tick; other events wait, so that the file stays as it was read."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self._stepper.cancel()
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        try:
+            if not self._stepper.poll():
+                self._show(context)
+                return {"RUNNING_MODAL"}
+            self.done(context, self._stepper.result)
+        except (ScatterError, StoppedError) as error:
+            self.cancel(context)
+            return self._failed(error)
+        except BaseException:
+            self.cancel(context)
+            raise
+        self.cancel(context)
+        return {"FINISHED"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Clean up; Blender calls it too, when a file is opened meanwhile."""
+        self._stepper.close()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        if context.workspace:
+            context.workspace.status_text_set(None)
+
+    def _show(self, context: bpy.types.Context) -> None:
+        progress = self._stepper.progress
+        context.window_manager.progress_update(progress)
+        context.workspace.status_text_set(f"{self.bl_label}: {progress:.0%}    Esc cancels")
+
+    def _failed(self, error: Exception) -> Answer:
+        kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"
+        self.report({kind}, str(error))
+        return {"CANCELLED"}

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes <-> numpy arrays, in bulk."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from ..core.errors import ScatterError
+from ..core.records import Columns
+from ..core.surface import Floats, Ints, SurfaceArrays, topology_digest
+
+_NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32}
+_WIDTH = {"INT": 1, "FLOAT": 1, "FLOAT_VECTOR": 3}
+_FIELD = {"INT": "value", "FLOAT": "value", "FLOAT_VECTOR": "vector"}
+
+
+@contextmanager
+def evaluated_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an object after its modifiers, gone when the block ends."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise ScatterError(
+            f"Surface '{obj.name}' is not evaluated: it must be in the view layer and not disabled"
+        )
+    mesh = evaluated.to_mesh()
+    if mesh is None:
+        raise ScatterError(f"Surface '{obj.name}' has no mesh: its type is {obj.type}")
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> SurfaceArrays:
+    """The evaluated surface in world space, triangulated."""
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        matrix = _matrix(obj.evaluated_get(depsgraph))
+        vertices = _vertices(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
+        faces = _triangles(mesh)
+        if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
+            faces = faces[:, ::-1]
+        return SurfaceArrays(
+            obj.name, np.ascontiguousarray(vertices), np.ascontiguousarray(faces), topology(mesh)
+        )
+
+
+def topology(mesh: bpy.types.Mesh) -> str:
+    """Digest of a mesh's polygons."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return topology_digest(len(mesh.vertices), corners, starts)
+
+
+def _matrix(obj: bpy.types.Object) -> Floats:
+    return np.array(obj.matrix_world, dtype=np.float64)
+
+
+def _vertices(mesh: bpy.types.Mesh) -> Floats:
+    positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", positions)
+    return positions.reshape(-1, 3).astype(np.float64)
+
+
+def _triangles(mesh: bpy.types.Mesh) -> Ints:
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    return corners.reshape(-1, 3)
+
+
+def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
+    """Make the mesh these points and nothing else."""
+    mesh.clear_geometry()
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", np.asarray(positions, dtype=np.float32).ravel())
+    mesh.update()
+
+
+def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str]) -> None:
+    """Store columns as attributes on the points of a mesh."""
+    for name, kind in types.items():
+        attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+        values = np.ascontiguousarray(columns[name], dtype=_NUMPY[kind])
+        attribute.data.foreach_set(_FIELD[kind], values.ravel())
+
+
+def read_columns(mesh: bpy.types.Mesh, types: dict[str, str]) -> Columns:
+    """Attributes on the points of a mesh as columns."""
+    return {name: _column(mesh, name, kind) for name, kind in types.items()}
+
+
+def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
+    attribute = mesh.attributes.get(name)
+    if attribute is None or attribute.data_type != kind or attribute.domain != "POINT":
+        raise ScatterError(f"Mesh '{mesh.name}' has no {kind} attribute '{name}' on its points")
+    values = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
+    attribute.data.foreach_get(_FIELD[kind], values)
+    return values.reshape(-1, 3) if _WIDTH[kind] == 3 else values
+
+
+def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
+    """World space -> the object's own space."""
+    inverse = np.linalg.inv(_matrix(obj))
+    return positions @ inverse[:3, :3].T + inverse[:3, 3]

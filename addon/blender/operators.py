@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators: thin shells around work.py, store.py and topology.py."""
+
+import bpy
+from bpy.props import EnumProperty, IntProperty
+
+from ..core.native import missing
+from ..core.settings import Settings
+from ..core.steps import Steps
+from .job import Answer, StepsOperator
+from .properties import is_scatter
+from .store import clear_keys
+from .topology import differences, match_subdivision
+from .work import add_steps, bake_steps, optimise_steps
+
+_OPTIONS = {"REGISTER", "UNDO"}
+_DEFAULT = Settings()
+
+
+def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
+    """Whether the active object fits; tells the artist why not."""
+    obj = context.object
+    if missing():
+        cls.poll_message_set(missing())
+    elif context.mode != "OBJECT" or obj is None or obj.type != "MESH":
+        cls.poll_message_set("Needs an active mesh object in Object Mode")
+    elif scatter and not is_scatter(obj):
+        cls.poll_message_set("The active object is not a Dapple scatter")
+    elif not scatter and is_scatter(obj):
+        cls.poll_message_set("The active object is a scatter, not a surface")
+    else:
+        return True
+    return False
+
+
+class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
+    """Scatter points evenly over the active mesh object"""
+
+    bl_idname = "dapple.add"
+    bl_label = "Dapple Scatter"
+    bl_options = _OPTIONS
+
+    count: IntProperty(
+        name="Count", description="Number of points, met exactly", default=_DEFAULT.count, min=1
+    )
+    seed: IntProperty(
+        name="Seed", description="Another seed, another scatter", default=_DEFAULT.seed, min=0
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=False)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return add_steps(context, Settings(count=self.count, seed=self.seed))
+
+    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        result.select_set(True)
+        context.view_layer.objects.active = result
+
+
+class DAPPLE_OT_optimise(StepsOperator, bpy.types.Operator):
+    """Scatter the points anew over the surface as it stands in the current frame"""
+
+    bl_idname = "dapple.optimise"
+    bl_label = "Optimise"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return optimise_steps(context)
+
+
+class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
+    """Keep the points even in every frame of the scene's range: one key for each frame"""
+
+    bl_idname = "dapple.bake"
+    bl_label = "Bake"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        scene = context.scene
+        return bake_steps(context, scene.frame_start, scene.frame_end)
+
+
+class DAPPLE_OT_clear_bake(bpy.types.Operator):
+    """Remove the baked keys; the points then ride on the surface as they were optimised"""
+
+    bl_idname = "dapple.clear_bake"
+    bl_label = "Clear Bake"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and context.object.dapple.baked_keys > 0
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        clear_keys(context.object)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_match_subdivision(bpy.types.Operator):
+    """Give the surface's modifiers the same levels in the viewport and in the render"""
+
+    bl_idname = "dapple.match_subdivision"
+    bl_label = "Match Subdivision"
+    bl_options = _OPTIONS
+
+    use: EnumProperty(
+        name="Use",
+        items=[
+            ("RENDER", "Render", "Show the render's levels in the viewport"),
+            ("VIEWPORT", "Viewport", "Render the viewport's levels"),
+        ],
+        default="RENDER",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        surface = active_surface(context)
+        return surface is not None and bool(differences(surface, context.scene))
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        match_subdivision(active_surface(context), context.scene, self.use)
+        return {"FINISHED"}
+
+
+def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object, or the surface of the active scatter."""
+    obj = context.object
+    if is_scatter(obj):
+        return obj.dapple.surface
+    return obj if obj is not None and obj.type == "MESH" else None
+
+
+CLASSES = (
+    DAPPLE_OT_add,
+    DAPPLE_OT_optimise,
+    DAPPLE_OT_bake,
+    DAPPLE_OT_clear_bake,
+    DAPPLE_OT_match_subdivision,
+)

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Properties of a scatter object: what is set, and the figures of the last result."""
+
+from dataclasses import fields
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+)
+
+from ..core.records import SCHEMA_KEY
+from ..core.settings import Settings
+from ..core.solve import Report
+from ..nodes import GROUP_NAME, VERSION_KEY, set_input
+
+_DEFAULT = Settings()
+
+
+def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The modifier that plays the scatter back."""
+    for modifier in obj.modifiers:
+        group = modifier.node_group if modifier.type == "NODES" else None
+        if group is not None and group.get(VERSION_KEY, 0) > 0:
+            return modifier
+    return None
+
+
+def is_scatter(obj: bpy.types.Object | None) -> bool:
+    """Whether the object was made by Dapple."""
+    return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
+
+
+def _is_surface(settings: "DAPPLE_PG_scatter", obj: bpy.types.Object) -> bool:
+    return obj.type == "MESH" and not is_scatter(obj)
+
+
+def _instance_changed(settings: "DAPPLE_PG_scatter", context: bpy.types.Context) -> None:
+    write_instance_inputs(settings.id_data)
+
+
+def write_instance_inputs(obj: bpy.types.Object) -> None:
+    """Tell the node group what to instance and how."""
+    modifier, settings = scatter_modifier(obj), obj.dapple
+    if modifier is None:
+        return
+    set_input(modifier, "Instance", settings.instance)
+    set_input(modifier, "Scale", settings.scale)
+    set_input(modifier, "Scale Randomness", settings.scale_randomness)
+    set_input(modifier, "Turn Randomness", settings.turn_randomness)
+    obj.update_tag()
+
+
+class DAPPLE_PG_report(bpy.types.PropertyGroup):
+    """Figures of the last optimisation or bake."""
+
+    count: IntProperty(name="Points")
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance of neighbours if the points were packed as well as can be",
+        unit="LENGTH",
+    )
+    alpha_min: FloatProperty(
+        name="Smallest Spacing",
+        description="Smallest distance of two points, as a share of the best possible spacing",
+    )
+    alpha_mean: FloatProperty(
+        name="Mean Spacing",
+        description="Mean distance to the nearest point, as a share of the best possible spacing",
+    )
+    capacity_spread: FloatProperty(
+        name="Capacity Spread",
+        description="Standard deviation of the areas that belong to the points, over their mean",
+    )
+    evaluations: IntProperty(name="Evaluations")
+    milliseconds: FloatProperty(name="Milliseconds")
+    converged: BoolProperty(name="Converged")
+
+
+class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
+    """Settings of a scatter object."""
+
+    surface: PointerProperty(
+        name="Surface",
+        description="Mesh object to scatter over",
+        type=bpy.types.Object,
+        poll=_is_surface,
+    )
+    count: IntProperty(
+        name="Count",
+        description="Number of points, met exactly",
+        default=_DEFAULT.count,
+        min=1,
+        soft_max=100_000,
+    )
+    seed: IntProperty(
+        name="Seed", description="Another seed, another scatter", default=_DEFAULT.seed, min=0
+    )
+    capacity_weight: FloatProperty(
+        name="Capacity Weight",
+        description="How much equal areas count against regular spacing; less is more regular",
+        default=_DEFAULT.capacity_weight,
+        min=0.0,
+        soft_max=100.0,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Relative gradient at which the optimisation stops; smaller is more regular",
+        default=_DEFAULT.tolerance,
+        min=1e-9,
+        max=1.0,
+        precision=7,
+    )
+    max_evaluations: IntProperty(
+        name="Max Evaluations",
+        description="Evaluations of the energy after which the optimisation stops",
+        default=_DEFAULT.max_evaluations,
+        min=1,
+        soft_max=1000,
+    )
+    instance: PointerProperty(
+        name="Instance",
+        description="Object to put on every point; a small cone if empty",
+        type=bpy.types.Object,
+        update=_instance_changed,
+    )
+    scale: FloatProperty(
+        name="Scale",
+        description="Size of the instances",
+        default=1.0,
+        soft_min=0.0,
+        soft_max=10.0,
+        update=_instance_changed,
+    )
+    scale_randomness: FloatProperty(
+        name="Scale Randomness",
+        description="By how much of their size instances may be smaller",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_instance_changed,
+    )
+    turn_randomness: FloatProperty(
+        name="Turn Randomness",
+        description="Share of a full turn by which instances are turned about the normal",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_instance_changed,
+    )
+    report: PointerProperty(type=DAPPLE_PG_report)
+    surface_vertices: IntProperty(
+        name="Surface Vertices", description="Vertices of the surface the points are bound to"
+    )
+    baked_start: IntProperty(name="First Baked Frame")
+    baked_keys: IntProperty(name="Baked Keys", description="Number of baked frames, 0 if none")
+
+
+def settings_of(obj: bpy.types.Object) -> Settings:
+    """The options that the native package takes."""
+    return Settings(**{field.name: getattr(obj.dapple, field.name) for field in fields(Settings)})
+
+
+def write_report(obj: bpy.types.Object, report: Report) -> None:
+    """Show these figures."""
+    for field in fields(Report):
+        setattr(obj.dapple.report, field.name, getattr(report, field.name))
+
+
+CLASSES = (DAPPLE_PG_report, DAPPLE_PG_scatter)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.dapple = PointerProperty(name=GROUP_NAME, type=DAPPLE_PG_scatter)
+
+
+def unregister() -> None:
+    del bpy.types.Object.dapple
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

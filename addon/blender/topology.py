@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do the viewport and the render evaluate a surface to the same faces?
+
+Points are bound by vertex indices, so they must. Python cannot ask for a depsgraph in render
+mode; so a copy of the object, given the values that the render uses, is evaluated in a scene
+of its own. What only nodes can tell apart (Is Viewport) is left to the node group's guard.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+
+from ..core.errors import ScatterError
+from .meshio import evaluated_mesh, topology
+
+# Modifier type -> properties that the viewport and the render read.
+_PAIRS = {
+    "SUBSURF": ("levels", "render_levels"),
+    "MULTIRES": ("levels", "render_levels"),
+    "SCREW": ("steps", "render_steps"),
+    "OCEAN": ("viewport_resolution", "resolution"),
+}
+
+
+def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> None:
+    """ScatterError unless viewport and render evaluate obj to the same faces."""
+    causes = differences(obj, context.scene)
+    if not causes:
+        return
+    with evaluated_mesh(obj, context.evaluated_depsgraph_get()) as mesh:
+        seen, count = topology(mesh), len(mesh.vertices)
+    with _render_mesh(obj, context) as mesh:
+        if topology(mesh) == seen:
+            return
+        rendered = len(mesh.vertices)
+    raise ScatterError(
+        f"Surface '{obj.name}' has {count} vertices in the viewport and {rendered} in the render "
+        f"({'; '.join(causes)}): use Match Subdivision to make both equal"
+    )
+
+
+def differences(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
+    """Settings by which viewport and render differ, in words."""
+    causes = [words for modifier in obj.modifiers for words in _modifier_difference(modifier)]
+    if _simplified(scene) and any(modifier.type in _PAIRS for modifier in obj.modifiers):
+        render = scene.render
+        causes.append(
+            f"Simplify: {render.simplify_subdivision} and {render.simplify_subdivision_render}"
+        )
+    return causes
+
+
+def _modifier_difference(modifier: bpy.types.Modifier) -> Iterator[str]:
+    if modifier.show_viewport != modifier.show_render:
+        where = "viewport" if modifier.show_viewport else "render"
+        yield f"{modifier.name}: shown in the {where} only"
+    elif modifier.show_viewport and modifier.type in _PAIRS:
+        viewport, render = (getattr(modifier, name) for name in _PAIRS[modifier.type])
+        if viewport != render:
+            yield f"{modifier.name}: {viewport} and {render}"
+
+
+def _simplified(scene: bpy.types.Scene) -> bool:
+    render = scene.render
+    unequal = render.simplify_subdivision != render.simplify_subdivision_render
+    return bool(render.use_simplify and unequal)
+
+
+@contextmanager
+def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
+    """The mesh that a render would get, from a copy in a scene that is gone afterwards."""
+    copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
+    try:
+        copy.animation_data_clear()  # drivers would put the viewport's levels back
+        _use_render_values(copy, scene, context.scene)
+        scene.collection.objects.link(copy)
+        layer = scene.view_layers[0]
+        with context.temp_override(scene=scene, view_layer=layer):
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            with evaluated_mesh(copy, depsgraph) as mesh:
+                yield mesh
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.scenes.remove(scene)
+
+
+def _use_render_values(
+    copy: bpy.types.Object, scene: bpy.types.Scene, source: bpy.types.Scene
+) -> None:
+    copy.hide_viewport = False
+    for modifier in copy.modifiers:
+        modifier.show_viewport = modifier.show_render
+        if modifier.type in _PAIRS:
+            viewport, render = _PAIRS[modifier.type]
+            setattr(modifier, viewport, getattr(modifier, render))
+    scene.render.use_simplify = source.render.use_simplify
+    scene.render.simplify_subdivision = source.render.simplify_subdivision_render
+    scene.frame_set(source.frame_current, subframe=source.frame_subframe)
+
+
+def match_subdivision(obj: bpy.types.Object, scene: bpy.types.Scene, use: str) -> None:
+    """Give viewport and render the same values: those of use, RENDER or VIEWPORT."""
+    for modifier in obj.modifiers:
+        shown = ("show_viewport", "show_render")
+        _copy_one_way(modifier, shown, use)
+        if modifier.type in _PAIRS:
+            _copy_one_way(modifier, _PAIRS[modifier.type], use)
+    if _simplified(scene):
+        names = ("simplify_subdivision", "simplify_subdivision_render")
+        _copy_one_way(scene.render, names, use)
+
+
+def _copy_one_way(owner: Any, names: tuple[str, str], use: str) -> None:
+    viewport, render = names
+    source, target = (render, viewport) if use == "RENDER" else (viewport, render)
+    setattr(owner, target, getattr(owner, source))

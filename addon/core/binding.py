@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From samples to bindings and back."""
+
+from typing import Any
+
+import numpy as np
+
+from .errors import ScatterError
+from .native import package
+from .records import Binding
+from .surface import Floats, Ints
+
+
+def binding_of(samples: Any, faces: Ints) -> Binding:
+    """Binding of dapple.Samples of a surface with these faces; no angle carried yet."""
+    corners = np.ascontiguousarray(faces[samples.faces])
+    return Binding(corners, np.asarray(samples.barycentric), np.zeros(len(corners)))
+
+
+def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
+    """dapple.Samples of a stored binding on a dapple.Surface.
+
+    A quad may be cut the other way now than when the points were bound; points whose
+    triangle is no longer there take the closest place of the surface.
+    """
+    faces, weights = _matched(binding, surface.faces)
+    lost = faces < 0
+    if lost.any():
+        points = binding.positions(surface.vertices)[lost]
+        closest = package().project(surface, points)
+        faces[lost], weights[lost] = closest.faces, closest.barycentric
+    return package().Samples(surface, faces, weights, ids=ids, classes=classes)
+
+
+def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:
+    """Faces (n,) with the binding's corners, -1 where there is none, and their barycentrics."""
+    found = faces_with_corners(binding.corners, faces)
+    weights = normalised(binding.barycentric)
+    order = np.argsort(binding.corners, axis=1)
+    place = np.argsort(np.argsort(faces[found], axis=1), axis=1)
+    in_order = np.take_along_axis(weights, order, axis=1)
+    return found, np.take_along_axis(in_order, place, axis=1)
+
+
+def faces_with_corners(corners: Ints, faces: Ints) -> Ints:
+    """Index of the face with the same three vertices in any order, -1 where there is none."""
+    wanted, have = np.sort(corners, axis=1), np.sort(faces, axis=1)
+    _, label = np.unique(np.concatenate([have, wanted]), axis=0, return_inverse=True)
+    label = label.reshape(-1)
+    table = np.full(label.max(initial=-1) + 1, -1, dtype=np.int32)
+    table[label[: len(have)][::-1]] = np.arange(len(have), dtype=np.int32)[::-1]
+    return table[label[len(have) :]]
+
+
+def normalised(weights: Floats) -> Floats:
+    """Barycentrics as stored (single precision) -> not negative, sum 1."""
+    clipped = np.clip(weights, 0.0, None)
+    total = clipped.sum(axis=1, keepdims=True)
+    if (total <= 0.0).any():
+        point = int(np.argmax(total[:, 0] <= 0.0))
+        raise ScatterError(f"dapple_barycentric[{point}] sums to nothing: {weights[point]}")
+    return clipped / total

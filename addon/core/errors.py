@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The errors that end an operator with a sentence for the artist."""
+
+
+class ScatterError(RuntimeError):
+    """A rule was broken; the message names the input, the rule and the first offender."""
+
+
+class MissingPackageError(ScatterError):
+    """The native package is not installed."""
+
+
+class StoppedError(RuntimeError):
+    """The artist cancelled the work."""

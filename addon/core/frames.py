@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tangent frames of bound points, and the turn carried from key to key.
+
+The frame of a bound point: z is the vertex normals' interpolation, x the first edge of its
+triangle made perpendicular to z. It moves with the material, so it never pops while a point
+keeps its triangle. When a key moves the point to another triangle, the angle of that key is
+chosen so that the direction stays: the old direction, carried by the material to the new frame,
+is transported along the surface to the new place (the smallest rotation between both normals,
+which is parallel transport for a short way) and measured against the new first edge.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .records import Binding
+from .surface import Floats, Ints
+
+_TINY = 1e-30
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Orthonormal axes (n, 3) of n points."""
+
+    tangent: Floats
+    bitangent: Floats
+    normal: Floats
+
+    def direction(self, angle: Floats) -> Floats:
+        """Unit tangent vectors at these angles from the tangent."""
+        return np.cos(angle)[:, None] * self.tangent + np.sin(angle)[:, None] * self.bitangent
+
+    def angle(self, direction: Floats) -> Floats:
+        """Angles of tangent vectors."""
+        return np.arctan2(_dot(direction, self.bitangent), _dot(direction, self.tangent))
+
+
+def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
+    """Unit normals (v, 3): the faces' normals weighted by their corner angles."""
+    corners = vertices[faces]
+    normals = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    total = np.zeros_like(vertices)
+    for k in range(3):
+        ahead = _unit(corners[:, (k + 1) % 3] - corners[:, k])
+        behind = _unit(corners[:, (k + 2) % 3] - corners[:, k])
+        weight = np.arccos(np.clip(_dot(ahead, behind), -1.0, 1.0))
+        for axis in range(3):
+            total[:, axis] += np.bincount(
+                faces[:, k], weight * normals[:, axis], minlength=len(vertices)
+            )
+    return _unit(total)
+
+
+def frames(binding: Binding, vertices: Floats, normals: Floats) -> Frames:
+    """Frames of bound points on a surface with these vertices and vertex normals."""
+    normal = _unit(binding.positions(normals))
+    edge = vertices[binding.corners[:, 1]] - vertices[binding.corners[:, 0]]
+    tangent = _unit(edge - _dot(edge, normal)[:, None] * normal)
+    return Frames(tangent, np.cross(normal, tangent), normal)
+
+
+def transport(direction: Floats, normal: Floats, other: Floats) -> Floats:
+    """Tangent vectors at normal -> at other, by the smallest rotation between both normals."""
+    axis = np.cross(normal, other)
+    cosine = _dot(normal, other)
+    once = np.cross(axis, direction)
+    twice = np.cross(axis, once)
+    turned = direction + once + twice / np.maximum(1.0 + cosine, 1e-6)[:, None]
+    return _unit(turned - _dot(turned, other)[:, None] * other)
+
+
+def carried(before: Binding, after: Binding, vertices: Floats, faces: Ints) -> Binding:
+    """after, with the angles that keep the directions of before on these vertices."""
+    normals = vertex_normals(vertices, faces)
+    old, new = frames(before, vertices, normals), frames(after, vertices, normals)
+    direction = transport(old.direction(before.carry), old.normal, new.normal)
+    return Binding(after.corners, after.barycentric, new.angle(direction))
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.einsum("nd,nd->n", a, b)
+
+
+def _unit(vectors: Floats) -> Floats:
+    lengths = np.sqrt(_dot(vectors, vectors))
+    return vectors / np.maximum(lengths, _TINY)[:, None]

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The door to the native package, which may be missing."""
+
+import importlib
+from functools import cache
+from types import ModuleType
+
+from .errors import MissingPackageError
+
+PACKAGE = "dapple"
+
+
+def package() -> ModuleType:
+    """The native package; MissingPackageError says what is missing and why."""
+    try:
+        return importlib.import_module(PACKAGE)
+    except ImportError as error:
+        raise MissingPackageError(
+            f"Dapple's native Python package '{PACKAGE}' cannot be loaded ({error}): "
+            "install it for Blender's Python, then enable the add-on again"
+        ) from error
+
+
+@cache
+def missing() -> str:
+    """Why the native package cannot be used; empty when it can. Asked at every redraw."""
+    try:
+        package()
+    except MissingPackageError as error:
+        return str(error)
+    return ""

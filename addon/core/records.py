@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Records: which attributes a scatter and its baked keys store, and under which schema.
+
+A binding ties each point to the surface by three vertex indices and barycentric coordinates.
+The points of the scatter object store one binding; the points of the key object store one
+row for each key and point, key after key.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import ScatterError
+from .surface import Floats, Ints
+
+SCHEMA = 1
+SCHEMA_KEY = "dapple_schema"
+
+# Attribute name -> Blender's type, all on points. Nodes read the names: nodes/bound_point.py.
+ROW_ATTRIBUTES = {
+    "dapple_v0": "INT",
+    "dapple_v1": "INT",
+    "dapple_v2": "INT",
+    "dapple_barycentric": "FLOAT_VECTOR",
+    "dapple_carry": "FLOAT",
+}
+POINT_ATTRIBUTES = {
+    "id": "INT",
+    "dapple_class": "INT",
+    "dapple_density": "FLOAT",
+    "dapple_scale": "FLOAT",
+    "dapple_turn": "FLOAT",
+}
+
+Columns = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Binding:
+    """Where points sit on a surface."""
+
+    corners: Ints  # (n, 3) vertex indices
+    barycentric: Floats  # (n, 3)
+    carry: Floats  # (n,) angle in radians from the first edge, see frames.py
+
+    def rows(self) -> Columns:
+        """Columns named as in ROW_ATTRIBUTES."""
+        columns = {f"dapple_v{k}": self.corners[:, k] for k in range(3)}
+        columns["dapple_barycentric"] = self.barycentric
+        columns["dapple_carry"] = self.carry
+        return columns
+
+    def positions(self, vertices: Floats) -> Floats:
+        """Points (n, 3) on the surface with these vertices."""
+        return np.einsum("nk,nkd->nd", self.barycentric, vertices[self.corners])
+
+
+def binding_from(columns: Columns) -> Binding:
+    """Binding of stored columns."""
+    corners = np.column_stack([columns[f"dapple_v{k}"] for k in range(3)])
+    weights = np.asarray(columns["dapple_barycentric"], dtype=np.float64)
+    carry = np.asarray(columns["dapple_carry"], dtype=np.float64)
+    return Binding(corners.astype(np.int32), weights, carry)
+
+
+def joined(bindings: list[Binding]) -> Columns:
+    """Rows of several keys, key after key."""
+    parts = [binding.rows() for binding in bindings]
+    return {name: np.concatenate([part[name] for part in parts]) for name in ROW_ATTRIBUTES}
+
+
+def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
+    """ScatterError unless the stored binding can be used on a surface of vertex_count vertices."""
+    outside = (binding.corners < 0) | (binding.corners >= vertex_count)
+    if outside.any():
+        point, corner = np.argwhere(outside)[0]
+        raise ScatterError(
+            f"Scatter '{name}': dapple_v{corner}[{point}] is {binding.corners[point, corner]}, "
+            f"but the surface has {vertex_count} vertices: optimise the scatter"
+        )
+    broken = ~np.isfinite(binding.barycentric).all(axis=1)
+    if broken.any():
+        point = int(np.argmax(broken))
+        raise ScatterError(
+            f"Scatter '{name}': dapple_barycentric[{point}] is not finite: "
+            f"{binding.barycentric[point].tolist()}"
+        )
+
+
+def own_random(seed: int, ids: Ints, stream: int) -> Floats:
+    """Numbers in [0, 1) that depend on seed, id and stream alone (SplitMix64)."""
+    mask = (1 << 64) - 1
+    start = (seed * 0x9E3779B97F4A7C15 + stream * 0xD1B54A32D192ED03) & mask
+    state = ids.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(start)
+    state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    state ^= state >> np.uint64(31)
+    return (state >> np.uint64(11)).astype(np.float64) * 2.0**-53

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the artist sets before a scatter is optimised; field names as in the native package."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Options of one optimisation."""
+
+    count: int = 1000  # number of points, met exactly
+    seed: int = 0  # another seed, another scatter
+    capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
+    tolerance: float = 1e-5  # stop below this relative gradient: smaller is more regular
+    max_evaluations: int = 200  # stop after so many evaluations of the energy
+
+    def sample_options(self) -> dict[str, Any]:
+        """Keyword options of dapple.sample, without the count."""
+        options = asdict(self)
+        del options["count"]
+        return options
+
+    def tracker_options(self) -> dict[str, Any]:
+        """Keyword options of dapple.Tracker."""
+        options = self.sample_options()
+        del options["seed"]
+        return options

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in steps: a generator on the main thread that hands heavy tasks to a worker.
+
+The generator reads and writes Blender's data and yields a Task whenever numbers are to be
+crunched; it is sent the task's result, or is thrown its error. The same generator runs at once
+(run_now) or a little at every tick of a timer (Stepper); its `finally` clauses put the scene back
+whichever way it ends.
+"""
+
+import threading
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Any
+
+from .errors import StoppedError
+from .native import package
+
+
+@dataclass(frozen=True)
+class Task:
+    """Work for the worker thread, and which part of the whole it is."""
+
+    call: Callable[[Any], Any]  # takes a dapple.Context
+    begin: float = 0.0
+    end: float = 1.0
+
+
+Steps = Generator[Task, Any, Any]
+
+
+def run_now(steps: Steps) -> Any:
+    """Run all steps in this thread; what the generator returns."""
+    try:
+        task = next(steps)
+        while True:
+            task = _answer(steps, *_outcome(task.call, package().Context()))
+    except StopIteration as stop:
+        return stop.value
+    finally:
+        steps.close()
+
+
+def _outcome(call: Callable[[Any], Any], context: Any) -> tuple[Any, Exception | None]:
+    try:
+        return call(context), None
+    except Exception as error:  # told to the generator, which puts the scene back
+        return None, error
+
+
+def _answer(steps: Steps, value: Any, error: Exception | None) -> Task:
+    return steps.throw(error) if error else steps.send(value)
+
+
+class Stepper:
+    """Runs steps without blocking: call poll until it says True, then read result."""
+
+    def __init__(self, steps: Steps) -> None:
+        self.result: Any = None
+        self._steps = steps
+        self._task: Task | None = None
+        self._thread: threading.Thread | None = None
+        self._context: Any = None
+        self._value: Any = None
+        self._error: Exception | None = None
+        self._stopped = False
+
+    @property
+    def progress(self) -> float:
+        """Share of the whole that is done, in [0, 1]."""
+        if self._task is None:
+            return 0.0
+        return self._task.begin + (self._task.end - self._task.begin) * self._context.progress
+
+    def cancel(self) -> None:
+        """Ask the worker to stop; poll then raises StoppedError."""
+        self._stopped = True
+        if self._context is not None:
+            self._context.cancel()
+
+    def poll(self) -> bool:
+        """Go on as far as possible without waiting; True when all is done."""
+        if self._thread is not None and self._thread.is_alive():
+            return False
+        try:
+            self._start(self._next_task())
+        except StopIteration as stop:
+            self.result = stop.value
+            return True
+        return False
+
+    def close(self) -> None:
+        """Stop the worker, wait for it, and let the generator put the scene back."""
+        self.cancel()
+        if self._thread is not None:
+            self._thread.join()
+        self._steps.close()
+
+    def _next_task(self) -> Task:
+        if self._stopped:
+            raise StoppedError("Cancelled: nothing was written")
+        if self._thread is None:
+            return next(self._steps)
+        return _answer(self._steps, self._value, self._error)
+
+    def _start(self, task: Task) -> None:
+        self._task, self._context = task, package().Context()
+        self._thread = threading.Thread(target=self._work, name="dapple", daemon=True)
+        self._thread.start()
+
+    def _work(self) -> None:
+        self._value, self._error = _outcome(self._task.call, self._context)

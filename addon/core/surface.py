@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface as it was read: arrays in world space and what identifies them."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ScatterError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class SurfaceArrays:
+    """One frame of a surface object."""
+
+    name: str  # of the object, for messages
+    vertices: Floats  # (v, 3) in world space
+    faces: Ints  # (m, 3), triangulated as of this frame
+    topology: str  # digest of the polygons' corners, the same however quads are cut
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Digest of topology and positions."""
+        digest = hashlib.blake2b(self.topology.encode(), digest_size=16)
+        digest.update(np.ascontiguousarray(self.vertices))
+        return digest.hexdigest()
+
+
+def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
+    """Digest of a polygon mesh without its positions."""
+    digest = hashlib.blake2b(str(vertex_count).encode(), digest_size=16)
+    digest.update(np.ascontiguousarray(corners))
+    digest.update(np.ascontiguousarray(starts))
+    return digest.hexdigest()
+
+
+def check_same_topology(first: SurfaceArrays, later: SurfaceArrays, when: str) -> None:
+    """ScatterError unless both frames have the same polygons."""
+    if first.topology == later.topology:
+        return
+    before, after = len(first.vertices), len(later.vertices)
+    detail = f"{after} vertices, was {before}" if before != after else "other faces"
+    raise ScatterError(
+        f"Surface '{first.name}' changes its topology at {when} ({detail}): "
+        "points can only be carried over frames with the same faces"
+    )
+
+
+def check_unchanged(read: SurfaceArrays, now: SurfaceArrays) -> None:
+    """ScatterError unless the surface is still the one that was read."""
+    if read.fingerprint != now.fingerprint:
+        raise ScatterError(
+            f"Surface '{read.name}' changed while it was being optimised: nothing was written"
+        )

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A thin hand for writing node trees: add a node, feed its sockets, take its output."""
+
+from typing import Any
+
+import bpy
+
+Socket = bpy.types.NodeSocket
+
+
+class Builder:
+    """Adds nodes to one tree; every method returns the new node's output socket."""
+
+    def __init__(self, tree: bpy.types.NodeTree) -> None:
+        self.tree = tree
+        self.source = tree.nodes.new("NodeGroupInput")
+        self.sink = tree.nodes.new("NodeGroupOutput")
+
+    def input(self, name: str) -> Socket:
+        """The group input called name."""
+        return self.source.outputs[name]
+
+    def output(self, name: str, value: Socket) -> None:
+        """Feed the group output called name."""
+        self.tree.links.new(value, self.sink.inputs[name])
+
+    def node(self, kind: str, *feeds: Any, **settings: Any) -> bpy.types.Node:
+        """New node of a kind; feeds go to its enabled input sockets in their order."""
+        node = self.tree.nodes.new(kind)
+        for key, value in settings.items():
+            setattr(node, key, value)
+        sockets = [socket for socket in node.inputs if socket.enabled]
+        for socket, feed in zip(sockets, feeds, strict=False):
+            self._feed(socket, feed)
+        return node
+
+    def _feed(self, socket: Socket, feed: Any) -> None:
+        if isinstance(feed, Socket):
+            self.tree.links.new(feed, socket)
+        elif feed is not None:
+            socket.default_value = feed
+
+    def out(self, kind: str, *feeds: Any, **settings: Any) -> Socket:
+        """First enabled output of a new node."""
+        node = self.node(kind, *feeds, **settings)
+        return next(socket for socket in node.outputs if socket.enabled)
+
+    def integer(self, operation: str, a: Any, b: Any) -> Socket:
+        return self.out("FunctionNodeIntegerMath", a, b, operation=operation)
+
+    def number(self, operation: str, a: Any, b: Any = None) -> Socket:
+        return self.out("ShaderNodeMath", a, b, operation=operation)
+
+    def vector(self, operation: str, a: Any, b: Any = None) -> Socket:
+        return self.out("ShaderNodeVectorMath", a, b, operation=operation)
+
+    def scaled(self, vector: Any, factor: Any) -> Socket:
+        """Vector times a number."""
+        node = self.node("ShaderNodeVectorMath", operation="SCALE")
+        self._feed(node.inputs["Vector"], vector)
+        self._feed(node.inputs["Scale"], factor)
+        return node.outputs[0]
+
+    def compare(self, operation: str, a: Any, b: Any, data_type: str = "INT") -> Socket:
+        return self.out("FunctionNodeCompare", a, b, data_type=data_type, operation=operation)
+
+    def boolean(self, operation: str, a: Any, b: Any) -> Socket:
+        return self.out("FunctionNodeBooleanMath", a, b, operation=operation)
+
+    def mix(self, data_type: str, factor: Any, a: Any, b: Any) -> Socket:
+        return self.out("ShaderNodeMix", factor, a, b, data_type=data_type)
+
+    def switch(self, input_type: str, condition: Any, false: Any, true: Any) -> Socket:
+        return self.out("GeometryNodeSwitch", condition, false, true, input_type=input_type)
+
+    def attribute(self, name: str, data_type: str) -> Socket:
+        """Field of a named attribute."""
+        return self.out("GeometryNodeInputNamedAttribute", name, data_type=data_type)
+
+    def sample(self, geometry: Any, value: Any, index: Any, data_type: str) -> Socket:
+        """Value of a field at the point of a geometry with this index."""
+        return self.out("GeometryNodeSampleIndex", geometry, value, index, data_type=data_type)
+
+    def count(self, geometry: Any, component: str = "MESH") -> Socket:
+        """Number of points (or instances) of a geometry."""
+        return self.out("GeometryNodeAttributeDomainSize", geometry, component=component)
+
+    def turned(self, rotation: Any, angle: Any) -> Socket:
+        """Rotation turned by an angle about its own Z."""
+        turn = self.out("FunctionNodeAxisAngleToRotation", (0.0, 0.0, 1.0), angle)
+        return self.out("FunctionNodeRotateRotation", rotation, turn, rotation_space="LOCAL")
+
+    def store(self, geometry: Any, name: str, value: Any, data_type: str) -> Socket:
+        """Geometry with one more named attribute on its points."""
+        return self.out(
+            "GeometryNodeStoreNamedAttribute",
+            geometry,
+            True,
+            name,
+            value,
+            data_type=data_type,
+            domain="POINT",
+        )
+
+    def arrange(self) -> None:
+        """Lay the nodes out in columns by their distance from the group input."""
+        columns: dict[int, int] = {}
+        for node in self.tree.nodes:
+            column = self._depth(node, {})
+            row = columns.get(column, 0)
+            node.location = (column * 220.0, -row * 220.0)
+            columns[column] = row + 1
+
+    def _depth(self, node: bpy.types.Node, seen: dict[str, int]) -> int:
+        if node.name not in seen:
+            links = [link for socket in node.inputs for link in socket.links]
+            depths = [self._depth(link.from_node, seen) for link in links]
+            seen[node.name] = max(depths, default=-1) + 1
+        return seen[node.name]
+
+
+def new_group(
+    name: str, inputs: list[tuple[str, str]], outputs: list[tuple[str, str]]
+) -> bpy.types.NodeTree:
+    """Empty node group with these (name, socket type) inputs and outputs."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for label, kind in inputs:
+        tree.interface.new_socket(label, in_out="INPUT", socket_type=kind)
+    for label, kind in outputs:
+        tree.interface.new_socket(label, in_out="OUTPUT", socket_type=kind)
+    return tree

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inputs of a node group's modifier, by their names."""
+
+from typing import Any
+
+import bpy
+
+
+def _identifier(group: bpy.types.NodeTree, name: str) -> str:
+    for item in group.interface.items_tree:
+        if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name == name:
+            return item.identifier
+    raise KeyError(f"node group {group.name!r} has no input {name!r}")
+
+
+def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
+    """Value of the input called name."""
+    identifier = _identifier(modifier.node_group, name)
+    if hasattr(modifier, "properties"):  # Blender 5.2 gave the inputs a type of their own
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier.get(identifier)
+
+
+def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
+    """Set the input called name; value has the socket's own type."""
+    identifier = _identifier(modifier.node_group, name)
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
