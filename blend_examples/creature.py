@@ -142,22 +142,24 @@ def render(frames: range, folder: Path) -> dict[int, Path]:
 
 
 def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
-    first, later, time_line = report["first_frame"], report["all_frames"], report["over_time"]
+    first, later, steady = report["first_frame"], report["all_frames"], report["over_time"]
     return [
-        f"count                      {first['count']:.0f}",
-        f"alpha min, first frame     {first['alpha_min']:.3f}   worst frame  {later['alpha_min']:.3f}",
-        f"alpha mean, first frame    {first['alpha_mean']:.3f}   all frames   {later['alpha_mean']:.3f}",
-        f"capacity spread            {first['capacity_spread']:.4f}  worst frame  "
-        f"{later['capacity_spread']:.4f}",
-        f"first frame                {first['evaluations']:.0f} iterations, "
-        f"{first['milliseconds']:.0f} ms",
-        f"each later frame           {later['evaluations']:.0f} iterations, "
-        f"{later['milliseconds']:.0f} ms",
-        f"kept (same id, moved less than half a spacing)   {100 * time_line['kept']:.2f} %",
-        f"movement on the surface    {time_line['slide_mean']:.4f} spacings a frame, "
-        f"{time_line['slide_max']:.3f} at most",
-        f"changed faces              {100 * time_line['changed_faces']:.1f} % a frame",
-        f"playback error             {time_line['playback_error']:.1e} spacings",
+        f"count            {first['count']:.0f}",
+        f"alpha min        {first['alpha_min']:.3f} on the first frame, "
+        f"{later['alpha_min']:.3f} on the worst",
+        f"alpha mean       {first['alpha_mean']:.3f} on the first frame, "
+        f"{later['alpha_mean']:.3f} over all",
+        f"capacity spread  {first['capacity_spread']:.4f} on the first frame, "
+        f"{later['capacity_spread']:.4f} on the worst",
+        f"first frame      {first['evaluations']:.0f} iterations, {first['milliseconds']:.0f} ms",
+        f"later frames     {later['evaluations']:.0f} iterations, "
+        f"{later['milliseconds']:.0f} ms each",
+        f"kept             {100 * steady['kept']:.2f} % "
+        "(same id, moved less than half a spacing on the surface)",
+        f"movement         {steady['slide_mean']:.4f} spacings a frame, "
+        f"{steady['slide_max']:.3f} at most",
+        f"changed faces    {100 * steady['changed_faces']:.1f} % a frame",
+        f"playback error   {steady['playback_error']:.1e} spacings",
     ]
 
 

@@ -117,7 +117,7 @@ def add_leg(cage: Cage, name: str, opening: list[int]) -> None:
 def build_cage() -> Cage:
     cage = Cage()
     rings = [add_ring(cage, ring) for ring in RINGS]
-    # A leg takes the place of the face that points down and outwards: 6 on the left, 4 on the right.
+    # A leg takes the place of the face that points down and out: 6 on the left, 4 on the right.
     legs = {(ring, 6 if side > 0 else 4): name for name, (ring, side, _) in LEGS.items()}
     for i in range(len(rings) - 1):
         for side in range(SIDES):
