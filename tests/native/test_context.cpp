@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/context.hpp>
+#include <dapple/errors.hpp>
+#include <thread>
+#include <vector>
+
+namespace dapple::test {
+namespace {
+
+TEST(Context, StartsFresh) {
+  const Context context;
+  EXPECT_FALSE(context.cancelled());
+  EXPECT_EQ(context.progress(), 0.0);
+  EXPECT_NO_THROW(context.check());
+}
+
+TEST(Context, ThrowsOnceCancelled) {
+  Context context;
+  context.cancel();
+  EXPECT_TRUE(context.cancelled());
+  EXPECT_THROW(context.check(), Cancelled);
+  EXPECT_THROW(context.check(), Cancelled) << "it stays cancelled";
+}
+
+TEST(Context, NeverGoesBack) {
+  Context context;
+  context.advance(0.5);
+  context.advance(0.25);
+  EXPECT_EQ(context.progress(), 0.5);
+}
+
+TEST(Context, KeepsTheHighestOfManyThreads) {
+  Context context;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&context, t] {
+      for (int k = 0; k <= 1000; ++k) context.advance((4 * k + t) / 4003.0);
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(context.progress(), 1.0);
+}
+
+}  // namespace
+}  // namespace dapple::test

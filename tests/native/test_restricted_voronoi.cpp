@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <dapple/restricted_voronoi.hpp>
+
+#include "brute_force.hpp"
+#include "invariants.hpp"
+#include "shared_data.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr std::size_t kRandomMeshes = 150;
+
+double largest(const std::vector<BruteCell>& cells, double (*measure)(const BruteCell&)) {
+  double result = 0.0;
+  for (const BruteCell& cell : cells) result = std::max(result, measure(cell));
+  return result;
+}
+
+double largest_flux(const BruteCell& cell) {
+  double result = 0.0;
+  for (const auto& [j, flux] : cell.flux) result = std::max(result, flux.norm());
+  return result;
+}
+
+/// Every integral of every cell to 1e-9 of the whole.
+void expect_same_cells(const Shape& shape, const Surface& surface, const Sites& sites) {
+  const std::vector<BruteCell> expected = brute_force_cells(shape, sites.positions);
+  const RestrictedVoronoi found = restricted_voronoi(surface, sites);
+  const double size = std::sqrt(surface.area());
+  const double mass = largest(expected, [](const BruteCell& cell) { return cell.moments.mass; });
+  ASSERT_EQ(found.cells.size(), sites.size());
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const Moments &a = found.cells[i], &b = expected[i].moments;
+    EXPECT_NEAR(a.area, b.area, 1e-9 * surface.area()) << "cell " << i;
+    EXPECT_NEAR(a.capacity, b.capacity, 1e-9 * surface.mass()) << "cell " << i;
+    EXPECT_NEAR(a.mass, b.mass, 1e-9 * mass) << "cell " << i;
+    EXPECT_LE((a.first - b.first).norm(), 1e-9 * mass * size) << "cell " << i;
+    EXPECT_NEAR(a.second, b.second, 1e-9 * mass * size * size) << "cell " << i;
+  }
+}
+
+/// The flux across each boundary to 1e-9 of the largest, and no boundary too many or missing.
+void expect_same_boundaries(const Shape& shape, const Surface& surface, const Sites& sites) {
+  const std::vector<BruteCell> expected = brute_force_cells(shape, sites.positions);
+  const RestrictedVoronoi found = restricted_voronoi(surface, sites);
+  const double flux = std::max(largest(expected, largest_flux), 1e-300);
+  const double size = std::sqrt(surface.area());
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    BruteCell left = expected[i];
+    for (const CellBoundary& boundary : found.boundary(i)) {
+      const Vec3 known = left.flux.count(boundary.neighbour) ? left.flux[boundary.neighbour] : Vec3::Zero();
+      EXPECT_LE((boundary.flux - known).norm(), 1e-9 * flux) << i << " against " << boundary.neighbour;
+      EXPECT_NEAR(boundary.length, left.length[boundary.neighbour], 1e-9 * size);
+      left.flux.erase(boundary.neighbour);
+    }
+    for (const auto& [j, missed] : left.flux) EXPECT_LE(missed.norm(), 1e-9 * flux) << i << " against " << j;
+  }
+}
+
+Sites at_points(std::initializer_list<Vec3> points, std::int32_t face = 0) {
+  return {points, std::vector<std::int32_t>(points.size(), face)};
+}
+
+// ---- every unit of area belongs to exactly one site ----
+
+class CellsOf : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, CellsOf, testing::ValuesIn(all_shapes()), shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(CellsOf, ShareOutTheSurface) {
+  const Surface surface = GetParam().surface();
+  Random random(11);
+  const std::size_t more_than_faces = 2 * GetParam().faces.size() + 100;
+  for (const std::size_t count : {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{10}, std::size_t{100}, more_than_faces})
+    check_cells(surface, random_sites(GetParam(), count, random));
+}
+
+TEST_P(CellsOf, ShareOutTheSurfaceAmongTroubledSites) {
+  const Surface surface = GetParam().surface();
+  Random random(12);
+  for (const std::size_t count : {2u, 5u, 30u, 200u}) check_cells(surface, troubled_sites(GetParam(), count, random));
+}
+
+TEST_P(CellsOf, AgreeWithBruteForce) {
+  const Surface surface = GetParam().surface();
+  Random random(13);
+  expect_same_cells(GetParam(), surface, random_sites(GetParam(), 25, random));
+  expect_same_cells(GetParam(), surface, troubled_sites(GetParam(), 25, random));
+}
+
+class CellsOfRealMesh : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Meshes, CellsOfRealMesh, testing::ValuesIn(shared_mesh_names()),
+                         [](const auto& mesh) { return mesh.param; });
+
+TEST_P(CellsOfRealMesh, ShareOutTheSurface) {
+  DAPPLE_NEEDS_MESH(GetParam());
+  const Shape shape = shared_mesh(GetParam());
+  const Surface surface = shape.surface();
+  Random random(14);
+  for (const std::size_t count : {1u, 10u, 1000u}) check_cells(surface, random_sites(shape, count, random));
+}
+
+TEST_P(CellsOfRealMesh, ShareOutTheSurfaceAmongMoreSitesThanFaces) {
+  DAPPLE_NEEDS_MESH(GetParam());
+  const Shape shape = shared_mesh(GetParam());
+  if (shape.faces.size() > 20000) GTEST_SKIP() << "too many sites for a quick test";
+  Random random(15);
+  check_cells(shape.surface(), random_sites(shape, shape.faces.size() + 1000, random));
+}
+
+// ---- the brute-force oracle ----
+
+TEST(RestrictedVoronoi, AgreesWithBruteForceOnRandomMeshes) {
+  for (std::uint64_t seed = 0; seed < kRandomMeshes; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(1000 + seed);
+    const Shape shape = random_shape(random);
+    const Surface surface = shape.surface();
+    const auto count = static_cast<std::size_t>(1 + random.below(30));
+    const Sites sites = random_sites(shape, count, random);
+    expect_same_cells(shape, surface, sites);
+    expect_same_boundaries(shape, surface, sites);
+    if (HasFailure()) return;
+  }
+}
+
+TEST(RestrictedVoronoi, AgreesWithBruteForceOnTroubledSites) {
+  for (std::uint64_t seed = 0; seed < kRandomMeshes; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(5000 + seed);
+    const Shape shape = random_shape(random);
+    const auto count = static_cast<std::size_t>(1 + random.below(30));
+    expect_same_cells(shape, shape.surface(), troubled_sites(shape, count, random));
+    if (HasFailure()) return;
+  }
+}
+
+TEST(RestrictedVoronoi, AgreesWithBruteForceOnACocircularLattice) {
+  Shape shape = grid(7);
+  Sites sites;
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y) sites.positions.emplace_back(0.125 + 0.25 * x, 0.125 + 0.25 * y, 0.0);
+  for (const Vec3& p : sites.positions) {
+    const auto cell = 2 * (static_cast<int>(7 * p.y()) * 7 + static_cast<int>(7 * p.x()));
+    const double u = 7 * p.x() - std::floor(7 * p.x()), v = 7 * p.y() - std::floor(7 * p.y());
+    sites.faces.push_back(cell + (v > u ? 1 : 0));
+  }
+  expect_same_cells(shape, shape.surface(), sites);
+  for (const Moments& cell : restricted_voronoi(shape.surface(), sites).cells) EXPECT_NEAR(cell.area, 1.0 / 16, 1e-13);
+}
+
+TEST(RestrictedVoronoi, AgreesWithBruteForceWithASiteOnEveryVertex) {
+  const Shape shape = blob(1);
+  Sites sites{shape.vertices, std::vector<std::int32_t>(shape.vertices.size())};
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    for (const std::int32_t v : shape.faces[f]) sites.faces[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(f);
+  expect_same_cells(shape, shape.surface(), sites);
+}
+
+// ---- ties ----
+
+TEST(RestrictedVoronoi, GivesAllToTheFirstOfCoincidentSites) {
+  const Surface surface = triangle().surface();
+  const Vec3 p = surface.point(0, {0.3, 0.3, 0.4});
+  const RestrictedVoronoi found = restricted_voronoi(surface, at_points({p, p, p}));
+  EXPECT_NEAR(found.cells[0].area, surface.area(), 1e-15);
+  for (const std::size_t twin : {1u, 2u}) {
+    EXPECT_EQ(found.cells[twin].area, 0.0);
+    EXPECT_TRUE(found.boundary(twin).empty());
+  }
+}
+
+TEST(RestrictedVoronoi, KeepsManyCoincidentSitesApartFromTheRest) {
+  const Shape shape = grid(3);
+  const Surface surface = shape.surface();
+  Sites sites = at_points({});
+  Random random(4);
+  const Sites others = random_sites(shape, 5, random);
+  for (int k = 0; k < 100; ++k) {
+    sites.positions.push_back(surface.point(8, {0.25, 0.25, 0.5}));
+    sites.faces.push_back(8);
+  }
+  sites.positions.insert(sites.positions.end(), others.positions.begin(), others.positions.end());
+  sites.faces.insert(sites.faces.end(), others.faces.begin(), others.faces.end());
+  expect_same_cells(shape, surface, sites);
+}
+
+/// Faces that lie wholly in the bisector of two sites are equally near to both: each belongs to one of them.
+TEST(RestrictedVoronoi, GivesASheetInABisectorToOneSite) {
+  const auto lifted = [](double z) { return mapped(grid(2), [z](const Vec3& p) { return Vec3(p.x(), p.y(), z); }); };
+  const Shape shape = joined(joined(lifted(-0.25), lifted(0.0)), lifted(0.25));
+  const Sites sites{{Vec3(0.3, 0.2, 0.25), Vec3(0.3, 0.2, -0.25)}, {16, 0}};
+  check_cells(shape.surface(), sites);
+}
+
+/// The same where the faces in the bisector are reached over mesh edges from both sides.
+TEST(RestrictedVoronoi, GivesAWallInABisectorToOneSite) {
+  const Shape shape = tee(2);
+  const Sites sites{{Vec3(-0.3, 0.525, 0.0), Vec3(0.3, 0.525, 0.0)}, {16, 22}};
+  check_cells(shape.surface(), sites);
+}
+
+// ---- pieces that the flood from the site does not reach ----
+
+TEST(RestrictedVoronoi, ReachesThroughWalls) {
+  const Shape shape = two_sheets(4, 0.01);
+  Random random(21);
+  Sites sites = random_sites(shape, 30, random);
+  for (std::size_t k = 0; k < 30; ++k) {  // all on the lower sheet
+    sites.faces[k] %= 32;
+    sites.positions[k] = shape.point(sites.faces[k], random.weights());
+  }
+  expect_same_cells(shape, shape.surface(), sites);
+  expect_same_boundaries(shape, shape.surface(), sites);
+}
+
+TEST(RestrictedVoronoi, ServesMoreComponentsThanSites) {
+  const Shape shape = many_components(60);
+  Random random(22);
+  for (const std::size_t count : {1u, 2u, 7u}) expect_same_cells(shape, shape.surface(), random_sites(shape, count, random));
+}
+
+// ---- units ----
+
+TEST(RestrictedVoronoi, DoesNotDependOnUnitsOrOrigin) {
+  const Shape shape = blob(2);
+  Random random(23);
+  const Sites sites = random_sites(shape, 80, random, true);
+  const RestrictedVoronoi base = restricted_voronoi(shape.surface(), sites);
+  struct Case { double scale, shift, tolerance; };
+  for (const Case& c : {Case{1e-6, 0, 1e-13}, Case{1e6, 0, 1e-13}, Case{1, 1e6, 1e-8}, Case{1e-6, 1.0, 1e-8}}) {
+    const auto map = [&](const Vec3& p) { return Vec3(c.scale * p + Vec3(c.shift, -c.shift, c.shift)); };
+    Sites moved = sites;
+    for (Vec3& p : moved.positions) p = map(p);
+    const Surface surface = mapped(shape, map).surface();
+    check_cells(surface, moved);
+    const RestrictedVoronoi found = restricted_voronoi(surface, moved);
+    for (std::size_t i = 0; i < sites.size(); ++i)
+      EXPECT_NEAR(found.cells[i].area / (c.scale * c.scale), base.cells[i].area, c.tolerance) << c.scale << " " << c.shift;
+  }
+}
+
+// ---- the pieces themselves ----
+
+double polygon_area(const std::vector<Vec3>& points) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 1; k + 1 < points.size(); ++k)
+    sum += (points[k] - points[0]).cross(points[k + 1] - points[0]);
+  return 0.5 * sum.norm();
+}
+
+TEST_P(CellsOf, AreCutIntoPolygonsOfTheSameArea) {
+  const Shape& shape = GetParam();
+  const Surface surface = shape.surface();
+  Random random(24);
+  const Sites sites = random_sites(shape, 40, random);
+  std::vector<double> area(sites.size(), 0.0), covered(shape.faces.size(), 0.0);
+  std::int32_t last = 0;
+  for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites)) {
+    ASSERT_GE(piece.site, last) << "not sorted by site";
+    last = piece.site;
+    ASSERT_EQ(piece.points.size(), piece.edges.size());
+    area[static_cast<std::size_t>(piece.site)] += polygon_area(piece.points);
+    covered[static_cast<std::size_t>(piece.face)] += polygon_area(piece.points);
+  }
+  const std::vector<Moments> cells = restricted_voronoi(surface, sites).cells;
+  for (std::size_t i = 0; i < area.size(); ++i) EXPECT_NEAR(area[i], cells[i].area, 1e-10 * surface.area());
+  for (std::size_t f = 0; f < covered.size(); ++f)
+    EXPECT_NEAR(covered[f], shape.face_area(static_cast<std::int32_t>(f)), 1e-10 * surface.area()) << "face " << f;
+}
+
+TEST(RestrictedVoronoi, MarksTheEdgesOfItsPolygons) {
+  const Shape shape = blob(1);
+  Random random(25);
+  const Sites sites = random_sites(shape, 40, random);
+  for (const CellPolygon& piece : restricted_voronoi_polygons(shape.surface(), sites)) {
+    const Vec3& site = sites.positions[static_cast<std::size_t>(piece.site)];
+    const Face& face = shape.faces[static_cast<std::size_t>(piece.face)];
+    for (std::size_t k = 0; k < piece.points.size(); ++k) {
+      const Vec3 middle = 0.5 * (piece.points[k] + piece.points[(k + 1) % piece.points.size()]);
+      if (piece.edges[k] >= 0) {
+        const Vec3& other = sites.positions[static_cast<std::size_t>(piece.edges[k])];
+        EXPECT_NEAR((middle - site).norm(), (middle - other).norm(), 1e-12);
+        continue;
+      }
+      const auto corner = static_cast<std::size_t>(-1 - piece.edges[k]);
+      const Vec3& a = shape.vertices[static_cast<std::size_t>(face[corner])];
+      const Vec3& b = shape.vertices[static_cast<std::size_t>(face[(corner + 1) % 3])];
+      EXPECT_LE((middle - a).cross(b - a).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(RestrictedVoronoi, HasSymmetricBoundaryLengths) {
+  const Shape shape = blob(2);
+  Random random(26);
+  const RestrictedVoronoi found = restricted_voronoi(shape.surface(), random_sites(shape, 100, random));
+  for (std::size_t i = 0; i < 100; ++i)
+    for (const CellBoundary& one : found.boundary(i)) {
+      double back = 0.0;
+      for (const CellBoundary& other : found.boundary(static_cast<std::size_t>(one.neighbour)))
+        if (other.neighbour == static_cast<std::int32_t>(i)) back += other.length;
+      EXPECT_NEAR(one.length, back, 1e-11) << i << " and " << one.neighbour;
+    }
+}
+
+TEST(RestrictedVoronoi, OfNoSitesIsEmpty) {
+  const RestrictedVoronoi found = restricted_voronoi(grid(2).surface(), {});
+  EXPECT_TRUE(found.cells.empty());
+  EXPECT_TRUE(found.boundaries.empty());
+  EXPECT_TRUE(restricted_voronoi_polygons(grid(2).surface(), {}).empty());
+}
+
+}  // namespace
+}  // namespace dapple::test
