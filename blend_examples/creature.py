@@ -37,7 +37,7 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--count", type=int, default=1500, help="number of studs")
     parser.add_argument("--seed", type=int, default=0, help="another seed, another scatter")
-    parser.add_argument("--width", type=int, default=800, help="width of one picture in pixels")
+    parser.add_argument("--width", type=int, default=720, help="width of one picture in pixels")
     parser.add_argument("--out", type=Path, default=ROOT / "build/examples", help="output folder")
     given = parser.parse_args()
     if given.frames < PANELS:
@@ -129,7 +129,7 @@ def scatter_studs(
 def render(frames: range, folder: Path) -> dict[int, Path]:
     """Pictures of PANELS frames, evenly over the range."""
     scene = bpy.context.scene
-    chosen = [frames[round(len(frames) * (k + 0.5) / PANELS)] for k in range(PANELS)]
+    chosen = [frames[len(frames) * k // PANELS] for k in range(PANELS)]
     pictures = {}
     for index, frame in enumerate(chosen):
         say(f"   frame {frame} ({index + 1} of {PANELS})")

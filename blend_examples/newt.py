@@ -245,13 +245,16 @@ LOOK_UP: Pose = {
     "tail.3": (4, 42, 1),
     "tail.4": (6, 42, 1),
 }
-# The poses of one loop, evenly over the frame range, and which diagonal pair of legs is forward.
-LOOP = [(LEFT, 1), (REACH, -1), (RIGHT, 1), (LOOK_UP, 0), (LEFT, 1)]
+# The poses of one loop, evenly over the frame range: which diagonal pair of legs is forward, and
+# where along x the creature stands.
+LOOP = [(LEFT, 1, -0.4), (REACH, -1, -0.45), (RIGHT, 1, 0.3), (LOOK_UP, 0, 0.0), (LEFT, 1, -0.4)]
 
 
 def animate(armature: bpy.types.Object, first: int, last: int) -> None:
-    for index, (pose, stride) in enumerate(LOOP):
+    for index, (pose, stride, place) in enumerate(LOOP):
         frame = first + (last - first) * index / (len(LOOP) - 1)
+        armature.location.x = place
+        armature.keyframe_insert("location", frame=frame)
         for bone in armature.pose.bones:
             pitch, yaw, length = pose.get(bone.name, (0, 0, 1))
             if bone.name in LEGS:

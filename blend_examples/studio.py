@@ -120,7 +120,7 @@ def add_floor() -> None:
     mesh = bpy.data.meshes.new("Floor")
     mesh.from_pydata(vertices, [], faces)
     mesh.shade_smooth()
-    mesh.materials.append(material("Floor", (0.93, 0.60, 0.34), 0.9))
+    mesh.materials.append(material("Floor", (0.84, 0.54, 0.29), 0.9))
     floor = bpy.data.objects.new("Floor", mesh)
     floor.location.z = -0.02
     bpy.context.scene.collection.objects.link(floor)
@@ -129,18 +129,18 @@ def add_floor() -> None:
 def build_studio(width: int, height: int) -> None:
     scene = bpy.context.scene
     add_floor()
-    add_light("Key", (3.5, -4.5, 6.5), 1.4, 650, (1.0, 0.95, 0.88))
-    add_light("Fill", (-6.0, -4.0, 3.0), 5.0, 160, (0.80, 0.90, 1.0))
-    add_light("Back", (-2.0, 5.0, 5.0), 3.0, 320, (1.0, 0.90, 0.78))
+    add_light("Key", (3.5, -4.5, 6.5), 1.4, 520, (1.0, 0.95, 0.88))
+    add_light("Fill", (-6.0, -4.0, 3.0), 5.0, 120, (0.80, 0.90, 1.0))
+    add_light("Back", (-2.0, 5.0, 5.0), 3.0, 260, (1.0, 0.90, 0.78))
     world = bpy.data.worlds.new("World")
     use_nodes(world)
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.75, 0.72, 0.70, 1)
-    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.45
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.35
     scene.world = world
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.data.lens = 50
+    camera.data.lens = 57
     scene.collection.objects.link(camera)
-    aim(camera, (4.6, -6.4, 5.0), (-0.25, 0.0, 0.45))
+    aim(camera, (4.6, -6.4, 4.6), (-0.3, 0.0, 0.42))
     scene.camera = camera
     set_render(scene, width, height)
 
@@ -148,11 +148,10 @@ def build_studio(width: int, height: int) -> None:
 def set_render(scene: bpy.types.Scene, width: int, height: int) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
-    scene.cycles.samples = 32
+    scene.cycles.samples = 20
     scene.cycles.use_denoising = True
-    scene.cycles.max_bounces = 4
+    scene.cycles.max_bounces = 3
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.use_persistent_data = True
     scene.render.image_settings.file_format = "PNG"
-    scene.view_settings.view_transform = "AgX"
-    scene.view_settings.look = "AgX - Medium High Contrast"
+    scene.view_settings.view_transform = "Standard"
