@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# One place for what every target is compiled with.
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+add_library(dapple_compiler INTERFACE)
+target_compile_features(dapple_compiler INTERFACE cxx_std_20)
+if(MSVC)
+  target_compile_options(dapple_compiler INTERFACE /W4 /WX /fp:precise /permissive- /utf-8)
+else()
+  # Contraction is off: a fused multiply-add on one machine and not on another would change the bytes.
+  target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                         -Wno-sign-conversion -Werror -ffp-contract=off)
+endif()
+if(DAPPLE_SANITIZE)
+  target_compile_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE})
+endif()

@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED CONFIG)
+find_package(OpenMesh REQUIRED CONFIG)
+find_package(nanoflann REQUIRED CONFIG)
+find_package(CGAL REQUIRED CONFIG)
+find_package(embree 4 CONFIG QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 REQUIRED CONFIG)
+endif()

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/types.hpp>
+#include <memory>
+#include <span>
+
+namespace dapple {
+
+/// A site near another: its index and the squared distance.
+struct Neighbour {
+  std::int32_t index;
+  double squared_distance;
+};
+
+/// Nearest points of a fixed set, by a k-d tree.
+class Neighbours {
+ public:
+  /// The points are not copied and must outlive the tree.
+  explicit Neighbours(std::span<const Vec3> points);
+  ~Neighbours();
+  Neighbours(const Neighbours&) = delete;
+  Neighbours& operator=(const Neighbours&) = delete;
+
+  /// The `count` points nearest to `point` (all of them if there are fewer), sorted by distance, ties by index.
+  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace dapple

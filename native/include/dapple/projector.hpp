@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// Closest points of a surface, one entry per query point.
+struct Projection {
+  std::vector<Vec3> positions;
+  std::vector<std::int32_t> faces;  ///< the caller's indices
+  std::vector<Vec3> barycentric;    ///< >= 0, sum 1
+  std::vector<double> distances;    ///< from the query point
+};
+
+/// Finds the closest point of a surface for many points at once.
+///
+/// Embree culls in single precision, on a centred and scaled copy and with a margin; candidates are compared in double
+/// precision and ties go to the lowest (caller's) face index, so the answer does not depend on Embree's tree.
+class Projector {
+ public:
+  explicit Projector(const Surface& surface);
+  ~Projector();
+  Projector(Projector&&) noexcept;
+  Projector& operator=(Projector&&) noexcept;
+  Projector(const Projector&) = delete;
+  Projector& operator=(const Projector&) = delete;
+
+  /// \param points finite positions
+  /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed depends on it
+  /// \throw ArgumentError naming the first point that is not finite
+  [[nodiscard]] Projection project(std::span<const Vec3> points, std::span<const std::int32_t> hints = {}) const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace dapple

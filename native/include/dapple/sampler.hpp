@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer.hpp>
+#include <dapple/samples.hpp>
+
+namespace dapple {
+
+/// Where the optimisation begins.
+enum class Start {
+  kPoisson,  ///< Poisson-disk set: fewer iterations, larger gaps
+  kRandom,   ///< white noise, as in the paper
+};
+
+struct SampleOptions {
+  std::uint64_t seed = 0;
+  Start start = Start::kPoisson;
+  OptimizerOptions optimizer;
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// Exactly `count` samples of a surface, evenly spaced and unpatterned, following its density.
+/// \throw ArgumentError for options out of range; Cancelled
+[[nodiscard]] Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options = {},
+                             Context* context = nullptr);
+
+}  // namespace dapple

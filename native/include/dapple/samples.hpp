@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/analysis.hpp>
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// What was done to get the samples, and how good they are.
+struct Report {
+  std::size_t count = 0;
+  double spacing = 0.0;  ///< hexagonal packing distance, in the surface's units
+  Evenness evenness;
+  double energy = 0.0;  ///< normalised, see Energy::normalised
+  int evaluations = 0;
+  int iterations = 0;
+  bool converged = true;
+  double seconds = 0.0;          ///< wall time
+  std::vector<double> energies;  ///< normalised, of the start and after each iteration
+  double slide_mean = 0.0;       ///< tracker: distance from the carried position, in spacings
+  double slide_max = 0.0;
+};
+
+/// Samples on a surface. Index k is a sample's identity together with ids[k]; trackers keep both.
+struct Samples {
+  std::vector<Vec3> positions;
+  std::vector<Vec3> normals;        ///< unit, interpolated from the vertices
+  std::vector<std::int32_t> faces;  ///< the caller's indices
+  std::vector<Vec3> barycentric;    ///< >= 0, sum 1
+  std::vector<std::int32_t> ids;
+  std::vector<std::int32_t> classes;
+  Report report;
+
+  [[nodiscard]] std::size_t size() const { return positions.size(); }
+};
+
+/// Samples from stored bindings. Empty ids count up from 0, empty classes are 0.
+/// \throw ArgumentError naming the first face out of range, barycentric coordinate that is not finite or below 0, row
+///        that does not sum to 1 (within 1e-4: they may have been stored in single precision; they are normalised)
+[[nodiscard]] Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
+                                   std::span<const Vec3> barycentric, std::span<const std::int32_t> ids = {},
+                                   std::span<const std::int32_t> classes = {});
+
+}  // namespace dapple

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/types.hpp>
+#include <memory>
+#include <span>
+
+namespace dapple {
+
+/// Integrals over a region of the surface, relative to a reference point o; phi is the density.
+struct Moments {
+  double area = 0.0;
+  double capacity = 0.0;      ///< integral of phi
+  double mass = 0.0;          ///< integral of phi^2
+  Vec3 first = Vec3::Zero();  ///< integral of phi^2 (x - o)
+  double second = 0.0;        ///< integral of phi^2 |x - o|^2
+};
+
+/// What the algorithms need to know of one face.
+struct FaceGeometry {
+  Vec3 normal = Vec3::Zero();            ///< unit; zero for a face without area
+  Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
+  Vec3 centroid = Vec3::Zero();
+  Moments moments;  ///< of the whole face, relative to its centroid
+};
+
+/// How the faces hang together, shared by all surfaces deformed from one.
+struct SurfaceConnectivity {
+  std::vector<Face> faces;                     // ordered faces of ordered vertices
+  std::vector<std::int32_t> original_face;     // ordered -> caller's
+  std::vector<std::int32_t> ordered_face;      // caller's -> ordered
+  std::vector<std::int32_t> original_vertex;   // ordered -> caller's
+  std::vector<std::int32_t> next_around_edge;  // per half-edge, see Surface::next_around
+};
+
+/// Positions, density and what follows from them; arrays in the surface's own order.
+struct SurfaceGeometry {
+  std::vector<Vec3> vertices;
+  std::vector<double> density;  // empty if uniform
+  std::vector<FaceGeometry> faces;
+  double area = 0.0;
+  double mass = 0.0;
+};
+
+/// Immutable, checked triangles with a density that is linear on each face.
+///
+/// Faces and vertices are kept in a cache-friendly (Morton) order of its own, called *ordered* here; everything
+/// else in the library speaks of the caller's indices. Copies share everything.
+class Surface {
+ public:
+  /// \param vertices positions, in any unit
+  /// \param faces    vertex indices; degenerate, repeated and non-manifold faces are allowed
+  /// \param density  one value per vertex, >= 0; empty means 1 everywhere
+  /// \throw SurfaceError naming the first offender: an index out of range, a number that is not finite, a negative
+  ///        density, a density array of another length, or no area (or no density) at all
+  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, std::span<const double> density = {});
+
+  /// The same faces and density over moved vertices (as many, in the same order).
+  /// \throw SurfaceError as the constructor
+  [[nodiscard]] Surface deformed(std::span<const Vec3> vertices) const;
+
+  [[nodiscard]] std::size_t vertex_count() const { return geometry_->vertices.size(); }
+  [[nodiscard]] std::size_t face_count() const { return geometry_->faces.size(); }
+  [[nodiscard]] double area() const { return geometry_->area; }
+  [[nodiscard]] double mass() const { return geometry_->mass; }  ///< integral of the density over the surface
+  [[nodiscard]] bool uniform() const { return geometry_->density.empty(); }
+
+  /// Copies in the caller's order.
+  [[nodiscard]] std::vector<Vec3> vertices() const;
+  [[nodiscard]] std::vector<Face> faces() const;
+  [[nodiscard]] std::vector<double> density() const;  ///< empty if uniform
+
+  /// The point of the caller's face `face` with barycentric coordinates `weights`.
+  [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
+
+  /// Unit normals at points of the surface, interpolated from angle-weighted vertex normals.
+  [[nodiscard]] std::vector<Vec3> normals(std::span<const std::int32_t> faces, std::span<const Vec3> weights) const;
+
+  /// Distance between neighbours if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
+  [[nodiscard]] double spacing(std::size_t count) const;
+
+  // The ordered view, for the algorithms.
+  [[nodiscard]] std::int32_t ordered_face(std::int32_t face) const {
+    return connectivity_->ordered_face[static_cast<std::size_t>(face)];
+  }
+  [[nodiscard]] std::int32_t original_face(std::int32_t ordered) const {
+    return connectivity_->original_face[static_cast<std::size_t>(ordered)];
+  }
+  /// Ordered vertices of an ordered face.
+  [[nodiscard]] const Face& corners(std::int32_t ordered) const {
+    return connectivity_->faces[static_cast<std::size_t>(ordered)];
+  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t ordered) const {
+    return geometry_->vertices[static_cast<std::size_t>(ordered)];
+  }
+  [[nodiscard]] double vertex_density(std::int32_t ordered) const {
+    return uniform() ? 1.0 : geometry_->density[static_cast<std::size_t>(ordered)];
+  }
+  [[nodiscard]] const FaceGeometry& geometry(std::int32_t ordered) const {
+    return geometry_->faces[static_cast<std::size_t>(ordered)];
+  }
+  /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from): the other side of
+  /// an inner edge, itself on a border, the next of a ring where three or more faces meet.
+  [[nodiscard]] std::int32_t next_around(std::int32_t half_edge) const {
+    return connectivity_->next_around_edge[static_cast<std::size_t>(half_edge)];
+  }
+
+ private:
+  Surface(std::shared_ptr<const SurfaceConnectivity> connectivity, std::vector<Vec3> vertices,
+          std::vector<double> density);
+
+  std::shared_ptr<const SurfaceConnectivity> connectivity_;
+  std::shared_ptr<const SurfaceGeometry> geometry_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer.hpp>
+#include <dapple/samples.hpp>
+
+namespace dapple {
+
+struct TrackerOptions {
+  OptimizerOptions optimizer = {.max_evaluations = 30};
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// Carries samples over a deforming surface: they ride the moved vertices by their barycentric coordinates and are then
+/// re-optimised, each keeping its index and id (paper, section 5.4).
+///
+/// A frame is restored to the evenness of the first one, not minimised on: minimising on every frame would turn the
+/// samples into a hexagonal pattern, and samples that need not move should not.
+class Tracker {
+ public:
+  /// \throw ArgumentError if the samples are not of the surface
+  Tracker(Surface surface, Samples samples, TrackerOptions options = {});
+
+  /// Move to the next frame. The tracker is unchanged if this throws.
+  /// \param vertices as many as the surface has, in the caller's order
+  /// \throw SurfaceError, Cancelled
+  const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
+
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+  [[nodiscard]] const Samples& samples() const { return samples_; }
+
+ private:
+  Surface surface_;
+  Samples samples_;
+  TrackerOptions options_;
+  double target_energy_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <dapple/errors.hpp>
+#include <dapple/types.hpp>
+#include <limits>
+#include <span>
+#include <string>
+
+namespace dapple::python {
+
+namespace py = pybind11;
+
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using IntArray = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+
+inline std::string shape_text(const py::array& array) {
+  std::string text = "(";
+  for (py::ssize_t k = 0; k < array.ndim(); ++k) text += (k ? ", " : "") + std::to_string(array.shape(k));
+  return text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+/// The argument as an array of one of the dtype kinds, with the shape (rows) or (rows, columns).
+inline py::array checked_array(const char* name, const py::object& value, const std::string& kinds,
+                               py::ssize_t columns) {
+  const py::array array = py::array::ensure(value);
+  if (!array) throw py::error_already_set();
+  if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
+    throw ArgumentError(std::string(name) + " has the dtype " + py::str(array.dtype()).cast<std::string>() +
+                        ": numbers are needed" + (kinds == "iu" ? ", integers" : ""));
+  const bool fits = columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
+  if (!fits)
+    throw ArgumentError(std::string(name) + " has the shape " + shape_text(array) + ": (n" +
+                        (columns == 0 ? ",)" : ", " + std::to_string(columns) + ")") + " is needed");
+  return array;
+}
+
+/// Floating-point rows; a C-contiguous float64 array is used as it is.
+inline DoubleArray doubles(const char* name, const py::object& value, py::ssize_t columns) {
+  return DoubleArray(checked_array(name, value, "fiu", columns));
+}
+
+/// Integer rows as int32; a C-contiguous int32 array is used as it is, a wider one is checked and copied.
+inline IntArray integers(const char* name, const py::object& value, py::ssize_t columns) {
+  const py::array array = checked_array(name, value, "iu", columns);
+  if (array.size() > 0 && (array.itemsize() > 4 || array.dtype().kind() == 'u')) {
+    const auto low = py::float_(array.attr("min")()).cast<double>();
+    const auto high = py::float_(array.attr("max")()).cast<double>();
+    if (low < std::numeric_limits<std::int32_t>::min() || high > std::numeric_limits<std::int32_t>::max())
+      throw ArgumentError(std::string(name) + " holds values in " + std::to_string(low) + ".." + std::to_string(high) +
+                          ", which do not fit into 32 bits");
+  }
+  return IntArray(array);
+}
+
+inline std::span<const Vec3> as_points(const DoubleArray& array) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  return {reinterpret_cast<const Vec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+}
+
+inline std::span<const Face> as_faces(const IntArray& array) {
+  static_assert(sizeof(Face) == 3 * sizeof(std::int32_t));
+  return {reinterpret_cast<const Face*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+}
+
+template <typename T, int Flags>
+std::span<const T> as_span(const py::array_t<T, Flags>& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+/// A read-only numpy view of memory that `owner` keeps alive.
+template <typename T>
+py::array view(const py::object& owner, const T* data, std::vector<py::ssize_t> shape) {
+  py::array_t<T> array(std::move(shape), data, owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+inline py::array view(const py::object& owner, const std::vector<Vec3>& points) {
+  return view(owner, points.empty() ? nullptr : points[0].data(), {static_cast<py::ssize_t>(points.size()), 3});
+}
+
+template <typename T>
+py::array view(const py::object& owner, const std::vector<T>& values) {
+  return view(owner, values.data(), {static_cast<py::ssize_t>(values.size())});
+}
+
+/// Give a vector to numpy without copying it.
+template <typename T>
+py::array give(std::vector<T>&& values) {
+  auto* kept = new std::vector<T>(std::move(values));
+  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<T>*>(p); });
+  return view(owner, *kept);
+}
+
+inline py::array give(std::vector<Face>&& faces) {
+  auto* kept = new std::vector<Face>(std::move(faces));
+  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<Face>*>(p); });
+  return view(owner, kept->empty() ? nullptr : kept->front().data(), {static_cast<py::ssize_t>(kept->size()), 3});
+}
+
+}  // namespace dapple::python

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/neighbours.hpp>
+
+#include <algorithm>
+#include <nanoflann.hpp>
+
+namespace dapple {
+
+struct Neighbours::Tree {
+  // The interface nanoflann asks of a point set.
+  struct PointSet {
+    std::span<const Vec3> points;
+    [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+    [[nodiscard]] double kdtree_get_pt(std::size_t index, std::size_t axis) const {
+      return points[index][static_cast<Eigen::Index>(axis)];
+    }
+    template <typename Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using Metric = nanoflann::L2_Simple_Adaptor<double, PointSet, double, std::int32_t>;
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, 3, std::int32_t>;
+
+  explicit Tree(std::span<const Vec3> points) : set{points}, index(3, set, {/*leaf_max_size=*/10}) {}
+
+  PointSet set;
+  Index index;
+};
+
+Neighbours::Neighbours(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
+Neighbours::~Neighbours() = default;
+
+void Neighbours::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const {
+  count = std::min(count, tree_->set.points.size());
+  result.clear();
+  if (count == 0) return;
+  std::vector<std::int32_t> indices(count);
+  std::vector<double> distances(count);
+  tree_->index.knnSearch(point.data(), count, indices.data(), distances.data());
+  result.resize(count);
+  for (std::size_t k = 0; k < count; ++k) result[k] = {indices[k], distances[k]};
+  std::sort(result.begin(), result.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
+  });
+}
+
+}  // namespace dapple

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/projector.hpp>
+
+#if DAPPLE_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "parallel.hpp"
+#include "triangle.hpp"
+#include "validate.hpp"
+
+namespace dapple {
+namespace {
+
+// Embree sees the surface in single precision, in [-1, 1]: a coordinate is off by at most 2^-24, a distance by a few
+// times that. Everything within this much of the best distance is compared in double precision.
+constexpr double kMargin = 2e-6;
+
+struct Device {
+  RTCDevice handle = rtcNewDevice(nullptr);
+  Device() {
+    if (!handle) throw std::runtime_error("Embree could not create a device");
+  }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() { rtcReleaseDevice(handle); }
+};
+
+}  // namespace
+
+struct Projector::Scene {
+  explicit Scene(const Surface& s);
+  ~Scene() { rtcReleaseScene(handle); }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - centre) / scale; }
+  void attach_triangles();
+
+  Surface surface;
+  Device device;
+  RTCScene handle;
+  Vec3 centre;
+  double scale;
+};
+
+namespace {
+
+/// The best candidate so far for one query point.
+struct Query {
+  const Surface* surface;
+  double scale;
+  Vec3 point;
+  double squared_distance = std::numeric_limits<double>::infinity();
+  std::int32_t face = -1;  // the caller's index
+  Vec3 barycentric = Vec3::Zero();
+
+  void consider(std::int32_t ordered) {
+    const auto [a, b, c] = surface->corners(ordered);
+    const Vec3 weights = closest_barycentric(point, surface->vertex(a), surface->vertex(b), surface->vertex(c));
+    const std::int32_t candidate = surface->original_face(ordered);
+    const double squared = (surface->point(candidate, weights) - point).squaredNorm();
+    if (squared > squared_distance || (squared == squared_distance && candidate >= face)) return;
+    squared_distance = squared;
+    face = candidate;
+    barycentric = weights;
+  }
+
+  /// Radius within which Embree must still look.
+  [[nodiscard]] float radius() const {
+    const double unit = std::sqrt(squared_distance) / scale;
+    return static_cast<float>(unit * (1.0 + kMargin) + kMargin);
+  }
+};
+
+bool visit(RTCPointQueryFunctionArguments* arguments) {
+  Query& query = *static_cast<Query*>(arguments->userPtr);
+  query.consider(static_cast<std::int32_t>(arguments->primID));
+  const float radius = query.radius();
+  if (!(radius < arguments->query->radius)) return false;
+  arguments->query->radius = radius;
+  return true;
+}
+
+}  // namespace
+
+Projector::Scene::Scene(const Surface& s) : surface(s), handle(rtcNewScene(device.handle)) {
+  Vec3 low = surface.vertex(0);
+  Vec3 high = low;
+  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    low = low.cwiseMin(surface.vertex(static_cast<std::int32_t>(k)));
+    high = high.cwiseMax(surface.vertex(static_cast<std::int32_t>(k)));
+  }
+  centre = 0.5 * (low + high);
+  scale = 0.5 * (high - low).maxCoeff();  // > 0: a surface has area
+  attach_triangles();
+  rtcCommitScene(handle);
+}
+
+void Projector::Scene::attach_triangles() {
+  RTCGeometry triangles = rtcNewGeometry(device.handle, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* x = static_cast<float*>(rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                        3 * sizeof(float), surface.vertex_count()));
+  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    const Vec3 unit = to_unit(surface.vertex(static_cast<std::int32_t>(k)));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
+  }
+  auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                               3 * sizeof(unsigned), surface.face_count()));
+  for (std::size_t f = 0; f < surface.face_count(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      index[3 * f + k] = static_cast<unsigned>(surface.corners(static_cast<std::int32_t>(f))[k]);
+  rtcSetGeometryPointQueryFunction(triangles, visit);
+  rtcCommitGeometry(triangles);
+  rtcAttachGeometry(handle, triangles);
+  rtcReleaseGeometry(triangles);
+}
+
+Projector::Projector(const Surface& surface) : scene_(std::make_unique<Scene>(surface)) {}
+Projector::~Projector() = default;
+Projector::Projector(Projector&&) noexcept = default;
+Projector& Projector::operator=(Projector&&) noexcept = default;
+
+Projection Projector::project(std::span<const Vec3> points, std::span<const std::int32_t> hints) const {
+  check_finite("points", points);
+  if (!hints.empty()) {
+    check_same_length("hints", hints.size(), "points", points.size());
+    check_face_indices("hints", hints, scene_->surface);
+  }
+  const std::size_t count = points.size();
+  Projection result{std::vector<Vec3>(count), std::vector<std::int32_t>(count), std::vector<Vec3>(count),
+                    std::vector<double>(count)};
+  parallel_chunks(count, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Query query{&scene_->surface, scene_->scale, points[k]};
+      query.consider(hints.empty() ? 0 : scene_->surface.ordered_face(hints[k]));
+      const Vec3 unit = scene_->to_unit(points[k]);
+      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      rtcPointQuery(scene_->handle, &embree, &context, nullptr, &query);
+      result.faces[k] = query.face;
+      result.barycentric[k] = query.barycentric;
+      result.positions[k] = scene_->surface.point(query.face, query.barycentric);
+      result.distances[k] = std::sqrt(query.squared_distance);
+    }
+  });
+  return result;
+}
+
+}  // namespace dapple

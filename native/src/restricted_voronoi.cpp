@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/neighbours.hpp>
+#include <dapple/restricted_voronoi.hpp>
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "integrate.hpp"
+#include "parallel.hpp"
+#include "polygon.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kFirstNeighbours = 20;  // enough for most cells; more are fetched on demand
+constexpr std::size_t kGrain = 32;            // cells a chunk
+
+/// The sites in the order of their faces, which is also an order in space.
+struct OrderedSites {
+  std::vector<std::int32_t> original;  // caller's index
+  std::vector<Vec3> positions;
+  std::vector<std::int32_t> faces;  // ordered faces
+
+  OrderedSites(const Surface& surface, const Sites& sites) : original(sites.size()) {
+    std::vector<std::int32_t> ordered(sites.size());
+    for (std::size_t k = 0; k < sites.size(); ++k) ordered[k] = surface.ordered_face(sites.faces[k]);
+    std::iota(original.begin(), original.end(), 0);
+    std::sort(original.begin(), original.end(), [&](std::int32_t a, std::int32_t b) {
+      const std::int32_t fa = ordered[static_cast<std::size_t>(a)];
+      const std::int32_t fb = ordered[static_cast<std::size_t>(b)];
+      return fa != fb ? fa < fb : a < b;
+    });
+    for (const std::int32_t k : original) {
+      positions.push_back(sites.positions[static_cast<std::size_t>(k)]);
+      faces.push_back(ordered[static_cast<std::size_t>(k)]);
+    }
+  }
+};
+
+/// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x relative to the site.
+struct Bisector {
+  Vec3 normal;  // x_j - x_i
+  double offset;
+  double squared_distance;
+  std::int32_t site;  // ordered index of j
+};
+
+/// The bisectors of one site in order of distance, fetched as far as someone asks.
+class Bisectors {
+ public:
+  Bisectors(const OrderedSites& sites, const Neighbours& tree) : sites_(&sites), tree_(&tree) {}
+
+  void reset(std::int32_t site) {
+    site_ = site;
+    fetched_ = 0;
+    fetch(kFirstNeighbours + 1);
+  }
+
+  /// Bisector k, or null if there are no more sites.
+  const Bisector* at(std::size_t k) {
+    while (k >= settled_ && fetched_ < sites_->positions.size()) fetch(2 * fetched_);
+    return k < settled_ ? &bisectors_[k] : nullptr;
+  }
+
+ private:
+  void fetch(std::size_t count) {
+    const Vec3& x = sites_->positions[static_cast<std::size_t>(site_)];
+    tree_->nearest(x, count, found_);
+    fetched_ = found_.size();
+    bisectors_.clear();
+    for (const Neighbour& found : found_) {
+      if (found.index == site_) continue;
+      const Vec3 d = sites_->positions[static_cast<std::size_t>(found.index)] - x;
+      bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), found.index});
+    }
+    settle();
+  }
+
+  // Which of several sites at the last distance were found is an accident of the tree: they count only when a longer
+  // list has found all of them.
+  void settle() {
+    settled_ = bisectors_.size();
+    if (fetched_ == sites_->positions.size() || bisectors_.empty()) return;
+    const double last = found_.back().squared_distance;
+    while (settled_ > 0 && bisectors_[settled_ - 1].squared_distance >= last) --settled_;
+  }
+
+  const OrderedSites* sites_;
+  const Neighbours* tree_;
+  std::int32_t site_ = 0;
+  std::size_t fetched_ = 0;
+  std::size_t settled_ = 0;
+  std::vector<Neighbour> found_;
+  std::vector<Bisector> bisectors_;
+};
+
+/// Walks the pieces of one cell after another; one per thread.
+class CellFlood {
+ public:
+  CellFlood(const Surface& surface, const OrderedSites& sites, const Neighbours& tree)
+      : surface_(&surface), sites_(&sites), bisectors_(sites, tree), stamps_(surface.face_count(), 0) {}
+
+  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell: see owner().
+  bool reset(std::int32_t site) {
+    site_ = owner_ = site;
+    bisectors_.reset(site);
+    const auto original = [&](std::int32_t k) { return sites_->original[static_cast<std::size_t>(k)]; };
+    for (std::size_t k = 0; const Bisector* b = bisectors_.at(k); ++k) {
+      if (b->squared_distance > 0.0) break;
+      if (original(b->site) < original(owner_)) owner_ = b->site;
+    }
+    return owner_ == site_;
+  }
+
+  [[nodiscard]] std::int32_t owner() const { return owner_; }
+  [[nodiscard]] const Vec3& position() const { return sites_->positions[static_cast<std::size_t>(site_)]; }
+  [[nodiscard]] const Bisector& bisector(std::int32_t k) { return *bisectors_.at(static_cast<std::size_t>(k)); }
+  [[nodiscard]] const Polygon& polygon() const { return polygon_; }
+
+  /// Clip a face to the site's cell; true if nothing was cut off.
+  bool clip(std::int32_t face) {
+    const auto [a, b, c] = surface_->corners(face);
+    const Vec3& x = position();
+    polygon_.start(surface_->vertex(a) - x, surface_->vertex(b) - x, surface_->vertex(c) - x);
+    double radius = polygon_.squared_radius();
+    bool whole = true;
+    std::size_t k = 0;
+    for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius; b_k = bisectors_.at(++k)) {
+      if (b_k->squared_distance == 0.0) continue;
+      if (!polygon_.clip(b_k->normal, b_k->offset, static_cast<std::int32_t>(k))) continue;
+      whole = false;
+      radius = polygon_.squared_radius();
+    }
+    return whole;
+  }
+
+  /// Call `visit(face, whole)` for each piece of the cell that is connected to one of the seeds.
+  template <typename Visit>
+  void flood(std::span<const std::int32_t> seeds, const Visit& visit) {
+    ++stamp_;
+    pending_.clear();
+    for (const std::int32_t face : seeds) push(face);
+    while (!pending_.empty()) {
+      const std::int32_t face = pending_.back();
+      pending_.pop_back();
+      const bool whole = clip(face);
+      if (polygon_.empty()) continue;
+      visit(face, whole);
+      for (const Polygon::Corner& corner : polygon_.corners())
+        if (corner.edge < 0) cross(3 * face - 1 - corner.edge);
+    }
+  }
+
+ private:
+  void push(std::int32_t face) {
+    std::int32_t& stamp = stamps_[static_cast<std::size_t>(face)];
+    if (stamp == stamp_) return;
+    stamp = stamp_;
+    pending_.push_back(face);
+  }
+
+  void cross(std::int32_t half_edge) {
+    for (std::int32_t h = surface_->next_around(half_edge); h != half_edge; h = surface_->next_around(h)) push(h / 3);
+  }
+
+  const Surface* surface_;
+  const OrderedSites* sites_;
+  Bisectors bisectors_;
+  std::int32_t site_ = 0;
+  std::int32_t owner_ = 0;
+  Polygon polygon_;
+  std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
+  std::int32_t stamp_ = 0;
+  std::vector<std::int32_t> pending_;
+};
+
+/// Integrates the pieces of one cell.
+class CellIntegrals {
+ public:
+  CellIntegrals(const Surface& surface, CellFlood& flood) : surface_(&surface), flood_(&flood) {}
+
+  void reset() {
+    moments_ = Moments();
+    boundary_.clear();
+  }
+
+  void add(std::int32_t face, bool whole) {
+    const FaceGeometry& geometry = surface_->geometry(face);
+    if (geometry.moments.area <= 0.0) return;
+    const Vec3 centroid = geometry.centroid - flood_->position();
+    if (whole) {
+      add_shifted(moments_, geometry.moments, centroid);
+      return;
+    }
+    set_density(geometry, centroid);
+    add_area(geometry);
+    add_boundary(geometry);
+  }
+
+  [[nodiscard]] Moments moments() const { return moments_; }
+
+  /// Append the boundaries with the caller's site indices; returns how many.
+  std::size_t append_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out) const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < boundary_.size(); ++k) {
+      if (boundary_[k].length <= 0.0) continue;
+      const std::int32_t j = flood_->bisector(static_cast<std::int32_t>(k)).site;
+      out.push_back({sites.original[static_cast<std::size_t>(j)], boundary_[k].flux, boundary_[k].length});
+      ++count;
+    }
+    return count;
+  }
+
+ private:
+  void set_density(const FaceGeometry& geometry, const Vec3& centroid) {
+    gradient_ = geometry.density_gradient;
+    at_site_ = geometry.moments.capacity / geometry.moments.area - gradient_.dot(centroid);
+  }
+  [[nodiscard]] double density(const Vec3& x) const { return at_site_ + gradient_.dot(x); }
+
+  void add_area(const FaceGeometry& geometry) {
+    const auto corners = flood_->polygon().corners();
+    const Vec3& a = corners[0].x;
+    Moments piece;
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      const Vec3& b = corners[k - 1].x;
+      const Vec3& c = corners[k].x;
+      const double area = 0.5 * geometry.normal.dot((b - a).cross(c - a));
+      if (surface_->uniform())
+        add_uniform_triangle(piece, area, a, b, c);
+      else
+        add_linear_triangle(piece, area, a, b, c, density(a), density(b), density(c));
+    }
+    if (surface_->uniform()) finish_uniform(piece);
+    add_shifted(moments_, piece, Vec3::Zero());
+  }
+
+  // Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
+  void add_boundary(const FaceGeometry& geometry) {
+    const auto corners = flood_->polygon().corners();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (corners[k].edge < 0) continue;
+      const Vec3& p = corners[k].x;
+      const Vec3& q = corners[k + 1 < corners.size() ? k + 1 : 0].x;
+      const Vec3& d = flood_->bisector(corners[k].edge).normal;
+      const double in_plane = (d - d.dot(geometry.normal) * geometry.normal).norm();
+      const double length = (q - p).norm();
+      if (in_plane <= 0.0 || length <= 0.0) continue;
+      const Vec3 middle = 0.5 * (p + q);
+      CellBoundary& sum = boundary_with(corners[k].edge);
+      sum.length += length;
+      sum.flux += length / (6.0 * in_plane) * (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
+    }
+  }
+
+  CellBoundary& boundary_with(std::int32_t bisector) {
+    const auto k = static_cast<std::size_t>(bisector);
+    if (k >= boundary_.size()) boundary_.resize(k + 1, {-1, Vec3::Zero(), 0.0});
+    return boundary_[k];
+  }
+
+  const Surface* surface_;
+  CellFlood* flood_;
+  Moments moments_;
+  std::vector<CellBoundary> boundary_;  // per bisector
+  Vec3 gradient_ = Vec3::Zero();
+  double at_site_ = 1.0;
+};
+
+/// A face from which a site's flood must start besides the one that holds it.
+struct Seed {
+  std::int32_t site;  // ordered
+  std::int32_t face;  // ordered
+  auto operator<=>(const Seed&) const = default;
+};
+
+/// A piece found by a flood.
+struct Coverage {
+  std::int32_t face;
+  double area;
+};
+
+class Builder {
+ public:
+  Builder(const Surface& surface, const Sites& sites, const Context* context)
+      : surface_(surface), sites_(surface, sites), tree_(sites_.positions), context_(context),
+        floods_([this] { return CellFlood(surface_, sites_, tree_); }) {}
+
+  RestrictedVoronoi build() {
+    result_.cells.resize(count());
+    result_.rows.resize(count());
+    std::vector<std::int32_t> all(count());
+    std::iota(all.begin(), all.end(), 0);
+    integrate(all);
+    if (missing_area()) {
+      seeds_ = find_orphans();
+      integrate(seeded_sites());
+    }
+    return std::move(result_);
+  }
+
+  std::vector<CellPolygon> polygons() {
+    build();
+    std::vector<std::vector<CellPolygon>> cells(count());
+    parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s)
+        collect(static_cast<std::int32_t>(s), cells[static_cast<std::size_t>(sites_.original[s])]);
+    });
+    std::vector<CellPolygon> result;
+    for (auto& cell : cells) std::move(cell.begin(), cell.end(), std::back_inserter(result));
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::size_t count() const { return sites_.positions.size(); }
+
+  /// The faces to flood a cell from.
+  std::vector<std::int32_t> starts(std::int32_t site) const {
+    std::vector<std::int32_t> faces = {sites_.faces[static_cast<std::size_t>(site)]};
+    for (auto it = std::lower_bound(seeds_.begin(), seeds_.end(), Seed{site, -1}); it != seeds_.end(); ++it) {
+      if (it->site != site) break;
+      faces.push_back(it->face);
+    }
+    return faces;
+  }
+
+  void integrate(std::span<const std::int32_t> sites) {
+    const std::size_t chunks = (sites.size() + kGrain - 1) / kGrain;
+    std::vector<std::vector<CellBoundary>> boundaries(chunks);
+    parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
+      integrate_chunk(sites.subspan(begin, end - begin), boundaries[begin / kGrain]);
+    });
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      for (const std::int32_t s : sites.subspan(chunk * kGrain).first(std::min(kGrain, sites.size() - chunk * kGrain)))
+        row(s).first += result_.boundaries.size();
+      result_.boundaries.insert(result_.boundaries.end(), boundaries[chunk].begin(), boundaries[chunk].end());
+    }
+  }
+
+  void integrate_chunk(std::span<const std::int32_t> sites, std::vector<CellBoundary>& boundaries) {
+    CellFlood& flood = floods_.local();
+    CellIntegrals integrals(surface_, flood);
+    for (const std::int32_t s : sites) {
+      integrals.reset();
+      row(s) = {boundaries.size(), 0};
+      if (flood.reset(s)) {
+        flood.flood(starts(s), [&](std::int32_t face, bool whole) { integrals.add(face, whole); });
+        row(s).count = integrals.append_boundary(sites_, boundaries);
+      }
+      result_.cells[original(s)] = integrals.moments();
+    }
+  }
+
+  [[nodiscard]] std::size_t original(std::int32_t site) const {
+    return static_cast<std::size_t>(sites_.original[static_cast<std::size_t>(site)]);
+  }
+  RestrictedVoronoi::Row& row(std::int32_t site) { return result_.rows[original(site)]; }
+
+  [[nodiscard]] bool missing_area() const {
+    double covered = 0.0;
+    for (const Moments& cell : result_.cells) covered += cell.area;
+    return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
+  }
+
+  /// The area of each face that some flood has reached, summed in the order of the sites.
+  std::vector<double> covered_area() {
+    std::vector<std::vector<Coverage>> found((count() + kGrain - 1) / kGrain);
+    parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
+      CellFlood& flood = floods_.local();
+      CellIntegrals integrals(surface_, flood);
+      for (std::size_t s = begin; s < end; ++s) {
+        if (!flood.reset(static_cast<std::int32_t>(s))) continue;
+        flood.flood(starts(static_cast<std::int32_t>(s)), [&](std::int32_t face, bool whole) {
+          integrals.reset();
+          integrals.add(face, whole);
+          found[begin / kGrain].push_back({face, integrals.moments().area});
+        });
+      }
+    });
+    std::vector<double> covered(surface_.face_count(), 0.0);
+    for (const auto& chunk : found)
+      for (const Coverage& piece : chunk) covered[static_cast<std::size_t>(piece.face)] += piece.area;
+    return covered;
+  }
+
+  /// For every face that the floods left uncovered: all sites whose (Euclidean) cells meet it.
+  std::vector<Seed> find_orphans() {
+    const std::vector<double> covered = covered_area();
+    std::vector<std::int32_t> orphans;
+    for (std::size_t f = 0; f < covered.size(); ++f) {
+      const double area = surface_.geometry(static_cast<std::int32_t>(f)).moments.area;
+      if (area - covered[f] > 1e-9 * area) orphans.push_back(static_cast<std::int32_t>(f));
+    }
+    std::vector<std::vector<Seed>> found(orphans.size());
+    parallel_chunks(orphans.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
+      for (std::size_t k = begin; k < end; ++k) found[k] = owners(orphans[k]);
+    });
+    std::vector<Seed> seeds;
+    for (const auto& part : found) seeds.insert(seeds.end(), part.begin(), part.end());
+    std::sort(seeds.begin(), seeds.end());
+    return seeds;
+  }
+
+  /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a piece too.
+  std::vector<Seed> owners(std::int32_t face) {
+    CellFlood& flood = floods_.local();
+    std::vector<Neighbour> nearest;
+    tree_.nearest(surface_.geometry(face).centroid, 1, nearest);
+    std::vector<std::int32_t> known = {nearest[0].index};
+    std::vector<Seed> result;
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      if (!flood.reset(known[k]) && !flood.reset(flood.owner())) continue;
+      flood.clip(face);
+      if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
+      for (const Polygon::Corner& corner : flood.polygon().corners()) {
+        if (corner.edge < 0) continue;
+        const std::int32_t j = flood.bisector(corner.edge).site;
+        if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> seeded_sites() const {
+    std::vector<std::int32_t> sites;
+    for (const Seed& seed : seeds_)
+      if (sites.empty() || sites.back() != seed.site) sites.push_back(seed.site);
+    return sites;
+  }
+
+  void collect(std::int32_t site, std::vector<CellPolygon>& out) {
+    CellFlood& flood = floods_.local();
+    if (!flood.reset(site)) return;
+    flood.flood(starts(site), [&](std::int32_t face, bool) {
+      CellPolygon piece{static_cast<std::int32_t>(original(site)), surface_.original_face(face), {}, {}};
+      for (const Polygon::Corner& corner : flood.polygon().corners()) {
+        piece.points.push_back(corner.x + flood.position());
+        piece.edges.push_back(corner.edge < 0
+                                  ? corner.edge
+                                  : static_cast<std::int32_t>(original(flood.bisector(corner.edge).site)));
+      }
+      out.push_back(std::move(piece));
+    });
+  }
+
+  const Surface& surface_;
+  OrderedSites sites_;
+  Neighbours tree_;
+  const Context* context_;
+  tbb::enumerable_thread_specific<CellFlood> floods_;
+  std::vector<Seed> seeds_;  // sorted
+  RestrictedVoronoi result_;
+};
+
+}  // namespace
+
+RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, const Context* context) {
+  return Builder(surface, sites, context).build();
+}
+
+std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites) {
+  return Builder(surface, sites, nullptr).polygons();
+}
+
+}  // namespace dapple

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/errors.hpp>
+#include <dapple/poisson_start.hpp>
+#include <dapple/sampler.hpp>
+
+#include "clock.hpp"
+#include "outcome.hpp"
+#include "parallel.hpp"
+
+namespace dapple {
+namespace {
+
+Sites make_start(const Surface& surface, std::size_t count, const SampleOptions& options, const Context* context) {
+  return options.start == Start::kRandom ? random_start(surface, count, options.seed)
+                                         : poisson_start(surface, count, options.seed, context);
+}
+
+}  // namespace
+
+Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options, Context* context) {
+  const Clock clock;
+  if (context) context->check();
+  Samples samples = with_threads(options.threads, [&] {
+    const Projector projector(surface);
+    const Sites start = make_start(surface, count, options, context);
+    return to_samples(surface, optimize(surface, projector, start, options.optimizer, context));
+  });
+  samples.report.seconds = clock.seconds();
+  if (context) context->advance(1.0);
+  return samples;
+}
+
+}  // namespace dapple

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/samples.hpp>
+
+#include <numeric>
+
+#include "validate.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kSumTolerance = 1e-4;  // single-precision storage stays far below this
+
+void check_barycentric(std::span<const Vec3> rows) {
+  check_finite("barycentric", rows);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].minCoeff() < -kSumTolerance)
+      throw ArgumentError(entry("barycentric", k) + " has the negative coordinate " + number(rows[k].minCoeff()));
+    if (std::abs(rows[k].sum() - 1.0) > kSumTolerance)
+      throw ArgumentError(entry("barycentric", k) + " sums to " + number(rows[k].sum()) + ": it must sum to 1");
+  }
+}
+
+void check_ids(std::span<const std::int32_t> ids) {
+  std::vector<std::int32_t> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twin != sorted.end()) throw ArgumentError("ids holds " + std::to_string(*twin) + " twice: each must be unique");
+}
+
+}  // namespace
+
+Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces, std::span<const Vec3> barycentric,
+                     std::span<const std::int32_t> ids, std::span<const std::int32_t> classes) {
+  const std::size_t count = faces.size();
+  check_same_length("barycentric", barycentric.size(), "faces", count);
+  if (!ids.empty()) check_same_length("ids", ids.size(), "faces", count);
+  if (!classes.empty()) check_same_length("classes", classes.size(), "faces", count);
+  check_face_indices("faces", faces, surface);
+  check_barycentric(barycentric);
+  check_ids(ids);
+
+  Samples samples;
+  samples.faces.assign(faces.begin(), faces.end());
+  for (const Vec3& row : barycentric) samples.barycentric.push_back(row.cwiseMax(0.0) / row.cwiseMax(0.0).sum());
+  for (std::size_t k = 0; k < count; ++k)
+    samples.positions.push_back(surface.point(faces[k], samples.barycentric[k]));
+  samples.normals = surface.normals(samples.faces, samples.barycentric);
+  samples.ids.assign(ids.begin(), ids.end());
+  samples.classes.assign(classes.begin(), classes.end());
+  samples.classes.resize(count, 0);
+  if (ids.empty()) {
+    samples.ids.resize(count);
+    std::iota(samples.ids.begin(), samples.ids.end(), 0);
+  }
+  samples.report.count = count;
+  samples.report.spacing = surface.spacing(count);
+  return samples;
+}
+
+}  // namespace dapple

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/surface.hpp>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "integrate.hpp"
+#include "morton.hpp"
+#include "parallel.hpp"
+#include "validate.hpp"
+
+namespace dapple {
+namespace {
+
+// A face thinner than this against its longest edge has no usable normal; it counts as having no area.
+constexpr double kDegenerate = 1e-14;
+
+void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
+  if (faces.empty()) throw SurfaceError("faces is empty: a surface needs at least one triangle");
+  for (std::size_t k = 0; k < faces.size(); ++k)
+    for (const std::int32_t v : faces[k])
+      if (v < 0 || static_cast<std::size_t>(v) >= vertex_count)
+        throw SurfaceError(entry("faces", k) + " has vertex index " + std::to_string(v) + ", outside 0.." +
+                           std::to_string(static_cast<long long>(vertex_count) - 1));
+}
+
+void check_density(std::span<const double> density, std::size_t vertex_count) {
+  if (density.empty()) return;
+  if (density.size() != vertex_count)
+    throw SurfaceError("density has " + std::to_string(density.size()) + " values for " + std::to_string(vertex_count) +
+                       " vertices: one per vertex is needed");
+  for (std::size_t k = 0; k < density.size(); ++k)
+    if (!std::isfinite(density[k]) || density[k] < 0.0)
+      throw SurfaceError(entry("density", k) + " is " + number(density[k]) + ": it must be finite and >= 0");
+}
+
+struct HalfEdgeKey {
+  std::int32_t low, high, half_edge;
+  auto operator<=>(const HalfEdgeKey&) const = default;
+};
+
+/// Link the half-edges that share an (undirected) edge into rings, in the order of their faces.
+std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
+  std::vector<HalfEdgeKey> keys;
+  keys.reserve(3 * faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
+      keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
+    }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::int32_t> next(keys.size());
+  for (std::size_t first = 0; first < keys.size();) {
+    std::size_t last = first;
+    while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low && keys[last + 1].high == keys[first].high)
+      ++last;
+    for (std::size_t k = first; k <= last; ++k)
+      next[static_cast<std::size_t>(keys[k].half_edge)] = keys[k == last ? first : k + 1].half_edge;
+    first = last + 1;
+  }
+  return next;
+}
+
+std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
+  std::vector<std::int32_t> inverse(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    inverse[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+  return inverse;
+}
+
+std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertices, std::span<const Face> faces) {
+  auto result = std::make_shared<SurfaceConnectivity>();
+  result->original_vertex = morton_order(vertices);
+  const std::vector<std::int32_t> ordered_vertex = invert(result->original_vertex);
+  std::vector<Vec3> centroids(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto corner = [&](std::size_t k) -> const Vec3& { return vertices[static_cast<std::size_t>(faces[f][k])]; };
+    centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
+  }
+  result->original_face = morton_order(centroids);
+  result->ordered_face = invert(result->original_face);
+  result->faces.reserve(faces.size());
+  for (const std::int32_t f : result->original_face) {
+    const Face& face = faces[static_cast<std::size_t>(f)];
+    const auto ordered = [&](std::size_t k) { return ordered_vertex[static_cast<std::size_t>(face[k])]; };
+    result->faces.push_back({ordered(0), ordered(1), ordered(2)});
+  }
+  result->next_around_edge = link_edges(result->faces);
+  return result;
+}
+
+template <typename T>
+std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> order) {
+  std::vector<T> result;
+  result.reserve(values.empty() ? 0 : order.size());
+  if (!values.empty())
+    for (const std::int32_t k : order) result.push_back(values[static_cast<std::size_t>(k)]);
+  return result;
+}
+
+template <typename T>
+std::vector<T> scatter(std::span<const T> values, std::span<const std::int32_t> order) {
+  std::vector<T> result(values.size());
+  for (std::size_t k = 0; k < values.size(); ++k) result[static_cast<std::size_t>(order[k])] = values[k];
+  return result;
+}
+
+/// Geometry of the triangle x with the density f at its corners.
+FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
+  FaceGeometry face;
+  face.centroid = (x[0] + x[1] + x[2]) / 3.0;
+  const Vec3 cross = (x[1] - x[0]).cross(x[2] - x[0]);
+  const double longest =
+      std::max({(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
+  const double twice_area = cross.norm();
+  if (!(twice_area > kDegenerate * longest)) return face;
+  face.normal = cross / twice_area;
+  const std::array<Vec3, 3> y = {x[0] - face.centroid, x[1] - face.centroid, x[2] - face.centroid};
+  if (uniform) {
+    add_uniform_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2]);
+    finish_uniform(face.moments);
+    return face;
+  }
+  add_linear_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2], f[0], f[1], f[2]);
+  for (std::size_t k = 0; k < 3; ++k)  // the gradient of a hat function is normal x opposite edge / (2 area)
+    face.density_gradient +=
+        f[static_cast<Eigen::Index>(k)] / twice_area * face.normal.cross(x[(k + 2) % 3] - x[(k + 1) % 3]);
+  return face;
+}
+
+void check_total(const SurfaceGeometry& geometry) {
+  if (!(geometry.area > 0.0)) throw SurfaceError("faces have no area: all triangles are degenerate");
+  if (!std::isfinite(geometry.area)) throw SurfaceError("vertices span an area that is not finite");
+  if (!(geometry.mass > 0.0)) throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
+}
+
+std::shared_ptr<const SurfaceGeometry> measure(const SurfaceConnectivity& connectivity, std::vector<Vec3> vertices,
+                                               std::vector<double> density) {
+  auto result = std::make_shared<SurfaceGeometry>();
+  const bool uniform = density.empty();
+  result->vertices = std::move(vertices);
+  result->density = std::move(density);
+  result->faces.resize(connectivity.faces.size());
+  parallel_chunks(result->faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      std::array<Vec3, 3> x;
+      Vec3 values = Vec3::Ones();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(connectivity.faces[f][k]);
+        x[k] = result->vertices[v];
+        if (!uniform) values[static_cast<Eigen::Index>(k)] = result->density[v];
+      }
+      result->faces[f] = measure_face(x, values, uniform);
+    }
+  });
+  for (const FaceGeometry& face : result->faces) {
+    result->area += face.moments.area;
+    result->mass += face.moments.capacity;
+  }
+  check_total(*result);
+  return result;
+}
+
+double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
+  const Vec3 u = a - apex;
+  const Vec3 v = b - apex;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+}  // namespace
+
+Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces, std::span<const double> density) {
+  check_finite<SurfaceError>("vertices", vertices);
+  check_faces(faces, vertices.size());
+  check_density(density, vertices.size());
+  connectivity_ = connect(vertices, faces);
+  geometry_ = measure(*connectivity_, gather(vertices, connectivity_->original_vertex),
+                      gather(density, connectivity_->original_vertex));
+}
+
+Surface::Surface(std::shared_ptr<const SurfaceConnectivity> connectivity, std::vector<Vec3> vertices,
+                 std::vector<double> density)
+    : connectivity_(std::move(connectivity)),
+      geometry_(measure(*connectivity_, std::move(vertices), std::move(density))) {}
+
+Surface Surface::deformed(std::span<const Vec3> vertices) const {
+  if (vertices.size() != vertex_count())
+    throw SurfaceError("vertices has " + std::to_string(vertices.size()) + " rows; the surface has " +
+                       std::to_string(vertex_count()) + " vertices, and deforming keeps their number");
+  check_finite<SurfaceError>("vertices", vertices);
+  return {connectivity_, gather(vertices, connectivity_->original_vertex), geometry_->density};
+}
+
+std::vector<Vec3> Surface::vertices() const { return scatter<Vec3>(geometry_->vertices, connectivity_->original_vertex); }
+
+std::vector<double> Surface::density() const { return scatter<double>(geometry_->density, connectivity_->original_vertex); }
+
+std::vector<Face> Surface::faces() const {
+  std::vector<Face> result(face_count());
+  for (std::size_t f = 0; f < face_count(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      result[static_cast<std::size_t>(connectivity_->original_face[f])][k] =
+          connectivity_->original_vertex[static_cast<std::size_t>(connectivity_->faces[f][k])];
+  return result;
+}
+
+Vec3 Surface::point(std::int32_t face, const Vec3& weights) const {
+  const auto [a, b, c] = corners(ordered_face(face));
+  return weights[0] * vertex(a) + weights[1] * vertex(b) + weights[2] * vertex(c);
+}
+
+std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces, std::span<const Vec3> weights) const {
+  std::vector<Vec3> at_vertices(vertex_count(), Vec3::Zero());
+  for (std::size_t f = 0; f < face_count(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Face& v = connectivity_->faces[f];
+      at_vertices[static_cast<std::size_t>(v[k])] +=
+          angle_at(vertex(v[k]), vertex(v[(k + 1) % 3]), vertex(v[(k + 2) % 3])) * geometry_->faces[f].normal;
+    }
+  for (Vec3& normal : at_vertices) normal.stableNormalize();
+  std::vector<Vec3> result(faces.size());
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const std::int32_t f = ordered_face(faces[k]);
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t c = 0; c < 3; ++c)
+      sum += weights[k][static_cast<Eigen::Index>(c)] * at_vertices[static_cast<std::size_t>(corners(f)[c])];
+    // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is.
+    result[k] = sum.norm() > 1e-6 ? sum.normalized() : geometry(f).normal;
+  }
+  return result;
+}
+
+double Surface::spacing(std::size_t count) const {
+  return std::sqrt(2.0 * area() / (std::numbers::sqrt3 * static_cast<double>(std::max<std::size_t>(count, 1))));
+}
+
+}  // namespace dapple

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/errors.hpp>
+#include <dapple/surface.hpp>
+#include <cmath>
+#include <string>
+
+namespace dapple {
+
+/// "name[index]", for messages that name the first offender.
+inline std::string entry(const char* name, std::size_t index) {
+  return std::string(name) + "[" + std::to_string(index) + "]";
+}
+
+/// A number with enough digits to recognise it.
+[[nodiscard]] std::string number(double value);
+
+/// \throw Error naming the first point with a coordinate that is not finite
+template <typename Error = ArgumentError>
+void check_finite(const char* name, std::span<const Vec3> points) {
+  for (std::size_t k = 0; k < points.size(); ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!std::isfinite(points[k][axis]))
+        throw Error(entry(name, k) + " is not finite: coordinate " + std::to_string(axis) + " is " +
+                    number(points[k][axis]));
+}
+
+/// \throw ArgumentError naming the first index outside the surface's faces
+void check_face_indices(const char* name, std::span<const std::int32_t> faces, const Surface& surface);
+
+/// \throw ArgumentError if the lengths differ
+void check_same_length(const char* name, std::size_t length, const char* other, std::size_t expected);
+
+/// \throw ArgumentError unless value is finite and >= low
+void check_at_least(const char* name, double value, double low);
+
+}  // namespace dapple
