@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that work in steps: at once in background mode, else under a timer with Esc."""
 
+from collections.abc import Callable
+
 import bpy
 
 from ..core.errors import ScatterError, StoppedError
@@ -13,8 +15,10 @@ Answer = set[str]
 class StepsOperator:
     """Mixin for operators: write steps(context), perhaps done(context, result)."""
 
-    _stepper: Stepper | None = None
-    _timer: bpy.types.Timer | None = None
+    bl_label: str
+    report: Callable[[set[str], str], None]
+    _stepper: Stepper
+    _timer: bpy.types.Timer
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The work."""

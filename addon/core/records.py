@@ -45,7 +45,7 @@ class Binding:
 
     def rows(self) -> Columns:
         """Columns named as in ROW_ATTRIBUTES."""
-        columns = {f"dapple_v{k}": self.corners[:, k] for k in range(3)}
+        columns: Columns = {f"dapple_v{k}": self.corners[:, k] for k in range(3)}
         columns["dapple_barycentric"] = self.barycentric
         columns["dapple_carry"] = self.carry
         return columns

@@ -104,8 +104,8 @@ class Stepper:
 
     def _start(self, task: Task) -> None:
         self._task, self._context = task, package().Context()
-        self._thread = threading.Thread(target=self._work, name="dapple", daemon=True)
+        self._thread = threading.Thread(target=self._work, args=(task,), name="dapple", daemon=True)
         self._thread.start()
 
-    def _work(self) -> None:
-        self._value, self._error = _outcome(self._task.call, self._context)
+    def _work(self, task: Task) -> None:
+        self._value, self._error = _outcome(task.call, self._context)

@@ -27,15 +27,15 @@ class SurfaceArrays:
     def fingerprint(self) -> str:
         """Digest of topology and positions."""
         digest = hashlib.blake2b(self.topology.encode(), digest_size=16)
-        digest.update(np.ascontiguousarray(self.vertices))
+        digest.update(self.vertices.tobytes())
         return digest.hexdigest()
 
 
 def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
     """Digest of a polygon mesh without its positions."""
     digest = hashlib.blake2b(str(vertex_count).encode(), digest_size=16)
-    digest.update(np.ascontiguousarray(corners))
-    digest.update(np.ascontiguousarray(starts))
+    digest.update(corners.tobytes())
+    digest.update(starts.tobytes())
     return digest.hexdigest()
 
 

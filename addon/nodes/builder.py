@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A thin hand for writing node trees: add a node, feed its sockets, take its output."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import bpy
 
-Socket = bpy.types.NodeSocket
+Socket: TypeAlias = Any  # bpy.types.NodeSocket
 
 
 class Builder:
@@ -35,7 +35,7 @@ class Builder:
         return node
 
     def _feed(self, socket: Socket, feed: Any) -> None:
-        if isinstance(feed, Socket):
+        if isinstance(feed, bpy.types.NodeSocket):
             self.tree.links.new(feed, socket)
         elif feed is not None:
             socket.default_value = feed

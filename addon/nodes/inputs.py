@@ -28,3 +28,5 @@ def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
         getattr(modifier.properties.inputs, identifier).value = value
     else:
         modifier[identifier] = value
+    if value is None or isinstance(value, bpy.types.ID):
+        modifier.node_group = modifier.node_group  # has the depsgraph ask for its relations anew

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every test starts from a fresh file, with the add-on enabled as an extension."""
+
+import atexit
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+_HOME = tempfile.mkdtemp(prefix="dapple-blender-")
+os.environ.setdefault("BLENDER_USER_RESOURCES", _HOME)  # never the user's own settings
+import bpy  # noqa: E402 - after the environment is set, before Blender's own modules
+
+sys.path.insert(0, str(HERE))
+import addon_host  # noqa: E402
+
+_status = [0]
+
+
+@pytest.fixture(scope="session")
+def addon():
+    """Package of the enabled extension, e.g. for addon.core."""
+    repository = Path(_HOME) / "repository"
+    addon_host.add_repository(repository)
+    yield addon_host.enable()
+    addon_host.disable()
+
+
+@pytest.fixture(autouse=True)
+def fresh_file(addon):
+    """An empty scene."""
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
+
+
+def pytest_sessionfinish(session, exitstatus):
+    _status[0] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    """Leave at once: Blender hangs at exit when a class is still registered."""
+    shutil.rmtree(_HOME, ignore_errors=True)
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(_status[0])

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A render engine that draws nothing and notes what the render's own evaluation holds."""
+
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+import scenes
+
+
+class ProbeEngine(bpy.types.RenderEngine):
+    bl_idname = "DAPPLE_TESTS_PROBE"
+    bl_label = "Probe"
+    watched = ""  # name of a scatter object
+    seen = ()
+
+    def render(self, depsgraph):
+        obj = bpy.data.objects[ProbeEngine.watched]
+        surface = obj.dapple.surface if obj.dapple.surface else obj
+        evaluated = surface.evaluated_get(depsgraph)
+        ProbeEngine.seen += (
+            {
+                "mode": depsgraph.mode,
+                "frame": depsgraph.scene.frame_current + depsgraph.scene.frame_subframe,
+                "positions": scenes.positions(obj, depsgraph),
+                "surface_vertices": len(evaluated.data.vertices),
+            },
+        )
+        self._empty_picture(depsgraph.scene)
+
+    def _empty_picture(self, scene):
+        result = self.begin_result(0, 0, scene.render.resolution_x, scene.render.resolution_y)
+        pixels = np.zeros((scene.render.resolution_x * scene.render.resolution_y, 4), np.float32)
+        result.layers[0].passes["Combined"].rect = pixels
+        self.end_result(result)
+
+
+@contextmanager
+def registered():
+    bpy.utils.register_class(ProbeEngine)
+    try:
+        yield
+    finally:
+        bpy.utils.unregister_class(ProbeEngine)
+
+
+def render(obj, frame, subframe=0.0):
+    """What a render of this frame sees of a scatter object and its surface."""
+    scene = bpy.context.scene
+    scene.render.engine = ProbeEngine.bl_idname
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.resolution_percentage = 100
+    if scene.camera is None:
+        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(scene.camera)
+    ProbeEngine.watched, ProbeEngine.seen = obj.name, ()
+    scene.frame_set(frame, subframe=subframe)
+    bpy.ops.render.render()
+    return ProbeEngine.seen[-1]

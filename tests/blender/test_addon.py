@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension itself: enabling, layers, manifest, one name for each option."""
+
+import inspect
+import subprocess
+import sys
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import addon_host
+import bpy
+import pytest
+import scenes
+
+ADDON = addon_host.ADDON
+
+WITHOUT_BPY = """
+import importlib, pathlib, sys
+sys.modules["bpy"] = None
+sys.path.insert(0, sys.argv[1])
+names = sorted(path.stem for path in pathlib.Path(sys.argv[1], "addon", "core").glob("*.py"))
+for name in names:
+    importlib.import_module(f"addon.core.{name}")
+print(len(names))
+"""
+
+WITHOUT_DAPPLE = """
+import os, sys, tempfile
+import bpy
+sys.path.insert(0, sys.argv[1])
+sys.modules["dapple"] = None
+import addon_host
+addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
+addon_host.enable()
+import scenes
+scenes.sphere()
+print(bpy.ops.dapple.add.poll(), addon_host.part("core.native").missing())
+addon_host.disable()
+sys.stdout.flush()
+os._exit(0)
+"""
+
+
+def test_enable_and_disable_again_and_again():
+    for _ in range(3):
+        addon_host.disable()
+        assert not hasattr(bpy.types.Object, "dapple")
+        assert "DAPPLE_OT_add" not in dir(bpy.types)
+        addon_host.enable()
+        assert hasattr(bpy.types.Object, "dapple")
+    assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+
+
+def test_the_core_needs_no_bpy():
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_BPY, str(ADDON.parent)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+    assert int(done.stdout) >= 8
+
+
+@pytest.mark.skipif(bool(bpy.app.binary_path), reason="needs bpy as a module of Python")
+def test_without_the_native_package_the_add_on_enables_and_says_what_is_missing():
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_DAPPLE, str(Path(__file__).parent)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert "False Dapple's native Python package 'dapple' cannot be loaded" in done.stdout
+
+
+def test_the_manifest_asks_for_nothing_and_names_the_minimum():
+    manifest = tomllib.loads((ADDON / "blender_manifest.toml").read_text())
+    assert manifest["id"] == "dapple"
+    assert manifest["blender_version_min"] == "4.3.0"
+    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert "permissions" not in manifest
+
+
+def test_blender_accepts_the_extension():
+    scripts = Path(bpy.utils.resource_path("LOCAL"), "scripts")
+    tool = scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
+    if not tool.is_file():
+        pytest.skip(f"this Blender has no {tool}")
+    done = subprocess.run(
+        [sys.executable, str(tool), "validate", str(ADDON)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_options_have_the_names_and_defaults_of_the_native_package():
+    settings = addon_host.part("core.settings").Settings()
+    package = addon_host.part("core.native").package()
+    sample = inspect.signature(package.sample).parameters
+    shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
+    for field in fields(settings):
+        value = getattr(settings, field.name)
+        assert field.name in sample
+        assert shown[field.name].default == pytest.approx(value, rel=1e-6)
+        if field.name != "count":
+            assert sample[field.name].default == value
+
+
+def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
+    ui = addon_host.part("blender.ui")
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface, count=120)
+    lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
+    assert lines[0].startswith("120 points, spacing 0.")
+    assert lines[-1] == "Fresh: fits the surface"
+    surface.modifiers.new("Subdivision", "SUBSURF")
+    lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
+    assert lines[-1].startswith("Stale: bound to 266 vertices, the surface has ")

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake: keys that follow the tracker, playback that equals them, ids that stay."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+FRAMES = 6
+
+
+@pytest.fixture
+def tracked(monkeypatch):
+    """Every result of the tracker during the test's bakes."""
+    seen = []
+    baker = addon_host.part("core.solve").Baker
+    advance = baker.advance
+
+    def noting(self, vertices, context):
+        advance(self, vertices, context)
+        seen.append(self._tracker.samples)
+
+    monkeypatch.setattr(baker, "advance", noting)
+    return seen
+
+
+def baked(frames=FRAMES, **options):
+    surface = scenes.tail(frames=frames, **options)
+    obj = scenes.scattered(surface)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    return surface, obj
+
+
+def tolerance(surface):
+    return 1e-5 * scenes.size(scenes.world_vertices(surface))
+
+
+def at(frame, subframe=0.0):
+    bpy.context.scene.frame_set(frame, subframe=subframe)
+
+
+def key_rows(obj):
+    """Stored keys: corners (F, n, 3), barycentric (F, n, 3)."""
+    nodes, meshio = addon_host.part("nodes"), addon_host.part("blender.meshio")
+    records = addon_host.part("core.records")
+    store = nodes.get_input(obj.modifiers[0], "Keys")
+    binding = records.binding_from(meshio.read_columns(store.data, records.ROW_ATTRIBUTES))
+    count = len(obj.data.vertices)
+    return binding.corners.reshape(-1, count, 3), binding.barycentric.reshape(-1, count, 3)
+
+
+def test_playback_equals_the_tracker_at_whole_frames(tracked):
+    surface, obj = baked()
+    assert len(tracked) == FRAMES
+    for frame, samples in enumerate(tracked, start=1):
+        at(frame)
+        error = np.abs(scenes.positions(obj) - samples.positions).max()
+        assert error < tolerance(surface)
+
+
+def test_keys_change_faces_and_differ_from_riding_along():
+    surface, obj = baked()
+    corners, _ = key_rows(obj)
+    assert len(corners) == FRAMES
+    assert (corners[0] != corners[-1]).any()
+    at(FRAMES)
+    shown = scenes.positions(obj)
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert np.abs(scenes.positions(obj) - shown).max() > 100 * tolerance(surface)
+
+
+@pytest.mark.parametrize("fraction", [0.25, 0.5])
+def test_between_frames_both_keys_are_mixed_on_the_surface_of_that_moment(fraction):
+    surface, obj = baked()
+    corners, weights = key_rows(obj)
+    at(3, fraction)
+    vertices = scenes.world_vertices(surface)
+    here, there = (np.einsum("nk,nkd->nd", weights[key], vertices[corners[key]]) for key in (2, 3))
+    expected = (1.0 - fraction) * here + fraction * there
+    assert np.abs(here - there).max() > 100 * tolerance(surface)
+    assert np.abs(scenes.positions(obj) - expected).max() < tolerance(surface)
+
+
+def test_outside_the_range_the_first_and_the_last_key_hold():
+    bpy.context.scene.frame_start = 3
+    surface, obj = baked()
+    corners, weights = key_rows(obj)
+    assert len(corners) == FRAMES - 2
+    for frame, subframe, key in ((1, 0.0, 0), (-7, 0.5, 0), (2, 0.5, 0), (6, 0.5, -1), (30, 0, -1)):
+        at(frame, subframe)
+        vertices = scenes.world_vertices(surface)
+        expected = np.einsum("nk,nkd->nd", weights[key], vertices[corners[key]])
+        assert np.abs(scenes.positions(obj) - expected).max() < tolerance(surface)
+
+
+def test_every_id_is_kept():
+    _, obj = baked()
+    before = sorted(range(60))
+    for frame in range(1, FRAMES + 1):
+        at(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluated = obj.evaluated_get(depsgraph)
+        assert len(scenes.positions(obj)) == 60
+        ids = [item.value for item in obj.data.attributes["id"].data]
+        assert sorted(ids) == before
+        assert evaluated.is_evaluated
+
+
+def test_points_move_less_than_half_a_spacing_a_frame(tracked):
+    baked()
+    assert max(samples.report.slide_max for samples in tracked) < 0.5
+
+
+def test_orientation_never_pops():
+    _, obj = baked(frames=8)
+    previous = None
+    for step in range(4 * 7 + 1):
+        at(1 + step // 4, (step % 4) / 4)
+        axes = scenes.rotations(obj)
+        if previous is not None:
+            trace = np.einsum("nij,nij->n", previous, axes)
+            angle = np.degrees(np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0)))
+            assert angle.max() < 15.0  # the tip turns by 69 degrees in 28 steps
+        previous = axes
+
+
+def test_the_current_frame_stays():
+    surface = scenes.tail()
+    scenes.scattered(surface)
+    at(4, 0.25)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    scene = bpy.context.scene
+    assert (scene.frame_current, scene.frame_subframe) == (4, 0.25)
+
+
+def test_baking_again_leaves_one_set_of_keys():
+    _, obj = baked()
+    count = len(bpy.data.objects)
+    bpy.context.scene.frame_end = 3
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert len(bpy.data.objects) == count
+    assert len(key_rows(obj)[0]) == obj.dapple.baked_keys == 3
+
+
+def test_optimise_drops_the_keys():
+    _, obj = baked()
+    count = len(bpy.data.objects)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert len(bpy.data.objects) == count - 1
+    assert obj.dapple.baked_keys == 0
+    assert not bpy.ops.dapple.clear_bake.poll()
+
+
+def test_undo_and_redo_of_a_bake():
+    surface = scenes.tail()
+    obj = scenes.scattered(surface)
+    name = obj.name
+    bpy.ops.ed.undo_push(message="Before")
+    at(5)
+    riding = scenes.positions(obj)
+    bpy.ops.ed.undo_push(message="Frame")
+    assert bpy.ops.dapple.bake("EXEC_DEFAULT", True) == {"FINISHED"}
+    playing = scenes.positions(bpy.data.objects[name])
+    bpy.ops.ed.undo()
+    assert np.allclose(scenes.positions(bpy.data.objects[name]), riding, atol=1e-6)
+    bpy.ops.ed.redo()
+    assert np.allclose(scenes.positions(bpy.data.objects[name]), playing, atol=1e-6)
+
+
+def test_points_removed_by_hand_after_the_bake_are_reported():
+    _, obj = baked()
+    obj.data.clear_geometry()
+    obj.data.vertices.add(5)
+    assert len(scenes.positions(obj)) == 0
+    assert scenes.node_warnings(obj) == ["Points were added or removed since the bake: bake again"]
+
+
+def refused(words):
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.dapple.bake()
+    assert scenes.snapshot() == before
+
+
+def test_a_topology_that_changes_in_the_range_is_refused():
+    surface = scenes.tail()
+    scenes.scattered(surface)
+    modifier = surface.modifiers.new("Mask", "BUILD")
+    modifier.frame_start, modifier.frame_duration = -1000, 1
+    check = surface.modifiers["Subdivision"]
+    for level, frame in ((1, 3), (2, 4)):
+        check.levels = check.render_levels = level
+        check.keyframe_insert("levels", frame=frame)
+        check.keyframe_insert("render_levels", frame=frame)
+    at(2)
+    surface.modifiers.remove(modifier)
+    refused("'Tail' changes its topology at frame 4 .1634 vertices, was 410")
+
+
+def test_a_stale_scatter_is_refused():
+    surface = scenes.tail()
+    scenes.scattered(surface)
+    modifier = surface.modifiers["Subdivision"]
+    modifier.levels = modifier.render_levels = 2
+    refused("is stale: bound to 410 vertices, surface 'Tail' has 1634")
+
+
+def test_an_empty_range_is_refused():
+    scenes.scattered(scenes.tail())
+    scene = bpy.context.scene
+    scene.frame_end, scene.frame_start = 2, 2
+    scene.frame_preview_start = 1
+    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    errors = addon_host.part("core.errors")
+    with pytest.raises(errors.ScatterError, match="frame range is empty: 5 to 4"):
+        steps.run_now(work.bake_steps(bpy.context, 5, 4))
+
+
+def test_a_broken_record_is_refused():
+    obj = scenes.scattered(scenes.tail())
+    obj.data.attributes["dapple_v1"].data[7].value = 99_999
+    refused(r"dapple_v1\[7\] is 99999")
+
+
+def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
+    surface = scenes.tail()
+    obj = scenes.scattered(surface)
+    meshio, binding = addon_host.part("blender.meshio"), addon_host.part("core.binding")
+    store = addon_host.part("blender.store")
+    dapple = addon_host.part("core.native").package()
+    arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    stored, columns = store.read_binding(obj, len(arrays.vertices))
+    quads = [polygon.vertices[:] for polygon in evaluated_polygons(surface)]
+    other = np.array(
+        [t for q in quads for t in ((q[0], q[1], q[3]), (q[1], q[2], q[3]))], dtype=np.int32
+    )
+    assert (binding.faces_with_corners(stored.corners, other) < 0).any()
+    samples = binding.samples_of(
+        stored, dapple.Surface(arrays.vertices, other), columns["id"], columns["dapple_class"]
+    )
+    moved = np.abs(samples.positions - stored.positions(arrays.vertices)).max()
+    assert moved < 0.02 * scenes.size(arrays.vertices)
+
+
+def evaluated_polygons(surface):
+    return surface.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons

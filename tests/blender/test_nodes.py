@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node group alone, on bindings made by hand: one point in the middle of every triangle."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def bound_to_every_triangle(surface):
+    """Scatter object with a point in each triangle of a mesh without modifiers; its corners."""
+    surface.data.calc_loop_triangles()
+    corners = np.array([tri.vertices[:] for tri in surface.data.loop_triangles], dtype=np.int32)
+    records, solve = addon_host.part("core.records"), addon_host.part("core.solve")
+    store, meshio = addon_host.part("blender.store"), addon_host.part("blender.meshio")
+    count = len(corners)
+    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
+    ids = np.arange(count, dtype=np.int32)
+    columns = solve.point_columns(ids, np.zeros_like(ids), seed=0)
+    arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    obj = store.new_scatter(surface, bpy.context.scene.collection)
+    solved = solve.Scattered(
+        binding.positions(arrays.vertices), binding, columns, solve.Report(spacing=0.1)
+    )
+    store.write_scattered(obj, arrays, solved)
+    obj.dapple.turn_randomness = 0.0
+    return obj, corners
+
+
+def centres(surface, corners):
+    return scenes.world_vertices(surface)[corners].mean(axis=1)
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 1), (0.5, 1, 2), (-1, 1, 1), (-1, -2, -0.5)])
+def test_points_ride_on_a_moved_turned_and_scaled_surface(scale):
+    surface = scenes.sphere(scale, location=(1, 2, 3), rotation=(0.1, 0.2, 0.3))
+    obj, corners = bound_to_every_triangle(surface)
+    found = scenes.positions(obj)
+    assert np.allclose(found, centres(surface, corners), rtol=0, atol=1e-5)
+    outward = np.einsum("nd,nd->n", found - (1, 2, 3), scenes.rotations(obj)[:, :, 2])
+    assert outward.min() > 0.0
+
+
+def test_the_scatter_object_may_be_moved_and_parented():
+    surface = scenes.sphere()
+    obj, corners = bound_to_every_triangle(surface)
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.collection.objects.link(parent)
+    parent.location, parent.scale = (3, 0, 1), (2, 2, 2)
+    obj.parent, obj.location = parent, (0, 5, 0)
+    assert np.allclose(scenes.positions(obj), centres(surface, corners), rtol=0, atol=1e-5)
+
+
+def test_x_runs_along_the_first_edge_and_z_along_the_interpolated_normal():
+    surface = scenes.sphere((1, 1, 1.5))
+    obj, corners = bound_to_every_triangle(surface)
+    frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
+    vertices, count = scenes.world_vertices(surface), len(corners)
+    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
+    expected = frames.frames(binding, vertices, frames.vertex_normals(vertices, corners))
+    axes = scenes.rotations(obj)
+    assert np.einsum("nd,nd->n", axes[:, :, 0], expected.tangent).min() > 0.999
+    assert np.einsum("nd,nd->n", axes[:, :, 2], expected.normal).min() > 0.999
+
+
+def test_a_change_of_topology_shows_a_warning_and_no_points():
+    surface = scenes.sphere()
+    obj, corners = bound_to_every_triangle(surface)
+    assert len(scenes.positions(obj)) == len(corners)
+    assert scenes.node_warnings(obj) == []
+    surface.modifiers.new("Subdivision", "SUBSURF")
+    assert len(scenes.positions(obj)) == 0
+    assert scenes.node_warnings(obj) == [
+        "The surface has another number of vertices: optimise the scatter"
+    ]
+
+
+def test_a_removed_surface_shows_a_warning_and_no_points():
+    surface = scenes.sphere()
+    obj, _ = bound_to_every_triangle(surface)
+    bpy.data.objects.remove(surface)
+    assert len(scenes.positions(obj)) == 0
+    assert len(scenes.node_warnings(obj)) == 1
+
+
+def test_the_chosen_instance_replaces_the_cone():
+    surface = scenes.sphere()
+    obj, corners = bound_to_every_triangle(surface)
+    bpy.ops.mesh.primitive_cube_add(size=0.1, location=(9, 9, 9))
+    cube = bpy.context.object
+    obj.dapple.instance = cube
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [i.object.original for i in depsgraph.object_instances if i.is_instance]
+    assert shown == [cube] * len(corners)
+    assert np.allclose(scenes.positions(obj), centres(surface, corners), rtol=0, atol=1e-5)
+
+
+def test_scale_and_its_randomness():
+    obj, _ = bound_to_every_triangle(scenes.sphere())
+    obj.dapple.scale = 2.0
+    lengths = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+    assert np.allclose(lengths, 2.0, atol=1e-5)
+    obj.dapple.scale_randomness = 0.5
+    lengths = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+    assert lengths.min() >= 1.0 - 1e-5
+    assert lengths.max() <= 2.0 + 1e-5
+    assert np.ptp(lengths) > 0.8
+
+
+def test_groups_are_built_once_and_have_no_broken_link():
+    nodes = addon_host.part("nodes")
+    group = nodes.ensure_group()
+    assert nodes.ensure_group() == group
+    assert len(bpy.data.node_groups) == 2
+    links = [link for tree in bpy.data.node_groups for link in tree.links]
+    assert links
+    assert all(link.is_valid for link in links)

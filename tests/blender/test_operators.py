@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators by name, undo and redo, refusals that leave the scene as it was."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def points(obj):
+    local = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", local)
+    return local.reshape(-1, 3)
+
+
+def test_add_makes_exactly_the_points_asked_for():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface, count=77)
+    assert obj.dapple.surface == surface
+    assert obj.dapple.count == 77
+    assert obj.select_get()
+    assert not surface.select_get()
+    found = scenes.positions(obj)
+    assert len(found) == 77
+    assert np.allclose(np.linalg.norm(found, axis=1), 1.0, atol=0.02)
+    assert np.allclose(found, points(obj), atol=1e-5)
+
+
+def test_add_stores_every_record():
+    records, meshio = addon_host.part("core.records"), addon_host.part("blender.meshio")
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    columns = meshio.read_columns(obj.data, {**records.ROW_ATTRIBUTES, **records.POINT_ATTRIBUTES})
+    assert sorted(columns["id"].tolist()) == list(range(40))
+    assert (columns["dapple_class"] == 0).all()
+    assert np.allclose(columns["dapple_barycentric"].sum(axis=1), 1.0, atol=1e-6)
+    assert obj.data[records.SCHEMA_KEY] == records.SCHEMA
+
+
+def test_the_report_is_filled():
+    report = scenes.scattered(scenes.sphere(), count=200).dapple.report
+    assert report.count == 200
+    assert 0.6 < report.alpha_mean <= 1.0
+    assert report.alpha_min <= report.alpha_mean
+    assert report.capacity_spread < 0.05
+    assert report.evaluations > 1
+
+
+def test_spacing_is_measured_in_world_space():
+    surface = scenes.sphere(scale=(1.0, 1.0, 6.0))
+    found = scenes.positions(scenes.scattered(surface, count=300))
+    distance = np.linalg.norm(found[:, None] - found[None], axis=2) + 9.0 * np.eye(300)
+    nearest = distance.min(axis=1)
+    middle = np.abs(found[:, 2]) < 2.0
+    assert nearest.std() / nearest.mean() < 0.2
+    assert abs(nearest[middle].mean() / nearest[~middle].mean() - 1.0) < 0.1
+
+
+def test_a_mirrored_surface_faces_outwards():
+    surface = scenes.sphere(scale=(-1.0, 1.0, 1.0))
+    obj = scenes.scattered(surface)
+    outward = np.einsum("nd,nd->n", scenes.positions(obj), scenes.rotations(obj)[:, :, 2])
+    assert outward.min() > 0.9
+
+
+def test_the_same_seed_gives_the_same_points_and_another_seed_others():
+    surface = scenes.sphere()
+    first = points(scenes.scattered(surface))
+    again = points(scenes.scattered(surface))
+    assert (first == again).all()
+    obj = bpy.context.object
+    obj.dapple.seed = 1
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert not np.allclose(points(obj), first, atol=1e-3)
+
+
+def test_optimise_follows_the_settings_and_the_frame():
+    surface = scenes.tail()
+    obj = scenes.scattered(surface)
+    bpy.context.scene.frame_set(6)
+    obj.dapple.count = 90
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert len(scenes.positions(obj)) == 90
+    dapple = pytest.importorskip("dapple")
+    vertices = scenes.world_vertices(surface)
+    meshio = addon_host.part("blender.meshio")
+    faces = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get()).faces
+    distances = dapple.project(dapple.Surface(vertices, faces), scenes.positions(obj)).distances
+    assert np.max(distances) < 1e-5 * scenes.size(vertices)
+
+
+def test_undo_and_redo():
+    scenes.sphere()
+    bpy.ops.ed.undo_push(message="Before")
+    assert bpy.ops.dapple.add("EXEC_DEFAULT", True, count=50) == {"FINISHED"}
+    name = bpy.context.object.name
+    expected = points(bpy.data.objects[name])
+    bpy.data.objects[name].dapple.count = 20
+    assert bpy.ops.dapple.optimise("EXEC_DEFAULT", True) == {"FINISHED"}
+    bpy.ops.ed.undo()
+    assert (points(bpy.data.objects[name]) == expected).all()
+    assert np.allclose(scenes.positions(bpy.data.objects[name]), expected, atol=1e-5)
+    bpy.ops.ed.undo()
+    assert name not in bpy.data.objects
+    bpy.ops.ed.redo()
+    bpy.ops.ed.redo()
+    assert len(scenes.positions(bpy.data.objects[name])) == 20
+
+
+def refused(call, words):
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match=words):
+        call()
+    assert scenes.snapshot() == before
+
+
+def test_unequal_levels_are_refused():
+    surface = scenes.tail(levels=1, render_levels=2)
+    refused(bpy.ops.dapple.add, "410 vertices in the viewport and 1634 in the render")
+    assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
+    obj = scenes.scattered(surface)
+    surface.modifiers["Subdivision"].render_levels = 1
+    refused(bpy.ops.dapple.optimise, "Match Subdivision")
+    refused(bpy.ops.dapple.bake, "Match Subdivision")
+    assert len(scenes.positions(obj)) == 60
+
+
+def test_a_vertex_that_is_not_finite_is_named():
+    surface = scenes.sphere()
+    surface.data.vertices[17].co.x = float("nan")
+    refused(bpy.ops.dapple.add, r"'Sphere'.*vertices\[17\] is not finite")
+
+
+def test_a_mesh_without_faces_is_refused():
+    mesh = bpy.data.meshes.new("Empty")
+    obj = bpy.data.objects.new("Empty", mesh)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    refused(bpy.ops.dapple.add, "'Empty'")
+
+
+def test_a_scatter_without_surface_is_refused():
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.surface = None
+    refused(bpy.ops.dapple.optimise, f"'{obj.name}' has no surface")
+
+
+def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    for collection in surface.users_collection:
+        collection.objects.unlink(surface)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert len(scenes.positions(obj)) == 60
+
+
+def test_an_object_that_is_not_evaluated_cannot_be_read():
+    errors, meshio = addon_host.part("core.errors"), addon_host.part("blender.meshio")
+    loose = bpy.data.objects.new("Loose", bpy.data.meshes.new("Loose"))
+    with pytest.raises(errors.ScatterError, match="'Loose' is not evaluated"):
+        meshio.read_surface(loose, bpy.context.evaluated_depsgraph_get())
+
+
+def test_operators_need_object_mode_and_the_right_object():
+    assert not bpy.ops.dapple.add.poll()
+    surface = scenes.sphere()
+    assert bpy.ops.dapple.add.poll()
+    assert not bpy.ops.dapple.optimise.poll()
+    scenes.scattered(surface)
+    assert not bpy.ops.dapple.add.poll()
+    assert bpy.ops.dapple.optimise.poll()
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.dapple.optimise.poll()
+
+
+def test_a_mesh_that_changed_meanwhile_is_not_written_to():
+    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    errors = addon_host.part("core.errors")
+    surface = scenes.sphere()
+    settings = addon_host.part("core.settings").Settings(count=30)
+    running = work.add_steps(bpy.context, settings)
+    task = next(running)
+    solved = task.call(addon_host.part("core.native").package().Context())
+    surface.data.vertices[0].co.z += 0.1
+    before = scenes.snapshot()
+    with pytest.raises(errors.ScatterError, match="'Sphere' changed while"):
+        running.send(solved)
+    assert scenes.snapshot() == before
+    assert isinstance(task, steps.Task)

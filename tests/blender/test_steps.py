@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modal's step function: worker thread, progress, cancel."""
+
+import threading
+import time
+
+import addon_host
+import bpy
+import pytest
+import scenes
+
+
+@pytest.fixture
+def steps():
+    return addon_host.part("core.steps")
+
+
+@pytest.fixture
+def errors():
+    return addon_host.part("core.errors")
+
+
+def finish(stepper, limit=60.0):
+    """Poll as the modal does; the result."""
+    end = time.monotonic() + limit
+    while not stepper.poll():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    return stepper.result
+
+
+def test_tasks_run_in_a_worker_and_answer_the_generator(steps):
+    threads = []
+
+    def work(_context):
+        threads.append(threading.current_thread())
+        return 7
+
+    def generator():
+        return (yield steps.Task(work)) + (yield steps.Task(work))
+
+    assert finish(steps.Stepper(generator())) == 14
+    assert threading.main_thread() not in threads
+    assert steps.run_now(generator()) == 14
+
+
+def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
+    def fail(_context):
+        raise ValueError("no")
+
+    def generator():
+        try:
+            yield steps.Task(fail)
+        except ValueError as error:
+            return str(error)
+
+    assert finish(steps.Stepper(generator())) == "no"
+    assert steps.run_now(generator()) == "no"
+
+
+def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
+    work = addon_host.part("blender.work")
+    obj = scenes.scattered(scenes.tail())
+    bpy.context.scene.frame_set(3)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    expected = scenes.positions(obj)
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    progress = [stepper.progress]
+    while not stepper.poll():
+        progress.append(stepper.progress)
+    assert progress == sorted(progress)
+    assert 0.0 <= progress[0] <= progress[-1] <= 1.0
+    assert bpy.context.scene.frame_current == 3
+    assert (scenes.positions(obj) == expected).all()
+
+
+@pytest.mark.parametrize("polls", [0, 1, 3])
+def test_a_cancelled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
+    work = addon_host.part("blender.work")
+    scenes.scattered(scenes.tail(), count=300)
+    bpy.context.scene.frame_set(3)
+    before = scenes.snapshot()
+    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    for _ in range(polls):
+        stepper.poll()
+    stepper.cancel()
+    with pytest.raises(errors.StoppedError):
+        finish(stepper)
+    stepper.close()
+    assert scenes.snapshot() == before
+
+
+def test_a_cancelled_optimisation_leaves_the_scene_as_it_was(steps, errors):
+    work = addon_host.part("blender.work")
+    obj = scenes.scattered(scenes.tail())
+    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 3000, 1e-9, 100_000
+    before = scenes.snapshot()
+    stepper = steps.Stepper(work.optimise_steps(bpy.context))
+    stepper.poll()
+    stepper.cancel()
+    with pytest.raises(errors.StoppedError):
+        finish(stepper)
+    stepper.close()
+    assert scenes.snapshot() == before
+
+
+def test_closing_stops_the_worker_and_restores_the_frame(steps):
+    work = addon_host.part("blender.work")
+    scenes.scattered(scenes.tail())
+    bpy.context.scene.frame_set(2)
+    before = scenes.snapshot()
+    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    stepper.poll()
+    stepper.close()
+    assert scenes.snapshot() == before
+    assert not [thread for thread in threading.enumerate() if thread.name == "dapple"]
+
+
+def test_a_scatter_removed_meanwhile_is_named(steps, errors):
+    work = addon_host.part("blender.work")
+    obj = scenes.scattered(scenes.tail())
+    name = obj.name
+    stepper = steps.Stepper(work.optimise_steps(bpy.context))
+    stepper.poll()
+    bpy.data.objects.remove(obj)
+    with pytest.raises(errors.ScatterError, match=f"'{name}' was removed"):
+        finish(stepper)
+    stepper.close()
