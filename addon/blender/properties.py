@@ -100,14 +100,14 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     capacity_weight: FloatProperty(
         name="Capacity Weight",
-        description="How much equal areas count against regular spacing; less is more regular",
+        description="How much equal areas count against regular spacing; larger is less regular",
         default=_DEFAULT.capacity_weight,
         min=0.0,
         soft_max=100.0,
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="Relative gradient at which the optimisation stops; smaller is more regular",
+        description="Relative decrease of the energy at which to stop; smaller is more regular",
         default=_DEFAULT.tolerance,
         min=1e-9,
         max=1.0,

@@ -12,7 +12,7 @@ class Settings:
     count: int = 1000  # number of points, met exactly
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
-    tolerance: float = 1e-5  # stop below this relative gradient: smaller is more regular
+    tolerance: float = 1e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
 
     def sample_options(self) -> dict[str, Any]:
@@ -22,7 +22,5 @@ class Settings:
         return options
 
     def tracker_options(self) -> dict[str, Any]:
-        """Keyword options of dapple.Tracker."""
-        options = self.sample_options()
-        del options["seed"]
-        return options
+        """Keyword options of dapple.Tracker, which has a limit of evaluations of its own."""
+        return {"capacity_weight": self.capacity_weight, "tolerance": self.tolerance}
