@@ -1,23 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Save and reload; playback in a process that has never heard of the add-on."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import addon_host
 import bpy
+import child
 import numpy as np
-import pytest
 import scenes
 
 BARE = """
-import os, sys
 import numpy as np
-import bpy
 sys.modules["dapple"] = None  # the native package is not there either
-bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
 scene, found = bpy.context.scene, []
 for frame, subframe in ((1, 0.0), (4, 0.0), (4, 0.5), (9, 0.0)):
     scene.frame_set(frame, subframe=subframe)
@@ -25,9 +20,7 @@ for frame, subframe in ((1, 0.0), (4, 0.0), (4, 0.5), (9, 0.0)):
     found.append([np.array(i.matrix_world) for i in depsgraph.object_instances if i.is_instance])
 assert not any(name.endswith(".dapple") for name in sys.modules)
 assert not hasattr(bpy.types.Object, "dapple")
-np.save(sys.argv[2], np.array(found, dtype=np.float64))
-sys.stdout.flush()
-os._exit(0)
+np.save(arguments[1], np.array(found, dtype=np.float64))
 """
 
 MOMENTS = ((1, 0.0), (4, 0.0), (4, 0.5), (9, 0.0))
@@ -62,19 +55,11 @@ def test_save_and_reload(tmp_path):
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
 
 
-@pytest.mark.skipif(bool(bpy.app.binary_path), reason="needs bpy as a module of Python")
 def test_playback_without_the_add_on(tmp_path):
     _, expected = baked_file(tmp_path / "baked.blend")
-    found = tmp_path / "found.npy"
-    environment = {**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path / "nothing")}
-    subprocess.run(
-        [sys.executable, "-c", BARE, str(tmp_path / "baked.blend"), str(found)],
-        env=environment,
-        check=True,
-        timeout=120,
-    )
+    child.run(BARE, tmp_path / "baked.blend", tmp_path / "found.npy")
     assert expected.shape[1] == 60
-    assert np.allclose(np.load(found), expected, atol=1e-6)
+    assert np.allclose(np.load(tmp_path / "found.npy"), expected, atol=1e-6)
 
 
 def test_appending_the_scatter_brings_surface_and_keys(tmp_path):

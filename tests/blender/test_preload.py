@@ -1,41 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender executable exports its own Embree and oneTBB: the native package must bear that."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 import addon_host
 import bpy
+import child
 import numpy as np
 import pytest
 import scenes
 
 SAMPLE = """
-import hashlib, os, sys
-import bpy
+import hashlib
 import dapple
 import numpy as np
-surface = dapple.Surface(*np.load(sys.argv[1]).values())
+surface = dapple.Surface(*np.load(arguments[0]).values())
 samples = dapple.sample(surface, 200, seed=1)
 print(hashlib.sha256(samples.positions.tobytes()).hexdigest())
-sys.stdout.flush()
-os._exit(0)
 """
 
 
 def sampled(surface, preload):
-    environment = {**os.environ, "LD_PRELOAD": " ".join(map(str, preload))}
-    done = subprocess.run(
-        [sys.executable, "-c", SAMPLE, str(surface)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split()[-1]
+    return child.run(SAMPLE, surface, LD_PRELOAD=" ".join(map(str, preload))).split()[-1]
 
 
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="needs bpy as a module of Python")

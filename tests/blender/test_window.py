@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modal operators in a real window, on a virtual display."""
+
+import os
+import shutil
+import subprocess
+
+import bpy
+import child
+import pytest
+
+
+@pytest.mark.skipif(not bpy.app.binary_path, reason="bpy as a module of Python has no window")
+@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual display: xvfb is missing")
+def test_add_bake_and_escape_in_a_window(tmp_path):
+    screen = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24 +extension GLX"]
+    options = ("--window-geometry", "0", "0", "1280", "800", "--enable-event-simulate")
+    done = subprocess.run(
+        [*screen, *child.blender(*options), "--python", str(child.HERE / "window.py")],
+        env={**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1", "BLENDER_USER_RESOURCES": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

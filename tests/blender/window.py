@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modal operators in a real window. test_window.py runs this; exit status 0 is success.
+
+Each step of `story` yields until Blender's event loop has gone on.
+"""
+
+import os
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import addon_host
+import scenes
+
+TICK = 0.05
+PATIENCE = 600  # ticks
+
+
+def story():
+    """Add, bake, cancel a bake and an optimisation, as an artist would."""
+    surface = scenes.tail()
+    obj = yield from added(surface)
+    assert len(scenes.positions(obj)) == 200
+    yield from until_idle(bpy.ops.dapple.bake)
+    assert obj.dapple.baked_keys == 6
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    bpy.context.scene.frame_set(3)
+    before = scenes.snapshot()
+    yield from until_idle(bpy.ops.dapple.bake, escape_after=3)
+    assert scenes.snapshot() == before
+    assert obj.dapple.baked_keys == 0
+    obj.dapple.tolerance, obj.dapple.max_evaluations, obj.dapple.count = 1e-9, 100_000, 5000
+    yield from until_idle(bpy.ops.dapple.optimise, escape_after=3)
+    assert scenes.snapshot() == before
+    obj.dapple.count, obj.dapple.max_evaluations = 120, 200
+    yield from until_idle(bpy.ops.dapple.optimise)
+    assert len(scenes.positions(obj)) == 120
+    yield from refused(surface)
+
+
+def added(surface):
+    bpy.context.view_layer.objects.active = surface
+    yield from until_idle(bpy.ops.dapple.add, count=200)
+    assert bpy.context.object is not surface
+    return bpy.context.object
+
+
+def refused(surface):
+    """An error while the modal runs: the frame range changes the topology."""
+    modifier = surface.modifiers["Subdivision"]
+    for level, frame in ((1, 3), (2, 4)):
+        modifier.levels = modifier.render_levels = level
+        modifier.keyframe_insert("levels", frame=frame)
+        modifier.keyframe_insert("render_levels", frame=frame)
+    bpy.context.scene.frame_set(2)
+    before = scenes.snapshot()
+    yield from until_idle(bpy.ops.dapple.bake)
+    assert scenes.snapshot() == before
+
+
+def until_idle(operator, escape_after=None, **options):
+    """Invoke an operator in the window and wait until no modal runs."""
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window):
+        assert operator("INVOKE_DEFAULT", **options) == {"RUNNING_MODAL"}
+    for tick in range(PATIENCE):
+        if not window.modal_operators:
+            return
+        if tick == escape_after:
+            window.event_simulate("ESC", "PRESS", x=100, y=100)
+            window.event_simulate("ESC", "RELEASE", x=100, y=100)
+        yield
+    raise TimeoutError(f"{operator} is still running")
+
+
+def leave(status):
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
+
+
+def tell(told):
+    try:
+        next(told)
+    except StopIteration:
+        addon_host.disable()
+        leave(0)
+    except BaseException:
+        traceback.print_exc()
+        leave(1)
+    return TICK
+
+
+def main():
+    addon_host.add_repository(Path(tempfile.mkdtemp()))
+    addon_host.enable()
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    told = story()
+    bpy.app.timers.register(lambda: tell(told), first_interval=1.0, persistent=True)
+
+
+main()
