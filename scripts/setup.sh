@@ -79,4 +79,4 @@ if ! up_to_date build/release/.stamp "$configure_hash"; then
   echo "$configure_hash" >build/release/.stamp
 fi
 stage 'build' cmake --build build/release -j "$(build_jobs)"
-stage 'install into build/venv' cmake --install build/release --component python
+stage 'install the Python package' cmake --install build/release --component python
