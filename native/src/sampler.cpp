@@ -6,6 +6,7 @@
 #include "clock.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
+#include "validate.hpp"
 
 namespace dapple {
 namespace {
@@ -20,6 +21,7 @@ Sites make_start(const Surface& surface, std::size_t count, const SampleOptions&
 Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options, Context* context) {
   const Clock clock;
   if (context) context->check();
+  check_at_least("threads", options.threads, 0);
   Samples samples = with_threads(options.threads, [&] {
     const Projector projector(surface);
     const Sites start = make_start(surface, count, options, context);

@@ -9,6 +9,7 @@ namespace dapple {
 namespace {
 
 constexpr double kSumTolerance = 1e-4;  // single-precision storage stays far below this
+constexpr double kRounding = 1e-14;     // of weights that already are normalised
 
 void check_barycentric(std::span<const Vec3> rows) {
   check_finite("barycentric", rows);
@@ -18,6 +19,13 @@ void check_barycentric(std::span<const Vec3> rows) {
     if (std::abs(rows[k].sum() - 1.0) > kSumTolerance)
       throw ArgumentError(entry("barycentric", k) + " sums to " + number(rows[k].sum()) + ": it must sum to 1");
   }
+}
+
+/// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding again changes nothing.
+Vec3 normalised(const Vec3& row) {
+  const Vec3 weights = row.cwiseMax(0.0);
+  const double sum = weights.sum();
+  return std::abs(sum - 1.0) <= kRounding ? weights : Vec3(weights / sum);
 }
 
 void check_ids(std::span<const std::int32_t> ids) {
@@ -41,7 +49,7 @@ Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces
 
   Samples samples;
   samples.faces.assign(faces.begin(), faces.end());
-  for (const Vec3& row : barycentric) samples.barycentric.push_back(row.cwiseMax(0.0) / row.cwiseMax(0.0).sum());
+  for (const Vec3& row : barycentric) samples.barycentric.push_back(normalised(row));
   for (std::size_t k = 0; k < count; ++k)
     samples.positions.push_back(surface.point(faces[k], samples.barycentric[k]));
   samples.normals = surface.normals(samples.faces, samples.barycentric);

@@ -114,7 +114,7 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
   const double longest =
       std::max({(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
   const double twice_area = cross.norm();
-  if (!(twice_area > kDegenerate * longest)) return face;
+  if (std::isfinite(longest) && !(twice_area > kDegenerate * longest)) return face;
   face.normal = cross / twice_area;
   const std::array<Vec3, 3> y = {x[0] - face.centroid, x[1] - face.centroid, x[2] - face.centroid};
   if (uniform) {
@@ -130,8 +130,8 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
 }
 
 void check_total(const SurfaceGeometry& geometry) {
-  if (!(geometry.area > 0.0)) throw SurfaceError("faces have no area: all triangles are degenerate");
   if (!std::isfinite(geometry.area)) throw SurfaceError("vertices span an area that is not finite");
+  if (!(geometry.area > 0.0)) throw SurfaceError("faces have no area: all triangles are degenerate");
   if (!(geometry.mass > 0.0)) throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
 }
 

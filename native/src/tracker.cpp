@@ -33,6 +33,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options)
     : surface_(std::move(surface)),
       samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids, samples.classes)),
       options_(options) {
+  check_at_least("threads", options_.threads, 0);
   samples_.report = samples.report;
   with_threads(options_.threads, [&] {
     const Sites sites{samples_.positions, samples_.faces, {}};
