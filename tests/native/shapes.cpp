@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <ostream>
 #include <utility>
 
 namespace dapple::test {
@@ -199,6 +200,8 @@ double Shape::mass() const {
   }
   return sum;
 }
+
+void PrintTo(const Shape& shape, std::ostream* out) { *out << shape.name; }
 
 Shape with_density(Shape shape, const DensityFunction& density) {
   shape.density.resize(shape.vertices.size());

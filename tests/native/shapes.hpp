@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <dapple/surface.hpp>
 #include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct Shape {
   [[nodiscard]] double area() const;
   [[nodiscard]] double mass() const;  // integral of the density
 };
+
+/// For the messages of parametrised tests.
+void PrintTo(const Shape& shape, std::ostream* out);
 
 using DensityFunction = std::function<double(const Vec3&)>;
 

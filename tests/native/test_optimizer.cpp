@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/errors.hpp>
+#include <dapple/optimizer.hpp>
+#include <dapple/poisson_start.hpp>
+#include <limits>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+OptimizerResult optimized(const Surface& surface, std::size_t count, const OptimizerOptions& options,
+                          std::uint64_t seed = 1) {
+  return optimize(surface, Projector(surface), poisson_start(surface, count, seed), options);
+}
+
+class OptimizerOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, OptimizerOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(OptimizerOn, NeverRaisesTheEnergy) {
+  const Surface surface = GetParam().surface();
+  for (const std::size_t count : {2u, 60u}) {
+    const OptimizerResult found = optimized(surface, count, {});
+    ASSERT_EQ(found.energies.size(), static_cast<std::size_t>(found.iterations) + 1);
+    for (std::size_t k = 1; k < found.energies.size(); ++k)
+      EXPECT_LE(found.energies[k], found.energies[k - 1]) << "iteration " << k;
+    EXPECT_EQ(found.energies.back(), found.energy.normalised);
+  }
+}
+
+TEST_P(OptimizerOn, EndsOnTheSurface) {
+  const Surface surface = GetParam().surface();
+  const OptimizerResult found = optimized(surface, 60, {});
+  check_on_surface(surface, found.sites, found.sites.barycentric);
+  check_cells(surface, found.sites);
+}
+
+TEST_P(OptimizerOn, ReportsTheEnergyOfWhereItEnds) {
+  const Surface surface = GetParam().surface();
+  const OptimizerResult found = optimized(surface, 60, {});
+  EXPECT_EQ(evaluate_energy(surface, found.sites, 30.0).total, found.energy.total);
+}
+
+TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
+  const Surface surface = torus(60, 30).surface();
+  const OptimizerResult found = optimize(surface, Projector(surface), random_start(surface, 400, 1), {});
+  std::cout << "e " << found.energies.front() << " -> " << found.energies.back() << " in " << found.evaluations
+            << " evaluations\n";
+  EXPECT_TRUE(found.converged);
+  EXPECT_GT(found.energies.front(), 1.0);
+  EXPECT_LT(found.energies.back(), 0.18);
+  EXPECT_GT(found.energies.back(), 0.16037) << "nothing beats hexagons";
+}
+
+TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
+  const Surface surface = blob(3).surface();
+  const Sites start = poisson_start(surface, 100, 1);
+  const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  EXPECT_EQ(found.evaluations, 1);
+  EXPECT_EQ(found.iterations, 0);
+  EXPECT_FALSE(found.converged);
+  EXPECT_EQ(found.energies.size(), 1u);
+  EXPECT_TRUE(same_bytes(found.sites.positions, start.positions));
+  EXPECT_EQ(found.sites.faces, start.faces);
+}
+
+TEST(Optimizer, KeepsToItsEvaluationsAndSaysThatTheyRanOut) {
+  const Surface surface = blob(3).surface();
+  for (const int limit : {2, 3, 5, 8}) {
+    const OptimizerResult found = optimized(surface, 300, {.tolerance = 1e-12, .max_evaluations = limit});
+    EXPECT_EQ(found.evaluations, limit);
+    EXPECT_FALSE(found.converged);
+  }
+}
+
+TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
+  const Surface surface = torus(60, 30).surface();
+  const OptimizerResult coarse = optimized(surface, 300, {.tolerance = 1e-4});
+  const OptimizerResult fine = optimized(surface, 300, {.tolerance = 1e-7, .max_evaluations = 2000});
+  EXPECT_TRUE(coarse.converged);
+  EXPECT_TRUE(fine.converged);
+  EXPECT_LT(fine.energy.normalised, coarse.energy.normalised);
+  EXPECT_GT(fine.evaluations, coarse.evaluations);
+}
+
+/// The size of the decrease is meant, and more than one small one (METHOD): the last two are small, no two before.
+TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
+  const Surface surface = torus(60, 30).surface();
+  const OptimizerOptions options{.tolerance = 1e-5};
+  const OptimizerResult found = optimized(surface, 300, options);
+  ASSERT_TRUE(found.converged);
+  int small = 0;
+  for (std::size_t k = 1; k < found.energies.size(); ++k) {
+    EXPECT_LT(small, 2) << "went on after iteration " << k - 1;
+    const double total = found.energies[k] + options.capacity_weight;
+    small = (found.energies[k - 1] - found.energies[k]) / total > options.tolerance ? 0 : small + 1;
+  }
+}
+
+TEST(Optimizer, StopsOnceTheTargetIsReached) {
+  const Surface surface = torus(60, 30).surface();
+  const OptimizerResult all = optimized(surface, 300, {});
+  const double target = 0.5 * (all.energies.front() + all.energies.back());
+  const OptimizerResult found = optimized(surface, 300, {.target_energy = target});
+  EXPECT_TRUE(found.converged);
+  EXPECT_LE(found.energies.back(), target);
+  ASSERT_GT(found.energies.size(), 1u);
+  EXPECT_GT(found.energies[found.energies.size() - 2], target) << "it went on";
+}
+
+TEST(Optimizer, DoesNotMoveFromATargetItAlreadyMeets) {
+  const Surface surface = blob(3).surface();
+  const Sites start = poisson_start(surface, 100, 1);
+  const OptimizerResult found = optimize(surface, Projector(surface), start, {.target_energy = 1e9});
+  EXPECT_TRUE(found.converged);
+  EXPECT_EQ(found.iterations, 0);
+  EXPECT_TRUE(same_bytes(found.sites.positions, start.positions));
+}
+
+TEST(Optimizer, RestsWhereTheGradientIsZero) {
+  const Surface surface = grid(1).surface();
+  const Sites start{{{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}}, {0, 0, 1, 1}};
+  const OptimizerResult found = optimize(surface, Projector(surface), start, {});
+  EXPECT_TRUE(found.converged);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_LE((found.sites.positions[k] - start.positions[k]).norm(), 1e-9);
+}
+
+TEST(Optimizer, FindsTheBestPlaceForOneSite) {
+  const Surface surface = grid(4).surface();
+  const Sites start{{{0.05, 0.03, 0}}, {0}};
+  const OptimizerOptions options{.tolerance = 1e-14, .max_evaluations = 500};
+  const OptimizerResult found = optimize(surface, Projector(surface), start, options);
+  EXPECT_LE((found.sites.positions[0] - Vec3(0.5, 0.5, 0)).norm(), 1e-5);
+}
+
+TEST(Optimizer, ProjectsAStartWithoutBarycentrics) {
+  const Surface surface = blob(3).surface();
+  Sites start = poisson_start(surface, 100, 1);
+  start.barycentric.clear();
+  for (Vec3& p : start.positions) p *= 1.01;  // a little off the surface
+  const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  check_on_surface(surface, found.sites, found.sites.barycentric);
+}
+
+TEST(Optimizer, TakesNoSites) {
+  const Surface surface = grid(1).surface();
+  const OptimizerResult found = optimize(surface, Projector(surface), {}, {});
+  EXPECT_EQ(found.sites.size(), 0u);
+  EXPECT_TRUE(found.converged);
+}
+
+TEST(Optimizer, MovesCoincidentSitesOnlyDownhill) {
+  const Surface surface = grid(4).surface();
+  const Vec3 p(0.3, 0.2, 0);
+  const Sites start{{p, p, p}, {3, 3, 3}};
+  const OptimizerResult found = optimize(surface, Projector(surface), start, {});
+  for (std::size_t k = 1; k < found.energies.size(); ++k) EXPECT_LE(found.energies[k], found.energies[k - 1]);
+  check_cells(surface, found.sites);
+}
+
+struct BadOption {
+  std::string name;
+  OptimizerOptions options;
+};
+
+TEST(Optimizer, NamesTheOptionOutOfRange) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<BadOption> cases = {
+      {"capacity_weight", {.capacity_weight = -1.0}}, {"capacity_weight", {.capacity_weight = nan}},
+      {"tolerance", {.tolerance = -1e-9}},            {"tolerance", {.tolerance = nan}},
+      {"patience", {.patience = 0}},                  {"max_evaluations", {.max_evaluations = 0}},
+      {"max_evaluations", {.max_evaluations = -3}},   {"memory", {.memory = -1}},
+      {"max_step", {.max_step = -0.5}},               {"max_step", {.max_step = nan}}};
+  const Surface surface = grid(1).surface();
+  for (const auto& [name, options] : cases)
+    expect_message<ArgumentError>([&, &o = options] { (void)optimized(surface, 3, o); }, {name});
+}
+
+TEST(Optimizer, NamesABadStart) {
+  const Surface surface = grid(1).surface();
+  const Projector projector(surface);
+  Sites start = poisson_start(surface, 5, 1);
+  start.faces[2] = 7;
+  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); }, {"faces[2]", "7"});
+  start = poisson_start(surface, 5, 1);
+  start.positions[4].x() = std::numeric_limits<double>::quiet_NaN();
+  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); }, {"positions[4]", "nan"});
+}
+
+}  // namespace
+}  // namespace dapple::test
