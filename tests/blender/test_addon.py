@@ -89,7 +89,7 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     settings = addon_host.part("core.settings").Settings()
     package = addon_host.part("core.native").package()
     sample = dict(
-        re.findall(r"(\w+): \w+(?: = ([\w.-]+))?", package.sample.__doc__.splitlines()[0])
+        re.findall(r"(\w+): [^=,)]+(?:= ([\w.-]+))?", package.sample.__doc__.splitlines()[0])
     )
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     for field in fields(settings):
