@@ -9,7 +9,8 @@
 #include <utility>
 
 // Run: build/release/benchmarks/dapple_benchmarks
-// The figure to watch: WholeOptimisation, 2,000 samples on 81,920 faces at the paper's tolerance (the paper: 16 s).
+// The figure to watch: WholeOptimisation, 2,000 samples on 81,920 faces at the paper's tolerance
+// (the paper: 16 s).
 
 namespace {
 
@@ -30,7 +31,8 @@ Mesh subdivided(const Mesh& mesh) {
   Mesh result{mesh.vertices, {}};
   std::map<std::pair<int, int>, int> middles;
   const auto middle = [&](int a, int b) {
-    const auto [found, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<int>(result.vertices.size()));
+    const auto [found, fresh] =
+        middles.try_emplace(std::minmax(a, b), static_cast<int>(result.vertices.size()));
     if (fresh) result.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
     return found->second;
   };
@@ -47,10 +49,12 @@ Mesh subdivided(const Mesh& mesh) {
 /// A closed, bulging and twisting body; `time` moves it.
 std::vector<Vec3> deform(std::vector<Vec3> vertices, double time) {
   for (Vec3& p : vertices) {
-    const double bulge = 1.0 + 0.25 * std::sin(3.0 * p.x() + time) * std::cos(2.0 * p.y()) + 0.2 * p.z() * p.z();
+    const double bulge =
+        1.0 + 0.25 * std::sin(3.0 * p.x() + time) * std::cos(2.0 * p.y()) + 0.2 * p.z() * p.z();
     const double twist = 0.8 * std::sin(time) * p.z();
     const Vec3 q = bulge * p;
-    p = {std::cos(twist) * q.x() - std::sin(twist) * q.y(), std::sin(twist) * q.x() + std::cos(twist) * q.y(), 1.3 * q.z()};
+    p = {std::cos(twist) * q.x() - std::sin(twist) * q.y(),
+         std::sin(twist) * q.x() + std::cos(twist) * q.y(), 1.3 * q.z()};
   }
   return vertices;
 }
@@ -86,21 +90,39 @@ void WholeOptimisation(benchmark::State& state) {
   state.counters["faces"] = static_cast<double>(surface.face_count());
   report(state, samples.report);
 }
-BENCHMARK(WholeOptimisation)->Args({2000, 6})->Args({2000, 7})->Args({10000, 7})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(WholeOptimisation)
+    ->Args({2000, 6})
+    ->Args({2000, 7})
+    ->Args({10000, 7})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void OneEvaluation(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
-  const dapple::Sites sites = dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0);
+  const dapple::Sites sites =
+      dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0);
   for (auto _ : state) benchmark::DoNotOptimize(dapple::evaluate_energy(surface, sites, 30.0));
 }
-BENCHMARK(OneEvaluation)->Args({2000, 6})->Args({2000, 7})->Args({10000, 7})->Args({100000, 7})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(OneEvaluation)
+    ->Args({2000, 6})
+    ->Args({2000, 7})
+    ->Args({10000, 7})
+    ->Args({100000, 7})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void PoissonStart(benchmark::State& state) {
   const dapple::Surface surface = body(6);
   for (auto _ : state)
-    benchmark::DoNotOptimize(dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0));
+    benchmark::DoNotOptimize(
+        dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0));
 }
-BENCHMARK(PoissonStart)->Arg(2000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(PoissonStart)
+    ->Arg(2000)
+    ->Arg(10000)
+    ->Arg(100000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void TrackedFrame(benchmark::State& state) {
   const Mesh& mesh = sphere(static_cast<int>(state.range(1)));

@@ -18,7 +18,8 @@ using IntArray = py::array_t<std::int32_t, py::array::c_style | py::array::force
 
 inline std::string shape_text(const py::array& array) {
   std::string text = "(";
-  for (py::ssize_t k = 0; k < array.ndim(); ++k) text += (k ? ", " : "") + std::to_string(array.shape(k));
+  for (py::ssize_t k = 0; k < array.ndim(); ++k)
+    text += (k ? ", " : "") + std::to_string(array.shape(k));
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
@@ -28,12 +29,15 @@ inline py::array checked_array(const char* name, const py::object& value, const 
   const py::array array = py::array::ensure(value);
   if (!array) throw py::error_already_set();
   if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
-    throw ArgumentError(std::string(name) + " has the dtype " + py::str(array.dtype()).cast<std::string>() +
-                        ": numbers are needed" + (kinds == "iu" ? ", integers" : ""));
-  const bool fits = columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
+    throw ArgumentError(std::string(name) + " has the dtype " +
+                        py::str(array.dtype()).cast<std::string>() + ": numbers are needed" +
+                        (kinds == "iu" ? ", integers" : ""));
+  const bool fits =
+      columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
   if (!fits)
     throw ArgumentError(std::string(name) + " has the shape " + shape_text(array) + ": (n" +
-                        (columns == 0 ? ",)" : ", " + std::to_string(columns) + ")") + " is needed");
+                        (columns == 0 ? ",)" : ", " + std::to_string(columns) + ")") +
+                        " is needed");
   return array;
 }
 
@@ -42,15 +46,17 @@ inline DoubleArray doubles(const char* name, const py::object& value, py::ssize_
   return DoubleArray(checked_array(name, value, "fiu", columns));
 }
 
-/// Integer rows as int32; a C-contiguous int32 array is used as it is, a wider one is checked and copied.
+/// Integer rows as int32; a C-contiguous int32 array is used as it is, a wider one is checked and
+/// copied.
 inline IntArray integers(const char* name, const py::object& value, py::ssize_t columns) {
   const py::array array = checked_array(name, value, "iu", columns);
   if (array.size() > 0 && (array.itemsize() > 4 || array.dtype().kind() == 'u')) {
     const auto low = py::float_(array.attr("min")()).cast<double>();
     const auto high = py::float_(array.attr("max")()).cast<double>();
-    if (low < std::numeric_limits<std::int32_t>::min() || high > std::numeric_limits<std::int32_t>::max())
-      throw ArgumentError(std::string(name) + " holds values in " + std::to_string(low) + ".." + std::to_string(high) +
-                          ", which do not fit into 32 bits");
+    if (low < std::numeric_limits<std::int32_t>::min() ||
+        high > std::numeric_limits<std::int32_t>::max())
+      throw ArgumentError(std::string(name) + " holds values in " + std::to_string(low) + ".." +
+                          std::to_string(high) + ", which do not fit into 32 bits");
   }
   return IntArray(array);
 }
@@ -79,7 +85,8 @@ py::array view(const py::object& owner, const T* data, std::vector<py::ssize_t> 
 }
 
 inline py::array view(const py::object& owner, const std::vector<Vec3>& points) {
-  return view(owner, points.empty() ? nullptr : points[0].data(), {static_cast<py::ssize_t>(points.size()), 3});
+  return view(owner, points.empty() ? nullptr : points[0].data(),
+              {static_cast<py::ssize_t>(points.size()), 3});
 }
 
 template <typename T>
@@ -98,7 +105,8 @@ py::array give(std::vector<T>&& values) {
 inline py::array give(std::vector<Face>&& faces) {
   auto* kept = new std::vector<Face>(std::move(faces));
   const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<Face>*>(p); });
-  return view(owner, kept->empty() ? nullptr : kept->front().data(), {static_cast<py::ssize_t>(kept->size()), 3});
+  return view(owner, kept->empty() ? nullptr : kept->front().data(),
+              {static_cast<py::ssize_t>(kept->size()), 3});
 }
 
 }  // namespace dapple::python

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/analysis.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <dapple/analysis.hpp>
 #include <limits>
 #include <numbers>
 
@@ -12,8 +11,9 @@ namespace {
 double nearest_touching(const Sites& sites, const RestrictedVoronoi& diagram, std::size_t i) {
   double squared = std::numeric_limits<double>::infinity();
   for (const CellBoundary& side : diagram.boundary(i))
-    squared = std::min(squared,
-                       (sites.positions[static_cast<std::size_t>(side.neighbour)] - sites.positions[i]).squaredNorm());
+    squared = std::min(
+        squared, (sites.positions[static_cast<std::size_t>(side.neighbour)] - sites.positions[i])
+                     .squaredNorm());
   return std::sqrt(squared);
 }
 
@@ -25,7 +25,8 @@ double spread(const RestrictedVoronoi& diagram, double mean) {
 
 }  // namespace
 
-Evenness measure_evenness(const Surface& surface, const Sites& sites, const RestrictedVoronoi& diagram) {
+Evenness measure_evenness(const Surface& surface, const Sites& sites,
+                          const RestrictedVoronoi& diagram) {
   Evenness result;
   if (sites.size() == 0) return result;
   const double capacity = surface.mass() / static_cast<double>(sites.size());
@@ -37,8 +38,9 @@ Evenness measure_evenness(const Surface& surface, const Sites& sites, const Rest
     const Moments& cell = diagram.cells[i];
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
     const double area = cell.capacity > 0.0 ? capacity * cell.area / cell.capacity : 0.0;
-    const double alpha =
-        area > 0.0 ? nearest_touching(sites, diagram, i) / std::sqrt(2.0 * area / std::numbers::sqrt3) : 0.0;
+    const double alpha = area > 0.0 ? nearest_touching(sites, diagram, i) /
+                                          std::sqrt(2.0 * area / std::numbers::sqrt3)
+                                    : 0.0;
     if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;

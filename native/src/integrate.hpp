@@ -5,8 +5,10 @@
 
 namespace dapple {
 
-/// Add the integrals of a triangle (a, b, c relative to the reference point) with density 1, in closed form.
-inline void add_uniform_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b, const Vec3& c) {
+/// Add the integrals of a triangle (a, b, c relative to the reference point) with density 1, in
+/// closed form.
+inline void add_uniform_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b,
+                                 const Vec3& c) {
   sum.area += area;
   sum.first += (area / 3.0) * (a + b + c);
   sum.second += (area / 6.0) * (a.dot(a) + b.dot(b) + c.dot(c) + a.dot(b) + b.dot(c) + c.dot(a));
@@ -15,10 +17,11 @@ inline void add_uniform_triangle(Moments& sum, double area, const Vec3& a, const
 /// With density 1 the capacity and the mass are the area.
 inline void finish_uniform(Moments& sum) { sum.capacity = sum.mass = sum.area; }
 
-/// Add the integrals of a triangle whose density is linear, with the values fa, fb, fc at its corners. The highest
-/// integrand, phi^2 |x|^2, has degree 4, for which the six-point rule is exact (Dunavant 1985).
-inline void add_linear_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b, const Vec3& c, double fa,
-                                double fb, double fc) {
+/// Add the integrals of a triangle whose density is linear, with the values fa, fb, fc at its
+/// corners. The highest integrand, phi^2 |x|^2, has degree 4, for which the six-point rule is exact
+/// (Dunavant 1985).
+inline void add_linear_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b,
+                                const Vec3& c, double fa, double fb, double fc) {
   constexpr double kNear[2] = {0.44594849091596488632, 0.09157621350977074346};
   constexpr double kWeight[2] = {0.22338158967801146570, 0.10995174365532186764};
   sum.area += area;

@@ -20,8 +20,10 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 std::uint64_t code(const Vec3& unit) {
-  const Vec3 cell = (unit * double((1 << kBits) - 1)).cwiseMax(0.0).cwiseMin(double((1 << kBits) - 1));
-  return spread(static_cast<std::uint64_t>(cell.x())) | spread(static_cast<std::uint64_t>(cell.y())) << 1 |
+  const Vec3 cell =
+      (unit * double((1 << kBits) - 1)).cwiseMax(0.0).cwiseMin(double((1 << kBits) - 1));
+  return spread(static_cast<std::uint64_t>(cell.x())) |
+         spread(static_cast<std::uint64_t>(cell.y())) << 1 |
          spread(static_cast<std::uint64_t>(cell.z())) << 2;
 }
 
@@ -41,7 +43,8 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> points) {
     keys[k] = {code((points[k] - low) / extent), static_cast<std::int32_t>(k)};
   std::sort(keys.begin(), keys.end());
   std::vector<std::int32_t> order(points.size());
-  std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
+  std::transform(keys.begin(), keys.end(), order.begin(),
+                 [](const auto& key) { return key.second; });
   return order;
 }
 

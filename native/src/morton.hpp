@@ -6,8 +6,9 @@
 
 namespace dapple {
 
-/// Indices of the points along a Morton (Z-order) curve through their bounding box, ties by index: points near in
-/// space come near in memory, which halves the time of the restricted Voronoi diagram.
+/// Indices of the points along a Morton (Z-order) curve through their bounding box, ties by index:
+/// points near in space come near in memory, which halves the time of the restricted Voronoi
+/// diagram.
 [[nodiscard]] std::vector<std::int32_t> morton_order(std::span<const Vec3> points);
 
 }  // namespace dapple

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/neighbours.hpp>
-
 #include <algorithm>
+#include <dapple/neighbours.hpp>
 #include <nanoflann.hpp>
 
 namespace dapple {
@@ -22,7 +21,8 @@ struct Neighbours::Tree {
   using Metric = nanoflann::L2_Simple_Adaptor<double, PointSet, double, std::int32_t>;
   using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, 3, std::int32_t>;
 
-  explicit Tree(std::span<const Vec3> points) : set{points}, index(3, set, {/*leaf_max_size=*/10}) {}
+  explicit Tree(std::span<const Vec3> points)
+      : set{points}, index(3, set, {/*leaf_max_size=*/10}) {}
 
   PointSet set;
   Index index;
@@ -31,7 +31,8 @@ struct Neighbours::Tree {
 Neighbours::Neighbours(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
 Neighbours::~Neighbours() = default;
 
-void Neighbours::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const {
+void Neighbours::nearest(const Vec3& point, std::size_t count,
+                         std::vector<Neighbour>& result) const {
   count = std::min(count, tree_->set.points.size());
   result.clear();
   if (count == 0) return;
@@ -41,7 +42,8 @@ void Neighbours::nearest(const Vec3& point, std::size_t count, std::vector<Neigh
   result.resize(count);
   for (std::size_t k = 0; k < count; ++k) result[k] = {indices[k], distances[k]};
   std::sort(result.begin(), result.end(), [](const Neighbour& a, const Neighbour& b) {
-    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                    : a.index < b.index;
   });
 }
 

@@ -1,79 +1,77 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/optimizer.hpp>
-
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <dapple/optimizer.hpp>
 #include <numbers>
 #include <optional>
 
+#include "gap.hpp"
+#include "gauss_newton.hpp"
+#include "lbfgs.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
 
-using Vectors = std::vector<Vec3>;
+constexpr double kArmijo = 1e-4;  // share of the predicted decrease that a step must reach
+constexpr double kFirstStep =
+    0.25;  // of the longest step allowed, when nothing is known of the curvature
+constexpr int kBacktracks = 6;  // halvings of a step before it counts as failed
 
-constexpr double kArmijo = 1e-4;     // share of the predicted decrease that a step must reach
-constexpr int kBacktracks = 8;       // halvings of a step before it counts as failed
-constexpr double kFirstStep = 0.25;  // of the longest step allowed, when nothing is known of the curvature
-
-double dot(const Vectors& a, const Vectors& b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k].dot(b[k]);
-  return sum;
-}
-
-void add_scaled(Vectors& a, double factor, const Vectors& b) {
-  for (std::size_t k = 0; k < a.size(); ++k) a[k] += factor * b[k];
-}
-
-Vectors difference(const Vectors& a, const Vectors& b) {
-  Vectors result(a.size());
-  for (std::size_t k = 0; k < a.size(); ++k) result[k] = a[k] - b[k];
-  return result;
-}
-
-/// A step taken and the change of the gradient along it.
-struct Pair {
-  Vectors step;
-  Vectors change;
-  double curvature;  // step . change
-};
+// The trust region's delta: how it answers to the outcome of a step.
+constexpr double kDeltaTooLong = 2.5;  // the step is longer than allowed ...
+constexpr double kDeltaFarOff = 6.0;   // ... by more than
+constexpr double kFarOff = 4.0;        // this factor
+constexpr double kDeltaFull = 0.4;
+constexpr double kDeltaShortened = 2.0;
+constexpr double kDeltaFailed = 4.0;
+constexpr double kDeltaMost = 1e12;
 
 /// Where the sites are and what is known there.
 struct State {
   Sites sites;
+  Vectors normals;
   Energy energy;
-  Vectors gradient;  // tangential
+  Gap gap;
+  Vectors gradient;  // of the total, tangential
+
+  [[nodiscard]] double total() const { return energy.total + gap.energy; }
 };
 
 class Minimizer {
  public:
-  Minimizer(const Surface& surface, const Projector& projector, const OptimizerOptions& options, Context* context)
-      : surface_(surface), projector_(projector), options_(options), context_(context) {}
+  Minimizer(const Surface& surface, const Projector& projector, const OptimizerOptions& options,
+            Context* context)
+      : surface_(surface),
+        projector_(projector),
+        options_(options),
+        context_(context),
+        memory_(options.memory) {}
 
   OptimizerResult run(const Sites& start) {
     state_ = evaluate(start.barycentric.empty() ? project(start.positions, start.faces) : start);
-    result_.energies.push_back(state_.energy.normalised);
+    freeze_radii();
+    note_energy();
     int small_decreases = 0;
-    while (!result_.converged && result_.evaluations < options_.max_evaluations) {
-      if (state_.energy.normalised <= options_.target_energy) {
-        result_.converged = true;
-        break;
-      }
+    while (!reached_target() && small_decreases < options_.patience &&
+           result_.evaluations < options_.max_evaluations) {
       const std::optional<double> decrease = iterate();
       small_decreases = decrease && *decrease > options_.tolerance ? 0 : small_decreases + 1;
-      result_.converged = small_decreases >= options_.patience;
       report_progress(decrease.value_or(0.0));
     }
+    result_.converged = reached_target() || small_decreases >= options_.patience;
     result_.sites = std::move(state_.sites);
     result_.energy = std::move(state_.energy);
     return std::move(result_);
   }
 
  private:
-  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints) const {
+  [[nodiscard]] bool reached_target() const {
+    return state_.energy.normalised <= options_.target_energy;
+  }
+
+  [[nodiscard]] Sites project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const {
     Projection found = projector_.project(points, hints);
     return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
   }
@@ -81,100 +79,144 @@ class Minimizer {
   State evaluate(Sites sites) {
     State state;
     state.sites = std::move(sites);
+    for (const std::int32_t face : state.sites.faces)
+      state.normals.push_back(surface_.geometry(surface_.ordered_face(face)).normal);
     state.energy = evaluate_energy(surface_, state.sites, options_.capacity_weight, context_);
-    state.gradient = tangential(state.energy.gradient, state.sites);
+    add_gap(state);
     ++result_.evaluations;
     return state;
   }
 
-  [[nodiscard]] Vectors tangential(Vectors v, const Sites& sites) const {
-    for (std::size_t k = 0; k < v.size(); ++k) {
-      const Vec3& normal = surface_.geometry(surface_.ordered_face(sites.faces[k])).normal;
-      v[k] -= v[k].dot(normal) * normal;
-    }
-    return v;
+  void add_gap(State& state) const {
+    const double share =
+        surface_.mass() / static_cast<double>(std::max<std::size_t>(state.sites.size(), 1));
+    const double weight = radii_.empty() ? 0.0 : options_.gap_weight * share * share;
+    state.gap = evaluate_gap(state.sites, state.energy.diagram, radii_, weight);
+    state.gradient = state.energy.gradient;
+    add_scaled(state.gradient, 1.0, state.gap.gradient);
+    make_tangential(state.gradient, state.normals);
+  }
+
+  /// The gap's radii follow the local spacing; they stay fixed within an iteration, so that its
+  /// gradient is exact.
+  void freeze_radii() {
+    if (options_.gap_weight == 0.0 || (surface_.uniform() && !radii_.empty())) return;
+    radii_.resize(state_.sites.size());
+    for (std::size_t k = 0; k < radii_.size(); ++k)
+      radii_[k] = options_.gap_radius * local_spacing(k);
+    add_gap(state_);
+  }
+
+  /// Hexagonal spacing at the mean capacity and the cell's own mean density.
+  [[nodiscard]] double local_spacing(std::size_t k) const {
+    const Moments& cell = state_.energy.diagram.cells[k];
+    const double mean = surface_.mass() / static_cast<double>(state_.sites.size());
+    const double area = cell.capacity > 0.0 ? mean * cell.area / cell.capacity : 0.0;
+    return std::sqrt(2.0 * area / std::numbers::sqrt3);
   }
 
   /// One step; the relative decrease of the energy, or nothing if no step was found.
   std::optional<double> iterate() {
-    Vectors direction = tangential(quasi_newton(), state_.sites);
-    if (dot(direction, state_.gradient) >= 0.0) {
-      pairs_.clear();
-      direction = quasi_newton();
-    }
-    limit(direction);
-    std::optional<State> next = line_search(direction);
+    Vectors direction =
+        options_.method == Method::kTrustRegion ? trust_region_step() : line_search_step();
+    double t = 1.0;
+    std::optional<State> next = backtrack(direction, t);
+    if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
     if (!next) {
-      pairs_.clear();
+      memory_.forget();
       return std::nullopt;
     }
-    remember(*next);
-    const double decrease = (state_.energy.total - next->energy.total) / next->energy.total;
+    memory_.remember(difference(next->sites.positions, state_.sites.positions),
+                     difference(next->gradient, state_.gradient));
+    const double decrease = (state_.total() - next->total()) / next->total();
     state_ = std::move(*next);
+    freeze_radii();
     ++result_.iterations;
-    result_.energies.push_back(state_.energy.normalised);
+    note_energy();
     return decrease;
   }
 
-  /// Minus the inverse Hessian of the stored pairs times the gradient: the two-loop recursion (Nocedal 1980).
-  [[nodiscard]] Vectors quasi_newton() const {
-    Vectors q = state_.gradient;
-    std::vector<double> alphas;
-    for (auto pair = pairs_.rbegin(); pair != pairs_.rend(); ++pair) {
-      alphas.push_back(dot(pair->step, q) / pair->curvature);
-      add_scaled(q, -alphas.back(), pair->change);
+  Vectors trust_region_step() {
+    const GaussNewton model(state_.energy.diagram, state_.gap, state_.normals,
+                            options_.capacity_weight);
+    while (true) {
+      const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
+      Vectors direction = memory_.direction(state_.gradient, state_.normals, solve);
+      const double excess = longest(direction);
+      if (excess <= 1.0 && dot(direction, state_.gradient) < 0.0) return direction;
+      if (excess <= 1.0 || delta_ > kDeltaMost) {
+        if (memory_.empty()) return direction;
+        memory_.forget();
+      }
+      delta_ *= excess > kFarOff ? kDeltaFarOff : kDeltaTooLong;
     }
-    const double scale = pairs_.empty() ? first_scale() : pairs_.back().curvature / dot(pairs_.back().change, pairs_.back().change);
-    for (Vec3& v : q) v *= -scale;
-    auto alpha = alphas.rbegin();
-    for (auto pair = pairs_.begin(); pair != pairs_.end(); ++pair, ++alpha)
-      add_scaled(q, -*alpha - dot(pair->change, q) / pair->curvature, pair->step);
-    return q;
+  }
+
+  void answer(bool found, double t) {
+    if (!found)
+      delta_ *= kDeltaFailed;
+    else if (t < 1.0)
+      delta_ *= kDeltaShortened;
+    else
+      delta_ = std::max(1.0, kDeltaFull * delta_);
+    delta_ = std::min(delta_, kDeltaMost);
+  }
+
+  Vectors line_search_step() {
+    Vectors direction = plain_direction();
+    if (dot(direction, state_.gradient) >= 0.0) {
+      memory_.forget();
+      direction = plain_direction();
+    }
+    for (std::size_t k = 0; k < direction.size(); ++k) {
+      const double excess = direction[k].norm() / longest_step(k);
+      if (excess > 1.0) direction[k] /= excess;
+    }
+    return direction;
+  }
+
+  [[nodiscard]] Vectors plain_direction() const {
+    const double scale = memory_.empty() ? first_scale() : memory_.scale();
+    return memory_.direction(state_.gradient, state_.normals, [&](Vectors v) {
+      for (Vec3& x : v) x *= scale;
+      return v;
+    });
   }
 
   [[nodiscard]] double first_scale() const {
-    double scale = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < state_.gradient.size(); ++k) {
-      const double length = state_.gradient[k].norm();
-      if (length > 0.0) scale = std::min(scale, kFirstStep * longest_step(k) / length);
-    }
-    return std::isfinite(scale) ? scale : 0.0;
+    const double excess = longest(state_.gradient);
+    return excess > 0.0 ? kFirstStep / excess : 0.0;
   }
 
-  /// Steps are measured in the site's own spacing, so that a dense region does not rule a sparse one.
   [[nodiscard]] double longest_step(std::size_t k) const {
-    const Moments& cell = state_.energy.diagram.cells[k];
-    const double mean = surface_.mass() / static_cast<double>(state_.sites.size());
-    const double area = cell.capacity > 0.0 ? mean * cell.area / cell.capacity : 0.0;
-    return options_.max_step * std::sqrt(2.0 * area / std::numbers::sqrt3);
+    return std::max(options_.max_step * local_spacing(k), std::numeric_limits<double>::min());
   }
 
-  void limit(Vectors& direction) const {
-    for (std::size_t k = 0; k < direction.size(); ++k) {
-      const double length = direction[k].norm();
-      const double longest = longest_step(k);
-      if (length > longest) direction[k] *= longest / length;
-    }
+  /// The longest vector in units of the longest step allowed there.
+  [[nodiscard]] double longest(const Vectors& v) const {
+    double excess = 0.0;
+    for (std::size_t k = 0; k < v.size(); ++k)
+      if (state_.energy.diagram.cells[k].capacity > 0.0)
+        excess = std::max(excess, v[k].norm() / longest_step(k));
+    return excess;
   }
 
-  std::optional<State> line_search(const Vectors& direction) {
-    double t = 1.0;
-    for (int k = 0; k < kBacktracks && result_.evaluations < options_.max_evaluations; ++k, t *= 0.5) {
+  std::optional<State> backtrack(const Vectors& direction, double& t) {
+    const double slope = std::min(dot(direction, state_.gradient), 0.0);
+    for (int k = 0; k < kBacktracks && result_.evaluations < options_.max_evaluations;
+         ++k, t *= 0.5) {
       Vectors moved = state_.sites.positions;
       add_scaled(moved, t, direction);
       State next = evaluate(project(moved, state_.sites.faces));
-      const double predicted = t * dot(direction, state_.gradient);
-      if (next.energy.total <= state_.energy.total + kArmijo * std::min(predicted, 0.0)) return next;
+      if (next.total() <= state_.total() + kArmijo * t * slope) return next;
     }
     return std::nullopt;
   }
 
-  void remember(const State& next) {
-    Pair pair{difference(next.sites.positions, state_.sites.positions), difference(next.gradient, state_.gradient), 0.0};
-    pair.curvature = dot(pair.step, pair.change);
-    if (pair.curvature <= 1e-12 * std::sqrt(dot(pair.step, pair.step) * dot(pair.change, pair.change))) return;
-    pairs_.push_back(std::move(pair));
-    if (pairs_.size() > static_cast<std::size_t>(options_.memory)) pairs_.pop_front();
+  void note_energy() {
+    const double scale =
+        static_cast<double>(state_.sites.size()) / (surface_.mass() * surface_.mass());
+    result_.energies.push_back(scale * state_.total() - options_.capacity_weight);
   }
 
   // The decrease falls by orders of magnitude until it meets the tolerance.
@@ -184,7 +226,7 @@ class Minimizer {
     const double fallen = options_.tolerance > 0.0 && decrease > 0.0
                               ? std::log(decrease) / std::log(std::min(options_.tolerance, 0.5))
                               : 0.0;
-    context_->advance(result_.converged ? 1.0 : std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
+    context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
   }
 
   const Surface& surface_;
@@ -192,12 +234,16 @@ class Minimizer {
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
-  std::deque<Pair> pairs_;
+  LbfgsMemory memory_;
+  std::vector<double> radii_;  // of the gap, per site; empty without it
+  double delta_ = 1.0;
   OptimizerResult result_;
 };
 
 void check(const OptimizerOptions& options) {
   check_at_least("capacity_weight", options.capacity_weight, 0.0);
+  check_at_least("gap_weight", options.gap_weight, 0.0);
+  check_at_least("gap_radius", options.gap_radius, 0.0);
   check_at_least("tolerance", options.tolerance, 0.0);
   check_at_least("patience", options.patience, 1);
   check_at_least("max_evaluations", options.max_evaluations, 1);

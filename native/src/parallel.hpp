@@ -10,8 +10,9 @@
 
 namespace dapple {
 
-/// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the number of threads:
-/// what a chunk computes into its own slots is then the same for any number of them.
+/// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the
+/// number of threads: what a chunk computes into its own slots is then the same for any number of
+/// them.
 template <typename Body>
 void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   const std::size_t chunks = (count + grain - 1) / grain;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/poisson_start.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <dapple/poisson_start.hpp>
 #include <map>
 
 #include "random.hpp"
@@ -21,7 +20,8 @@ struct Dart {
 /// Draws points of the surface with its density.
 class DartBoard {
  public:
-  explicit DartBoard(const Surface& surface) : surface_(&surface), cumulative_(surface.face_count()) {
+  explicit DartBoard(const Surface& surface)
+      : surface_(&surface), cumulative_(surface.face_count()) {
     double sum = 0.0;
     for (std::size_t f = 0; f < cumulative_.size(); ++f)
       cumulative_[f] = sum += surface.geometry(static_cast<std::int32_t>(f)).moments.capacity;
@@ -30,15 +30,18 @@ class DartBoard {
   Dart draw(Random& random) const {
     const double target = random.uniform() * cumulative_.back();
     const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), target);
-    const auto face = static_cast<std::int32_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
+    const auto face =
+        static_cast<std::int32_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
     return draw_on(face, random);
   }
 
  private:
-  // Uniform on the face, then accepted in proportion to the density: at least a third is, since it is linear.
+  // Uniform on the face, then accepted in proportion to the density: at least a third is, since it
+  // is linear.
   Dart draw_on(std::int32_t face, Random& random) const {
     const auto [a, b, c] = surface_->corners(face);
-    const Vec3 values(surface_->vertex_density(a), surface_->vertex_density(b), surface_->vertex_density(c));
+    const Vec3 values(surface_->vertex_density(a), surface_->vertex_density(b),
+                      surface_->vertex_density(c));
     while (true) {
       const double root = std::sqrt(random.uniform());
       const double along = random.uniform();
@@ -56,7 +59,8 @@ class DartBoard {
 /// Accepted darts of similar radius in a hashed grid, whose cell is not smaller than their radius.
 class DartGrid {
  public:
-  DartGrid(const std::vector<Dart>& darts, double cell) : darts_(&darts), cell_(cell), heads_(16, kNone) {}
+  DartGrid(const std::vector<Dart>& darts, double cell)
+      : darts_(&darts), cell_(cell), heads_(16, kNone) {}
 
   void insert(std::size_t dart) {
     members_.push_back({dart, kNone});
@@ -70,7 +74,8 @@ class DartGrid {
     for (std::int64_t dx = -1; dx <= 1; ++dx)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dz = -1; dz <= 1; ++dz)
-          if (refuses_in(bucket({centre[0] + dx, centre[1] + dy, centre[2] + dz}), point, radius)) return true;
+          if (refuses_in(bucket({centre[0] + dx, centre[1] + dy, centre[2] + dz}), point, radius))
+            return true;
     return false;
   }
 
@@ -109,7 +114,9 @@ class DartGrid {
   }
 
   [[nodiscard]] std::size_t bucket(const Address& a) const {
-    const auto part = [](std::int64_t x, std::uint64_t prime) { return static_cast<std::uint64_t>(x) * prime; };
+    const auto part = [](std::int64_t x, std::uint64_t prime) {
+      return static_cast<std::uint64_t>(x) * prime;
+    };
     const std::uint64_t hash = part(a[0], 0x9e3779b97f4a7c15u) ^ part(a[1], 0xc2b2ae3d27d4eb4fu) ^
                                part(a[2], 0x165667b19e3779f9u);
     return (hash >> 32) & (heads_.size() - 1);
@@ -159,7 +166,8 @@ Sites to_sites(const Surface& surface, const std::vector<Dart>& darts) {
   return sites;
 }
 
-// Random sequential packing jams at 0.776 of the hexagonal spacing; the last darts before that take very long.
+// Random sequential packing jams at 0.776 of the hexagonal spacing; the last darts before that take
+// very long.
 constexpr double kFirstRadius = 0.76;
 constexpr double kShrink = 0.96;
 constexpr std::size_t kPatience = 4;  // darts per wanted sample at one radius
@@ -174,12 +182,14 @@ Sites random_start(const Surface& surface, std::size_t count, std::uint64_t seed
   return to_sites(surface, darts);
 }
 
-Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed, const Context* context) {
+Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed,
+                    const Context* context) {
   const DartBoard board(surface);
   Random random(seed);
   std::vector<Dart> darts;
   darts.reserve(count);
-  // Where n points have the density n phi / mass, their hexagonal spacing is sqrt(2 mass / (sqrt(3) n phi)).
+  // Where n points have the density n phi / mass, their hexagonal spacing is sqrt(2 mass / (sqrt(3)
+  // n phi)).
   const double spacing_at_1 = surface.spacing(count) * std::sqrt(surface.mass() / surface.area());
   double scale = 1.0;
   for (double fraction = kFirstRadius; darts.size() < count; fraction *= kShrink, scale = kShrink) {

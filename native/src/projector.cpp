@@ -18,8 +18,9 @@
 namespace dapple {
 namespace {
 
-// Embree sees the surface in single precision, in [-1, 1]: a coordinate is off by at most 2^-24, a distance by a few
-// times that. Everything within this much of the best distance is compared in double precision.
+// Embree sees the surface in single precision, in [-1, 1]: a coordinate is off by at most 2^-24, a
+// distance by a few times that. Everything within this much of the best distance is compared in
+// double precision.
 constexpr double kMargin = 2e-6;
 
 struct Device {
@@ -63,7 +64,8 @@ struct Query {
 
   void consider(std::int32_t ordered) {
     const auto [a, b, c] = surface->corners(ordered);
-    const Vec3 weights = closest_barycentric(point, surface->vertex(a), surface->vertex(b), surface->vertex(c));
+    const Vec3 weights =
+        closest_barycentric(point, surface->vertex(a), surface->vertex(b), surface->vertex(c));
     const std::int32_t candidate = surface->original_face(ordered);
     const double squared = (surface->point(candidate, weights) - point).squaredNorm();
     if (squared > squared_distance || (squared == squared_distance && candidate >= face)) return;
@@ -105,14 +107,17 @@ Projector::Scene::Scene(const Surface& s) : surface(s), handle(rtcNewScene(devic
 
 void Projector::Scene::attach_triangles() {
   RTCGeometry triangles = rtcNewGeometry(device.handle, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* x = static_cast<float*>(rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                        3 * sizeof(float), surface.vertex_count()));
+  auto* x = static_cast<float*>(rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                        RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                        surface.vertex_count()));
   for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
     const Vec3 unit = to_unit(surface.vertex(static_cast<std::int32_t>(k)));
-    for (Eigen::Index axis = 0; axis < 3; ++axis) x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
   }
-  auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                               3 * sizeof(unsigned), surface.face_count()));
+  auto* index = static_cast<unsigned*>(
+      rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned), surface.face_count()));
   for (std::size_t f = 0; f < surface.face_count(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
       index[3 * f + k] = static_cast<unsigned>(surface.corners(static_cast<std::int32_t>(f))[k]);
@@ -127,15 +132,16 @@ Projector::~Projector() = default;
 Projector::Projector(Projector&&) noexcept = default;
 Projector& Projector::operator=(Projector&&) noexcept = default;
 
-Projection Projector::project(std::span<const Vec3> points, std::span<const std::int32_t> hints) const {
+Projection Projector::project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const {
   check_finite("points", points);
   if (!hints.empty()) {
     check_same_length("hints", hints.size(), "points", points.size());
     check_face_indices("hints", hints, scene_->surface);
   }
   const std::size_t count = points.size();
-  Projection result{std::vector<Vec3>(count), std::vector<std::int32_t>(count), std::vector<Vec3>(count),
-                    std::vector<double>(count)};
+  Projection result{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
+                    std::vector<Vec3>(count), std::vector<double>(count)};
   parallel_chunks(count, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Query query{&scene_->surface, scene_->scale, points[k]};

@@ -5,8 +5,8 @@
 
 namespace dapple {
 
-/// SplitMix64 (Steele, Lea and Flood 2014). The standard library's distributions differ between implementations; this
-/// gives the same numbers everywhere.
+/// SplitMix64 (Steele, Lea and Flood 2014). The standard library's distributions differ between
+/// implementations; this gives the same numbers everywhere.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/neighbours.hpp>
-#include <dapple/restricted_voronoi.hpp>
-
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <dapple/neighbours.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <numeric>
 
 #include "integrate.hpp"
@@ -14,7 +13,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFirstNeighbours = 20;  // enough for most cells; more are fetched on demand
+constexpr std::size_t kFirstNeighbours = 12;  // enough for most cells; more are fetched on demand
 constexpr std::size_t kGrain = 32;            // cells a chunk
 
 /// The sites in the order of their faces, which is also an order in space.
@@ -25,7 +24,8 @@ struct OrderedSites {
 
   OrderedSites(const Surface& surface, const Sites& sites) : original(sites.size()) {
     std::vector<std::int32_t> ordered(sites.size());
-    for (std::size_t k = 0; k < sites.size(); ++k) ordered[k] = surface.ordered_face(sites.faces[k]);
+    for (std::size_t k = 0; k < sites.size(); ++k)
+      ordered[k] = surface.ordered_face(sites.faces[k]);
     std::iota(original.begin(), original.end(), 0);
     std::sort(original.begin(), original.end(), [&](std::int32_t a, std::int32_t b) {
       const std::int32_t fa = ordered[static_cast<std::size_t>(a)];
@@ -39,7 +39,8 @@ struct OrderedSites {
   }
 };
 
-/// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x relative to the site.
+/// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x
+/// relative to the site.
 struct Bisector {
   Vec3 normal;  // x_j - x_i
   double offset;
@@ -61,7 +62,7 @@ class Bisectors {
   /// Bisector k, or null if there are no more sites.
   const Bisector* at(std::size_t k) {
     while (k >= settled_ && fetched_ < sites_->positions.size()) fetch(2 * fetched_);
-    return k < settled_ ? &bisectors_[k] : nullptr;
+    return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
  private:
@@ -78,8 +79,8 @@ class Bisectors {
     settle();
   }
 
-  // Which of several sites at the last distance were found is an accident of the tree: they count only when a longer
-  // list has found all of them.
+  // Which of several sites at the last distance were found is an accident of the tree: they count
+  // only when a longer list has found all of them.
   void settle() {
     settled_ = bisectors_.size();
     if (fetched_ == sites_->positions.size() || bisectors_.empty()) return;
@@ -100,13 +101,19 @@ class Bisectors {
 class CellFlood {
  public:
   CellFlood(const Surface& surface, const OrderedSites& sites, const Neighbours& tree)
-      : surface_(&surface), sites_(&sites), bisectors_(sites, tree), stamps_(surface.face_count(), 0) {}
+      : surface_(&surface),
+        sites_(&sites),
+        bisectors_(sites, tree),
+        stamps_(surface.face_count(), 0) {}
 
-  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell: see owner().
+  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell: see
+  /// owner().
   bool reset(std::int32_t site) {
     site_ = owner_ = site;
     bisectors_.reset(site);
-    const auto original = [&](std::int32_t k) { return sites_->original[static_cast<std::size_t>(k)]; };
+    const auto original = [&](std::int32_t k) {
+      return sites_->original[static_cast<std::size_t>(k)];
+    };
     for (std::size_t k = 0; const Bisector* b = bisectors_.at(k); ++k) {
       if (b->squared_distance > 0.0) break;
       if (original(b->site) < original(owner_)) owner_ = b->site;
@@ -115,8 +122,12 @@ class CellFlood {
   }
 
   [[nodiscard]] std::int32_t owner() const { return owner_; }
-  [[nodiscard]] const Vec3& position() const { return sites_->positions[static_cast<std::size_t>(site_)]; }
-  [[nodiscard]] const Bisector& bisector(std::int32_t k) { return *bisectors_.at(static_cast<std::size_t>(k)); }
+  [[nodiscard]] const Vec3& position() const {
+    return sites_->positions[static_cast<std::size_t>(site_)];
+  }
+  [[nodiscard]] const Bisector& bisector(std::int32_t k) {
+    return *bisectors_.at(static_cast<std::size_t>(k));
+  }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }
 
   /// Clip a face to the site's cell; true if nothing was cut off.
@@ -127,7 +138,8 @@ class CellFlood {
     double radius = polygon_.squared_radius();
     bool whole = true;
     std::size_t k = 0;
-    for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius; b_k = bisectors_.at(++k)) {
+    for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius;
+         b_k = bisectors_.at(++k)) {
       if (b_k->squared_distance == 0.0) continue;
       if (!polygon_.clip(b_k->normal, b_k->offset, static_cast<std::int32_t>(k))) continue;
       whole = false;
@@ -162,7 +174,9 @@ class CellFlood {
   }
 
   void cross(std::int32_t half_edge) {
-    for (std::int32_t h = surface_->next_around(half_edge); h != half_edge; h = surface_->next_around(h)) push(h / 3);
+    for (std::int32_t h = surface_->next_around(half_edge); h != half_edge;
+         h = surface_->next_around(h))
+      push(h / 3);
   }
 
   const Surface* surface_;
@@ -199,7 +213,7 @@ class CellIntegrals {
     add_boundary(geometry);
   }
 
-  [[nodiscard]] Moments moments() const { return moments_; }
+  [[nodiscard]] const Moments& moments() const { return moments_; }
 
   /// Append the boundaries with the caller's site indices; returns how many.
   std::size_t append_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out) const {
@@ -207,7 +221,8 @@ class CellIntegrals {
     for (std::size_t k = 0; k < boundary_.size(); ++k) {
       if (boundary_[k].length <= 0.0) continue;
       const std::int32_t j = flood_->bisector(static_cast<std::int32_t>(k)).site;
-      out.push_back({sites.original[static_cast<std::size_t>(j)], boundary_[k].flux, boundary_[k].length});
+      out.push_back(
+          {sites.original[static_cast<std::size_t>(j)], boundary_[k].flux, boundary_[k].length});
       ++count;
     }
     return count;
@@ -251,7 +266,8 @@ class CellIntegrals {
       const Vec3 middle = 0.5 * (p + q);
       CellBoundary& sum = boundary_with(corners[k].edge);
       sum.length += length;
-      sum.flux += length / (6.0 * in_plane) * (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
+      sum.flux += length / (6.0 * in_plane) *
+                  (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
     }
   }
 
@@ -285,7 +301,10 @@ struct Coverage {
 class Builder {
  public:
   Builder(const Surface& surface, const Sites& sites, const Context* context)
-      : surface_(surface), sites_(surface, sites), tree_(sites_.positions), context_(context),
+      : surface_(surface),
+        sites_(surface, sites),
+        tree_(sites_.positions),
+        context_(context),
         floods_([this] { return CellFlood(surface_, sites_, tree_); }) {}
 
   RestrictedVoronoi build() {
@@ -298,6 +317,7 @@ class Builder {
       seeds_ = find_orphans();
       integrate(seeded_sites());
     }
+    pieces_.clear();
     return std::move(result_);
   }
 
@@ -319,7 +339,8 @@ class Builder {
   /// The faces to flood a cell from.
   std::vector<std::int32_t> starts(std::int32_t site) const {
     std::vector<std::int32_t> faces = {sites_.faces[static_cast<std::size_t>(site)]};
-    for (auto it = std::lower_bound(seeds_.begin(), seeds_.end(), Seed{site, -1}); it != seeds_.end(); ++it) {
+    for (auto it = std::lower_bound(seeds_.begin(), seeds_.end(), Seed{site, -1});
+         it != seeds_.end(); ++it) {
       if (it->site != site) break;
       faces.push_back(it->face);
     }
@@ -329,25 +350,34 @@ class Builder {
   void integrate(std::span<const std::int32_t> sites) {
     const std::size_t chunks = (sites.size() + kGrain - 1) / kGrain;
     std::vector<std::vector<CellBoundary>> boundaries(chunks);
+    pieces_.assign(chunks, {});
     parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       if (context_) context_->check();
-      integrate_chunk(sites.subspan(begin, end - begin), boundaries[begin / kGrain]);
+      integrate_chunk(sites.subspan(begin, end - begin), boundaries[begin / kGrain],
+                      pieces_[begin / kGrain]);
     });
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      for (const std::int32_t s : sites.subspan(chunk * kGrain).first(std::min(kGrain, sites.size() - chunk * kGrain)))
+      for (const std::int32_t s :
+           sites.subspan(chunk * kGrain).first(std::min(kGrain, sites.size() - chunk * kGrain)))
         row(s).first += result_.boundaries.size();
-      result_.boundaries.insert(result_.boundaries.end(), boundaries[chunk].begin(), boundaries[chunk].end());
+      result_.boundaries.insert(result_.boundaries.end(), boundaries[chunk].begin(),
+                                boundaries[chunk].end());
     }
   }
 
-  void integrate_chunk(std::span<const std::int32_t> sites, std::vector<CellBoundary>& boundaries) {
+  void integrate_chunk(std::span<const std::int32_t> sites, std::vector<CellBoundary>& boundaries,
+                       std::vector<Coverage>& pieces) {
     CellFlood& flood = floods_.local();
     CellIntegrals integrals(surface_, flood);
     for (const std::int32_t s : sites) {
       integrals.reset();
       row(s) = {boundaries.size(), 0};
       if (flood.reset(s)) {
-        flood.flood(starts(s), [&](std::int32_t face, bool whole) { integrals.add(face, whole); });
+        flood.flood(starts(s), [&](std::int32_t face, bool whole) {
+          const double before = integrals.moments().area;
+          integrals.add(face, whole);
+          pieces.push_back({face, integrals.moments().area - before});
+        });
         row(s).count = integrals.append_boundary(sites_, boundaries);
       }
       result_.cells[original(s)] = integrals.moments();
@@ -365,25 +395,12 @@ class Builder {
     return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
   }
 
-  /// The area of each face that some flood has reached, summed in the order of the sites.
-  std::vector<double> covered_area() {
-    std::vector<std::vector<Coverage>> found((count() + kGrain - 1) / kGrain);
-    parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
-      if (context_) context_->check();
-      CellFlood& flood = floods_.local();
-      CellIntegrals integrals(surface_, flood);
-      for (std::size_t s = begin; s < end; ++s) {
-        if (!flood.reset(static_cast<std::int32_t>(s))) continue;
-        flood.flood(starts(static_cast<std::int32_t>(s)), [&](std::int32_t face, bool whole) {
-          integrals.reset();
-          integrals.add(face, whole);
-          found[begin / kGrain].push_back({face, integrals.moments().area});
-        });
-      }
-    });
+  /// The area of each face that the floods have reached, summed in the order of the sites.
+  [[nodiscard]] std::vector<double> covered_area() const {
     std::vector<double> covered(surface_.face_count(), 0.0);
-    for (const auto& chunk : found)
-      for (const Coverage& piece : chunk) covered[static_cast<std::size_t>(piece.face)] += piece.area;
+    for (const auto& chunk : pieces_)
+      for (const Coverage& piece : chunk)
+        covered[static_cast<std::size_t>(piece.face)] += piece.area;
     return covered;
   }
 
@@ -406,7 +423,8 @@ class Builder {
     return seeds;
   }
 
-  /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a piece too.
+  /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
+  /// piece too.
   std::vector<Seed> owners(std::int32_t face) {
     CellFlood& flood = floods_.local();
     std::vector<Neighbour> nearest;
@@ -437,12 +455,13 @@ class Builder {
     CellFlood& flood = floods_.local();
     if (!flood.reset(site)) return;
     flood.flood(starts(site), [&](std::int32_t face, bool) {
-      CellPolygon piece{static_cast<std::int32_t>(original(site)), surface_.original_face(face), {}, {}};
+      CellPolygon piece{
+          static_cast<std::int32_t>(original(site)), surface_.original_face(face), {}, {}};
       for (const Polygon::Corner& corner : flood.polygon().corners()) {
         piece.points.push_back(corner.x + flood.position());
-        piece.edges.push_back(corner.edge < 0
-                                  ? corner.edge
-                                  : static_cast<std::int32_t>(original(flood.bisector(corner.edge).site)));
+        piece.edges.push_back(corner.edge < 0 ? corner.edge
+                                              : static_cast<std::int32_t>(
+                                                    original(flood.bisector(corner.edge).site)));
       }
       out.push_back(std::move(piece));
     });
@@ -453,13 +472,15 @@ class Builder {
   Neighbours tree_;
   const Context* context_;
   tbb::enumerable_thread_specific<CellFlood> floods_;
-  std::vector<Seed> seeds_;  // sorted
+  std::vector<std::vector<Coverage>> pieces_;  // of the last floods, per chunk
+  std::vector<Seed> seeds_;                    // sorted
   RestrictedVoronoi result_;
 };
 
 }  // namespace
 
-RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, const Context* context) {
+RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
+                                     const Context* context) {
   return Builder(surface, sites, context).build();
 }
 

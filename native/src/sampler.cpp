@@ -11,14 +11,25 @@
 namespace dapple {
 namespace {
 
-Sites make_start(const Surface& surface, std::size_t count, const SampleOptions& options, const Context* context) {
+Sites make_start(const Surface& surface, std::size_t count, const SampleOptions& options,
+                 const Context* context) {
   return options.start == Start::kRandom ? random_start(surface, count, options.seed)
                                          : poisson_start(surface, count, options.seed, context);
 }
 
 }  // namespace
 
-Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options, Context* context) {
+SampleOptions paper_options() {
+  SampleOptions options;
+  options.start = Start::kRandom;
+  options.optimizer.method = Method::kLineSearch;
+  options.optimizer.gap_weight = 0.0;
+  options.optimizer.tolerance = 1e-5;
+  return options;
+}
+
+Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options,
+               Context* context) {
   const Clock clock;
   if (context) context->check();
   check_at_least("threads", options.threads, 0);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/samples.hpp>
-
 #include <numeric>
 
 #include "validate.hpp"
@@ -15,13 +14,16 @@ void check_barycentric(std::span<const Vec3> rows) {
   check_finite("barycentric", rows);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (rows[k].minCoeff() < -kSumTolerance)
-      throw ArgumentError(entry("barycentric", k) + " has the negative coordinate " + number(rows[k].minCoeff()));
+      throw ArgumentError(entry("barycentric", k) + " has the negative coordinate " +
+                          number(rows[k].minCoeff()));
     if (std::abs(rows[k].sum() - 1.0) > kSumTolerance)
-      throw ArgumentError(entry("barycentric", k) + " sums to " + number(rows[k].sum()) + ": it must sum to 1");
+      throw ArgumentError(entry("barycentric", k) + " sums to " + number(rows[k].sum()) +
+                          ": it must sum to 1");
   }
 }
 
-/// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding again changes nothing.
+/// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding
+/// again changes nothing.
 Vec3 normalised(const Vec3& row) {
   const Vec3 weights = row.cwiseMax(0.0);
   const double sum = weights.sum();
@@ -32,13 +34,15 @@ void check_ids(std::span<const std::int32_t> ids) {
   std::vector<std::int32_t> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twin != sorted.end()) throw ArgumentError("ids holds " + std::to_string(*twin) + " twice: each must be unique");
+  if (twin != sorted.end())
+    throw ArgumentError("ids holds " + std::to_string(*twin) + " twice: each must be unique");
 }
 
 }  // namespace
 
-Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces, std::span<const Vec3> barycentric,
-                     std::span<const std::int32_t> ids, std::span<const std::int32_t> classes) {
+Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
+                     std::span<const Vec3> barycentric, std::span<const std::int32_t> ids,
+                     std::span<const std::int32_t> classes) {
   const std::size_t count = faces.size();
   check_same_length("barycentric", barycentric.size(), "faces", count);
   if (!ids.empty()) check_same_length("ids", ids.size(), "faces", count);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/surface.hpp>
-
 #include <cmath>
+#include <dapple/surface.hpp>
 #include <numbers>
 #include <string>
 
@@ -13,7 +12,8 @@
 namespace dapple {
 namespace {
 
-// A face thinner than this against its longest edge has no usable normal; it counts as having no area.
+// A face thinner than this against its longest edge has no usable normal; it counts as having no
+// area.
 constexpr double kDegenerate = 1e-14;
 
 void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
@@ -21,18 +21,20 @@ void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
   for (std::size_t k = 0; k < faces.size(); ++k)
     for (const std::int32_t v : faces[k])
       if (v < 0 || static_cast<std::size_t>(v) >= vertex_count)
-        throw SurfaceError(entry("faces", k) + " has vertex index " + std::to_string(v) + ", outside 0.." +
+        throw SurfaceError(entry("faces", k) + " has vertex index " + std::to_string(v) +
+                           ", outside 0.." +
                            std::to_string(static_cast<long long>(vertex_count) - 1));
 }
 
 void check_density(std::span<const double> density, std::size_t vertex_count) {
   if (density.empty()) return;
   if (density.size() != vertex_count)
-    throw SurfaceError("density has " + std::to_string(density.size()) + " values for " + std::to_string(vertex_count) +
-                       " vertices: one per vertex is needed");
+    throw SurfaceError("density has " + std::to_string(density.size()) + " values for " +
+                       std::to_string(vertex_count) + " vertices: one per vertex is needed");
   for (std::size_t k = 0; k < density.size(); ++k)
     if (!std::isfinite(density[k]) || density[k] < 0.0)
-      throw SurfaceError(entry("density", k) + " is " + number(density[k]) + ": it must be finite and >= 0");
+      throw SurfaceError(entry("density", k) + " is " + number(density[k]) +
+                         ": it must be finite and >= 0");
 }
 
 struct HalfEdgeKey {
@@ -53,7 +55,8 @@ std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
   std::vector<std::int32_t> next(keys.size());
   for (std::size_t first = 0; first < keys.size();) {
     std::size_t last = first;
-    while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low && keys[last + 1].high == keys[first].high)
+    while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low &&
+           keys[last + 1].high == keys[first].high)
       ++last;
     for (std::size_t k = first; k <= last; ++k)
       next[static_cast<std::size_t>(keys[k].half_edge)] = keys[k == last ? first : k + 1].half_edge;
@@ -69,13 +72,16 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
   return inverse;
 }
 
-std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertices, std::span<const Face> faces) {
+std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertices,
+                                                   std::span<const Face> faces) {
   auto result = std::make_shared<SurfaceConnectivity>();
   result->original_vertex = morton_order(vertices);
   const std::vector<std::int32_t> ordered_vertex = invert(result->original_vertex);
   std::vector<Vec3> centroids(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    const auto corner = [&](std::size_t k) -> const Vec3& { return vertices[static_cast<std::size_t>(faces[f][k])]; };
+    const auto corner = [&](std::size_t k) -> const Vec3& {
+      return vertices[static_cast<std::size_t>(faces[f][k])];
+    };
     centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
   }
   result->original_face = morton_order(centroids);
@@ -83,7 +89,9 @@ std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertice
   result->faces.reserve(faces.size());
   for (const std::int32_t f : result->original_face) {
     const Face& face = faces[static_cast<std::size_t>(f)];
-    const auto ordered = [&](std::size_t k) { return ordered_vertex[static_cast<std::size_t>(face[k])]; };
+    const auto ordered = [&](std::size_t k) {
+      return ordered_vertex[static_cast<std::size_t>(face[k])];
+    };
     result->faces.push_back({ordered(0), ordered(1), ordered(2)});
   }
   result->next_around_edge = link_edges(result->faces);
@@ -102,7 +110,8 @@ std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> o
 template <typename T>
 std::vector<T> scatter(std::span<const T> values, std::span<const std::int32_t> order) {
   std::vector<T> result(values.size());
-  for (std::size_t k = 0; k < values.size(); ++k) result[static_cast<std::size_t>(order[k])] = values[k];
+  for (std::size_t k = 0; k < values.size(); ++k)
+    result[static_cast<std::size_t>(order[k])] = values[k];
   return result;
 }
 
@@ -111,8 +120,8 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
   FaceGeometry face;
   face.centroid = (x[0] + x[1] + x[2]) / 3.0;
   const Vec3 cross = (x[1] - x[0]).cross(x[2] - x[0]);
-  const double longest =
-      std::max({(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
+  const double longest = std::max(
+      {(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
   const double twice_area = cross.norm();
   if (std::isfinite(longest) && !(twice_area > kDegenerate * longest)) return face;
   face.normal = cross / twice_area;
@@ -123,19 +132,23 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
     return face;
   }
   add_linear_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2], f[0], f[1], f[2]);
-  for (std::size_t k = 0; k < 3; ++k)  // the gradient of a hat function is normal x opposite edge / (2 area)
-    face.density_gradient +=
-        f[static_cast<Eigen::Index>(k)] / twice_area * face.normal.cross(x[(k + 2) % 3] - x[(k + 1) % 3]);
+  for (std::size_t k = 0; k < 3;
+       ++k)  // the gradient of a hat function is normal x opposite edge / (2 area)
+    face.density_gradient += f[static_cast<Eigen::Index>(k)] / twice_area *
+                             face.normal.cross(x[(k + 2) % 3] - x[(k + 1) % 3]);
   return face;
 }
 
 void check_total(const SurfaceGeometry& geometry) {
   if (!std::isfinite(geometry.area)) throw SurfaceError("vertices span an area that is not finite");
-  if (!(geometry.area > 0.0)) throw SurfaceError("faces have no area: all triangles are degenerate");
-  if (!(geometry.mass > 0.0)) throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
+  if (!(geometry.area > 0.0))
+    throw SurfaceError("faces have no area: all triangles are degenerate");
+  if (!(geometry.mass > 0.0))
+    throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
 }
 
-std::shared_ptr<const SurfaceGeometry> measure(const SurfaceConnectivity& connectivity, std::vector<Vec3> vertices,
+std::shared_ptr<const SurfaceGeometry> measure(const SurfaceConnectivity& connectivity,
+                                               std::vector<Vec3> vertices,
                                                std::vector<double> density) {
   auto result = std::make_shared<SurfaceGeometry>();
   const bool uniform = density.empty();
@@ -170,7 +183,8 @@ double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces, std::span<const double> density) {
+Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
+                 std::span<const double> density) {
   check_finite<SurfaceError>("vertices", vertices);
   check_faces(faces, vertices.size());
   check_density(density, vertices.size());
@@ -179,22 +193,27 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces, st
                       gather(density, connectivity_->original_vertex));
 }
 
-Surface::Surface(std::shared_ptr<const SurfaceConnectivity> connectivity, std::vector<Vec3> vertices,
-                 std::vector<double> density)
+Surface::Surface(std::shared_ptr<const SurfaceConnectivity> connectivity,
+                 std::vector<Vec3> vertices, std::vector<double> density)
     : connectivity_(std::move(connectivity)),
       geometry_(measure(*connectivity_, std::move(vertices), std::move(density))) {}
 
 Surface Surface::deformed(std::span<const Vec3> vertices) const {
   if (vertices.size() != vertex_count())
-    throw SurfaceError("vertices has " + std::to_string(vertices.size()) + " rows; the surface has " +
-                       std::to_string(vertex_count()) + " vertices, and deforming keeps their number");
+    throw SurfaceError("vertices has " + std::to_string(vertices.size()) +
+                       " rows; the surface has " + std::to_string(vertex_count()) +
+                       " vertices, and deforming keeps their number");
   check_finite<SurfaceError>("vertices", vertices);
   return {connectivity_, gather(vertices, connectivity_->original_vertex), geometry_->density};
 }
 
-std::vector<Vec3> Surface::vertices() const { return scatter<Vec3>(geometry_->vertices, connectivity_->original_vertex); }
+std::vector<Vec3> Surface::vertices() const {
+  return scatter<Vec3>(geometry_->vertices, connectivity_->original_vertex);
+}
 
-std::vector<double> Surface::density() const { return scatter<double>(geometry_->density, connectivity_->original_vertex); }
+std::vector<double> Surface::density() const {
+  return scatter<double>(geometry_->density, connectivity_->original_vertex);
+}
 
 std::vector<Face> Surface::faces() const {
   std::vector<Face> result(face_count());
@@ -210,13 +229,15 @@ Vec3 Surface::point(std::int32_t face, const Vec3& weights) const {
   return weights[0] * vertex(a) + weights[1] * vertex(b) + weights[2] * vertex(c);
 }
 
-std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces, std::span<const Vec3> weights) const {
+std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
+                                   std::span<const Vec3> weights) const {
   std::vector<Vec3> at_vertices(vertex_count(), Vec3::Zero());
   for (std::size_t f = 0; f < face_count(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
       const Face& v = connectivity_->faces[f];
       at_vertices[static_cast<std::size_t>(v[k])] +=
-          angle_at(vertex(v[k]), vertex(v[(k + 1) % 3]), vertex(v[(k + 2) % 3])) * geometry_->faces[f].normal;
+          angle_at(vertex(v[k]), vertex(v[(k + 1) % 3]), vertex(v[(k + 2) % 3])) *
+          geometry_->faces[f].normal;
     }
   for (Vec3& normal : at_vertices) normal.stableNormalize();
   std::vector<Vec3> result(faces.size());
@@ -224,7 +245,8 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces, std::spa
     const std::int32_t f = ordered_face(faces[k]);
     Vec3 sum = Vec3::Zero();
     for (std::size_t c = 0; c < 3; ++c)
-      sum += weights[k][static_cast<Eigen::Index>(c)] * at_vertices[static_cast<std::size_t>(corners(f)[c])];
+      sum += weights[k][static_cast<Eigen::Index>(c)] *
+             at_vertices[static_cast<std::size_t>(corners(f)[c])];
     // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is.
     result[k] = sum.norm() > 1e-6 ? sum.normalized() : geometry(f).normal;
   }
@@ -232,7 +254,8 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces, std::spa
 }
 
 double Surface::spacing(std::size_t count) const {
-  return std::sqrt(2.0 * area() / (std::numbers::sqrt3 * static_cast<double>(std::max<std::size_t>(count, 1))));
+  return std::sqrt(2.0 * area() /
+                   (std::numbers::sqrt3 * static_cast<double>(std::max<std::size_t>(count, 1))));
 }
 
 }  // namespace dapple

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/topology.hpp>
-
 #include <numeric>
 
 #include "openmesh.hpp"
@@ -24,16 +23,20 @@ std::int32_t count_components(const Surface& surface) {
       const std::int32_t face = pending.back();
       pending.pop_back();
       for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
-        for (std::int32_t g = surface.next_around(h); g != h; g = surface.next_around(g)) push(g / 3);
+        for (std::int32_t g = surface.next_around(h); g != h; g = surface.next_around(g))
+          push(g / 3);
     }
   }
   return components;
 }
 
-/// Count edges by how many faces meet at them; each is looked at from its lowest half-edge. True if no two faces are
-/// turned against each other, that is, run along their common edge in the same direction.
+/// Count edges by how many faces meet at them; each is looked at from its lowest half-edge. True if
+/// no two faces are turned against each other, that is, run along their common edge in the same
+/// direction.
 bool count_edges(const Surface& surface, Topology& result) {
-  const auto start = [&](std::int32_t h) { return surface.corners(h / 3)[static_cast<std::size_t>(h % 3)]; };
+  const auto start = [&](std::int32_t h) {
+    return surface.corners(h / 3)[static_cast<std::size_t>(h % 3)];
+  };
   bool consistent = true;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
     int faces = 1;
@@ -53,12 +56,14 @@ bool build(const Surface& surface, HalfEdgeMesh& mesh) {
   std::vector<HalfEdgeMesh::VertexHandle> handles(surface.vertex_count());
   const auto handle = [&](std::int32_t v) {
     HalfEdgeMesh::VertexHandle& h = handles[static_cast<std::size_t>(v)];
-    if (!h.is_valid()) h = mesh.add_vertex({surface.vertex(v).x(), surface.vertex(v).y(), surface.vertex(v).z()});
+    if (!h.is_valid())
+      h = mesh.add_vertex({surface.vertex(v).x(), surface.vertex(v).y(), surface.vertex(v).z()});
     return h;
   };
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
     const auto [a, b, c] = surface.corners(static_cast<std::int32_t>(f));
-    if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid()) return false;
+    if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid())
+      return false;
   }
   for (const auto vertex : mesh.vertices())
     if (!mesh.is_manifold(vertex)) return false;
@@ -90,7 +95,8 @@ Topology topology(const Surface& surface) {
   result.border_loops = count_border_loops(mesh);
   result.closed = result.border_loops == 0;
   // Euler and Poincare: V - E + F = 2 components - 2 genus - borders.
-  const auto euler = static_cast<std::int32_t>(mesh.n_vertices()) - static_cast<std::int32_t>(mesh.n_edges()) +
+  const auto euler = static_cast<std::int32_t>(mesh.n_vertices()) -
+                     static_cast<std::int32_t>(mesh.n_edges()) +
                      static_cast<std::int32_t>(mesh.n_faces());
   result.genus = (2 * result.components - result.border_loops - euler) / 2;
   return result;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/tracker.hpp>
-
 #include <algorithm>
+#include <dapple/tracker.hpp>
 
 #include "clock.hpp"
 #include "outcome.hpp"
@@ -11,8 +10,8 @@
 namespace dapple {
 namespace {
 
-// A frame this little above the first one's normalised energy is as even to the eye: nothing needs to move. (From a
-// Poisson-disk start to convergence the energy falls by about 0.03.)
+// A frame this little above the first one's normalised energy is as even to the eye: nothing needs
+// to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
 constexpr double kSlack = 5e-4;
 
 /// How far the samples are from where they were carried, in spacings.
@@ -31,13 +30,15 @@ void measure_slide(Samples& samples, const Samples& carried) {
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options)
     : surface_(std::move(surface)),
-      samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids, samples.classes)),
+      samples_(
+          bind_samples(surface_, samples.faces, samples.barycentric, samples.ids, samples.classes)),
       options_(options) {
   check_at_least("threads", options_.threads, 0);
   samples_.report = samples.report;
   with_threads(options_.threads, [&] {
     const Sites sites{samples_.positions, samples_.faces, {}};
-    target_energy_ = evaluate_energy(surface_, sites, options_.optimizer.capacity_weight).normalised;
+    target_energy_ =
+        evaluate_energy(surface_, sites, options_.optimizer.capacity_weight).normalised;
   });
 }
 
@@ -51,7 +52,8 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     OptimizerOptions options = options_.optimizer;
     options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
     OptimizerResult found =
-        optimize(surface, Projector(surface), {carried.positions, carried.faces, carried.barycentric}, options, context);
+        optimize(surface, Projector(surface),
+                 {carried.positions, carried.faces, carried.barycentric}, options, context);
     Samples samples = to_samples(surface, std::move(found), samples_.ids, samples_.classes);
     measure_slide(samples, carried);
     samples.report.seconds = clock.seconds();

@@ -16,17 +16,20 @@ Vec3 closest_on_edges(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c
   const double ab = closest_on_segment(p, a, b);
   const double bc = closest_on_segment(p, b, c);
   const double ca = closest_on_segment(p, c, a);
-  const std::array<Vec3, 3> weights = {Vec3(1.0 - ab, ab, 0.0), Vec3(0.0, 1.0 - bc, bc), Vec3(ca, 0.0, 1.0 - ca)};
+  const std::array<Vec3, 3> weights = {Vec3(1.0 - ab, ab, 0.0), Vec3(0.0, 1.0 - bc, bc),
+                                       Vec3(ca, 0.0, 1.0 - ca)};
   return *std::min_element(weights.begin(), weights.end(), [&](const Vec3& u, const Vec3& v) {
-    const auto squared = [&](const Vec3& w) { return (w[0] * a + w[1] * b + w[2] * c - p).squaredNorm(); };
+    const auto squared = [&](const Vec3& w) {
+      return (w[0] * a + w[1] * b + w[2] * c - p).squaredNorm();
+    };
     return squared(u) < squared(v);
   });
 }
 
 }  // namespace
 
-// Ericson, Real-Time Collision Detection (2005), 5.1.5: inside if the projection's areas against all edges are
-// positive; otherwise the closest point lies on an edge.
+// Ericson, Real-Time Collision Detection (2005), 5.1.5: inside if the projection's areas against
+// all edges are positive; otherwise the closest point lies on an edge.
 Vec3 closest_barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
   const Vec3 ac = c - a;

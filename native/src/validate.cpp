@@ -12,22 +12,26 @@ std::string number(double value) {
   return text.data();
 }
 
-void check_face_indices(const char* name, std::span<const std::int32_t> faces, const Surface& surface) {
+void check_face_indices(const char* name, std::span<const std::int32_t> faces,
+                        const Surface& surface) {
   for (std::size_t k = 0; k < faces.size(); ++k)
     if (faces[k] < 0 || static_cast<std::size_t>(faces[k]) >= surface.face_count())
-      throw ArgumentError(entry(name, k) + " is " + std::to_string(faces[k]) + ", outside the surface's faces 0.." +
+      throw ArgumentError(entry(name, k) + " is " + std::to_string(faces[k]) +
+                          ", outside the surface's faces 0.." +
                           std::to_string(surface.face_count() - 1));
 }
 
-void check_same_length(const char* name, std::size_t length, const char* other, std::size_t expected) {
+void check_same_length(const char* name, std::size_t length, const char* other,
+                       std::size_t expected) {
   if (length != expected)
-    throw ArgumentError(std::string(name) + " has " + std::to_string(length) + " entries and " + other + " has " +
-                        std::to_string(expected) + ": they must match");
+    throw ArgumentError(std::string(name) + " has " + std::to_string(length) + " entries and " +
+                        other + " has " + std::to_string(expected) + ": they must match");
 }
 
 void check_at_least(const char* name, double value, double low) {
   if (!std::isfinite(value) || value < low)
-    throw ArgumentError(std::string(name) + " is " + number(value) + ": it must be finite and >= " + number(low));
+    throw ArgumentError(std::string(name) + " is " + number(value) +
+                        ": it must be finite and >= " + number(low));
 }
 
 }  // namespace dapple

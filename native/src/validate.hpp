@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <dapple/errors.hpp>
 #include <dapple/surface.hpp>
-#include <cmath>
 #include <string>
 
 namespace dapple {
@@ -27,10 +27,12 @@ void check_finite(const char* name, std::span<const Vec3> points) {
 }
 
 /// \throw ArgumentError naming the first index outside the surface's faces
-void check_face_indices(const char* name, std::span<const std::int32_t> faces, const Surface& surface);
+void check_face_indices(const char* name, std::span<const std::int32_t> faces,
+                        const Surface& surface);
 
 /// \throw ArgumentError if the lengths differ
-void check_same_length(const char* name, std::size_t length, const char* other, std::size_t expected);
+void check_same_length(const char* name, std::size_t length, const char* other,
+                       std::size_t expected);
 
 /// \throw ArgumentError unless value is finite and >= low
 void check_at_least(const char* name, double value, double low);

@@ -10,14 +10,16 @@ struct Energy {
   double total = 0.0;
   double cvt = 0.0;            ///< sum of the integrals of phi^2 |x - x_i|^2
   double capacity_term = 0.0;  ///< sum of the squared capacities, without the weight
-  double normalised = 0.0;     ///< e = n E / |S|_phi^2 - lambda: free of n, size and units; 0.16037 for hexagons
+  double normalised =
+      0.0;  ///< e = n E / |S|_phi^2 - lambda: free of n, size and units; 0.16037 for hexagons
   std::vector<Vec3> gradient;  ///< per site, in space (not yet tangential)
   RestrictedVoronoi diagram;
 };
 
 /// \param capacity_weight lambda >= 0; the paper finds 20..100 useful, 30 is its default
-/// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative; Cancelled
-[[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
-                                     const Context* context = nullptr);
+/// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative;
+/// Cancelled
+[[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites,
+                                     double capacity_weight, const Context* context = nullptr);
 
 }  // namespace dapple

@@ -10,7 +10,8 @@ class ArgumentError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The arrays of a surface do not form one (bad index, non-finite number, negative density, no area).
+/// The arrays of a surface do not form one (bad index, non-finite number, negative density, no
+/// area).
 class SurfaceError : public ArgumentError {
   using ArgumentError::ArgumentError;
 };

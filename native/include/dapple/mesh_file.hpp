@@ -19,6 +19,7 @@ struct MeshArrays {
 
 /// Write a triangle mesh through OpenMesh (.ply in binary, double precision).
 /// \throw FileError
-void write_mesh(const std::filesystem::path& path, std::span<const Vec3> vertices, std::span<const Face> faces);
+void write_mesh(const std::filesystem::path& path, std::span<const Vec3> vertices,
+                std::span<const Face> faces);
 
 }  // namespace dapple

@@ -22,7 +22,8 @@ class Neighbours {
   Neighbours(const Neighbours&) = delete;
   Neighbours& operator=(const Neighbours&) = delete;
 
-  /// The `count` points nearest to `point` (all of them if there are fewer), sorted by distance, ties by index.
+  /// The `count` points nearest to `point` (all of them if there are fewer), sorted by distance,
+  /// ties by index.
   void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const;
 
  private:

@@ -9,9 +9,9 @@ namespace dapple {
 /// Exactly `count` points drawn independently with the surface's density (white noise).
 [[nodiscard]] Sites random_start(const Surface& surface, std::size_t count, std::uint64_t seed);
 
-/// Exactly `count` points by dart throwing: a dart is refused within r of an earlier one, r following the density as
-/// phi^(-1/2), and r shrinks each time that too many darts in a row are refused, until all fit.
-/// \throw Cancelled
+/// Exactly `count` points by dart throwing: a dart is refused within r of an earlier one, r
+/// following the density as phi^(-1/2), and r shrinks each time that too many darts in a row are
+/// refused, until all fit. \throw Cancelled
 [[nodiscard]] Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed,
                                   const Context* context = nullptr);
 

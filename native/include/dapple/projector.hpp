@@ -15,8 +15,9 @@ struct Projection {
 
 /// Finds the closest point of a surface for many points at once.
 ///
-/// Embree culls in single precision, on a centred and scaled copy and with a margin; candidates are compared in double
-/// precision and ties go to the lowest (caller's) face index, so the answer does not depend on Embree's tree.
+/// Embree culls in single precision, on a centred and scaled copy and with a margin; candidates are
+/// compared in double precision and ties go to the lowest (caller's) face index, so the answer does
+/// not depend on Embree's tree.
 class Projector {
  public:
   explicit Projector(const Surface& surface);
@@ -27,9 +28,10 @@ class Projector {
   Projector& operator=(const Projector&) = delete;
 
   /// \param points finite positions
-  /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed depends on it
-  /// \throw ArgumentError naming the first point that is not finite
-  [[nodiscard]] Projection project(std::span<const Vec3> points, std::span<const std::int32_t> hints = {}) const;
+  /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed
+  /// depends on it \throw ArgumentError naming the first point that is not finite
+  [[nodiscard]] Projection project(std::span<const Vec3> points,
+                                   std::span<const std::int32_t> hints = {}) const;
 
  private:
   struct Scene;

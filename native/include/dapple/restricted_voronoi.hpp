@@ -9,14 +9,16 @@ namespace dapple {
 /// The common boundary of a cell i with the cell of one neighbour j.
 struct CellBoundary {
   std::int32_t neighbour;  ///< j
-  /// a_ij = integral over the boundary of phi (x - x_i) / |x_j - x_i|_t ds, where |v|_t is the length of v in the
-  /// plane of the face (paper, Theorem 2). It is the part of d|V_i|/dx_i due to j, and -d|V_j|/dx_i.
+  /// a_ij = integral over the boundary of phi (x - x_i) / |x_j - x_i|_t ds, where |v|_t is the
+  /// length of v in the plane of the face (paper, Theorem 2). It is the part of d|V_i|/dx_i due to
+  /// j, and -d|V_j|/dx_i.
   Vec3 flux;
   double length;  ///< integral of ds
 };
 
-/// The Voronoi diagram of sites, restricted to a surface: V_i is the part of the surface nearer to x_i than to any
-/// other site. Points at equal distance from coincident sites go to the lowest index, whose twins stay empty.
+/// The Voronoi diagram of sites, restricted to a surface: V_i is the part of the surface nearer to
+/// x_i than to any other site. Points at equal distance from coincident sites go to the lowest
+/// index, whose twins stay empty.
 struct RestrictedVoronoi {
   std::vector<Moments> cells;  ///< per site, relative to the site
 
@@ -36,22 +38,23 @@ struct RestrictedVoronoi {
 /// One convex piece of a cell: the part of a face that belongs to a site.
 struct CellPolygon {
   std::int32_t site;
-  std::int32_t face;                ///< the caller's index
-  std::vector<Vec3> points;         ///< counter-clockwise about the face's normal
-  std::vector<std::int32_t> edges;  ///< what edge k (points k, k+1) lies on: site j >= 0, or face edge -1-corner
+  std::int32_t face;         ///< the caller's index
+  std::vector<Vec3> points;  ///< counter-clockwise about the face's normal
+  std::vector<std::int32_t>
+      edges;  ///< what edge k (points k, k+1) lies on: site j >= 0, or face edge -1-corner
 };
 
-/// Compute all cells, one at a time and in parallel: from the face that holds the site, flood over the mesh, clipping
-/// each face by the bisectors with the site's neighbours in order of distance until the next one is farther than twice
-/// the farthest corner of what is left (the security radius). Parts of a cell that the flood does not reach (straight
-/// distance goes through walls) are found by their missing area and flooded from a face of their own, so that every
-/// unit of area belongs to exactly one site.
-/// \pre the sites lie on their faces
-/// \throw Cancelled
+/// Compute all cells, one at a time and in parallel: from the face that holds the site, flood over
+/// the mesh, clipping each face by the bisectors with the site's neighbours in order of distance
+/// until the next one is farther than twice the farthest corner of what is left (the security
+/// radius). Parts of a cell that the flood does not reach (straight distance goes through walls)
+/// are found by their missing area and flooded from a face of their own, so that every unit of area
+/// belongs to exactly one site. \pre the sites lie on their faces \throw Cancelled
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                                    const Context* context = nullptr);
 
 /// The same cells as polygons, sorted by site; memory grows with the number of pieces.
-[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites);
+[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface,
+                                                                   const Sites& sites);
 
 }  // namespace dapple

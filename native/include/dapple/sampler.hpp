@@ -19,9 +19,12 @@ struct SampleOptions {
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
+/// The paper's own way: white noise, plain L-BFGS, no gap.
+[[nodiscard]] SampleOptions paper_options();
+
 /// Exactly `count` samples of a surface, evenly spaced and unpatterned, following its density.
 /// \throw ArgumentError for options out of range; Cancelled
-[[nodiscard]] Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options = {},
-                             Context* context = nullptr);
+[[nodiscard]] Samples sample(const Surface& surface, std::size_t count,
+                             const SampleOptions& options = {}, Context* context = nullptr);
 
 }  // namespace dapple

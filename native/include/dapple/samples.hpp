@@ -15,9 +15,10 @@ struct Report {
   int evaluations = 0;
   int iterations = 0;
   bool converged = true;
-  double seconds = 0.0;          ///< wall time
-  std::vector<double> energies;  ///< normalised, of the start and after each iteration
-  double slide_mean = 0.0;       ///< tracker: distance from the carried position, in spacings
+  double seconds = 0.0;  ///< wall time
+  std::vector<double>
+      energies;  ///< what was minimised, normalised, at the start and after each iteration
+  double slide_mean = 0.0;  ///< tracker: distance from the carried position, in spacings
   double slide_max = 0.0;
 };
 
@@ -35,10 +36,13 @@ struct Samples {
 };
 
 /// Samples from stored bindings. Empty ids count up from 0, empty classes are 0.
-/// \throw ArgumentError naming the first face out of range, barycentric coordinate that is not finite or below 0, row
-///        that does not sum to 1 (within 1e-4: they may have been stored in single precision; they are normalised)
+/// \throw ArgumentError naming the first face out of range, barycentric coordinate that is not
+/// finite or below 0, row
+///        that does not sum to 1 (within 1e-4: they may have been stored in single precision; they
+///        are normalised)
 [[nodiscard]] Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
-                                   std::span<const Vec3> barycentric, std::span<const std::int32_t> ids = {},
+                                   std::span<const Vec3> barycentric,
+                                   std::span<const std::int32_t> ids = {},
                                    std::span<const std::int32_t> classes = {});
 
 }  // namespace dapple

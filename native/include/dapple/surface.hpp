@@ -44,16 +44,18 @@ struct SurfaceGeometry {
 
 /// Immutable, checked triangles with a density that is linear on each face.
 ///
-/// Faces and vertices are kept in a cache-friendly (Morton) order of its own, called *ordered* here; everything
-/// else in the library speaks of the caller's indices. Copies share everything.
+/// Faces and vertices are kept in a cache-friendly (Morton) order of its own, called *ordered*
+/// here; everything else in the library speaks of the caller's indices. Copies share everything.
 class Surface {
  public:
   /// \param vertices positions, in any unit
   /// \param faces    vertex indices; degenerate, repeated and non-manifold faces are allowed
   /// \param density  one value per vertex, >= 0; empty means 1 everywhere
-  /// \throw SurfaceError naming the first offender: an index out of range, a number that is not finite, a negative
+  /// \throw SurfaceError naming the first offender: an index out of range, a number that is not
+  /// finite, a negative
   ///        density, a density array of another length, or no area (or no density) at all
-  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, std::span<const double> density = {});
+  Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
+          std::span<const double> density = {});
 
   /// The same faces and density over moved vertices (as many, in the same order).
   /// \throw SurfaceError as the constructor
@@ -62,7 +64,9 @@ class Surface {
   [[nodiscard]] std::size_t vertex_count() const { return geometry_->vertices.size(); }
   [[nodiscard]] std::size_t face_count() const { return geometry_->faces.size(); }
   [[nodiscard]] double area() const { return geometry_->area; }
-  [[nodiscard]] double mass() const { return geometry_->mass; }  ///< integral of the density over the surface
+  [[nodiscard]] double mass() const {
+    return geometry_->mass;
+  }  ///< integral of the density over the surface
   [[nodiscard]] bool uniform() const { return geometry_->density.empty(); }
 
   /// Copies in the caller's order.
@@ -74,7 +78,8 @@ class Surface {
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
 
   /// Unit normals at points of the surface, interpolated from angle-weighted vertex normals.
-  [[nodiscard]] std::vector<Vec3> normals(std::span<const std::int32_t> faces, std::span<const Vec3> weights) const;
+  [[nodiscard]] std::vector<Vec3> normals(std::span<const std::int32_t> faces,
+                                          std::span<const Vec3> weights) const;
 
   /// Distance between neighbours if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
   [[nodiscard]] double spacing(std::size_t count) const;
@@ -99,8 +104,9 @@ class Surface {
   [[nodiscard]] const FaceGeometry& geometry(std::int32_t ordered) const {
     return geometry_->faces[static_cast<std::size_t>(ordered)];
   }
-  /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from): the other side of
-  /// an inner edge, itself on a border, the next of a ring where three or more faces meet.
+  /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from):
+  /// the other side of an inner edge, itself on a border, the next of a ring where three or more
+  /// faces meet.
   [[nodiscard]] std::int32_t next_around(std::int32_t half_edge) const {
     return connectivity_->next_around_edge[static_cast<std::size_t>(half_edge)];
   }

@@ -11,13 +11,14 @@ struct Topology {
   std::int32_t border_edges = 0;       ///< edges with one face
   std::int32_t border_loops = 0;       ///< closed chains of border edges; -1 if not manifold
   std::int32_t nonmanifold_edges = 0;  ///< edges with three or more faces
-  bool manifold = false;               ///< every edge and vertex has a disc or half-disc around it, consistently turned
-  bool closed = false;                 ///< manifold without border
-  std::int32_t genus = -1;             ///< handles, summed over the components; -1 if not manifold
+  bool manifold =
+      false;  ///< every edge and vertex has a disc or half-disc around it, consistently turned
+  bool closed = false;      ///< manifold without border
+  std::int32_t genus = -1;  ///< handles, summed over the components; -1 if not manifold
 };
 
-/// Measure the topology. Manifoldness, borders and genus come from OpenMesh's half-edge mesh; the counts that must
-/// also hold for non-manifold input from the surface's flat adjacency.
+/// Measure the topology. Manifoldness, borders and genus come from OpenMesh's half-edge mesh; the
+/// counts that must also hold for non-manifold input from the surface's flat adjacency.
 [[nodiscard]] Topology topology(const Surface& surface);
 
 }  // namespace dapple

@@ -11,11 +11,12 @@ struct TrackerOptions {
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// Carries samples over a deforming surface: they ride the moved vertices by their barycentric coordinates and are then
-/// re-optimised, each keeping its index and id (paper, section 5.4).
+/// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
+/// coordinates and are then re-optimised, each keeping its index and id (paper, section 5.4).
 ///
-/// A frame is restored to the evenness of the first one, not minimised on: minimising on every frame would turn the
-/// samples into a hexagonal pattern, and samples that need not move should not.
+/// A frame is restored to the evenness of the first one, not minimised on: minimising on every
+/// frame would turn the samples into a hexagonal pattern, and samples that need not move should
+/// not.
 class Tracker {
  public:
   /// \throw ArgumentError if the samples are not of the surface

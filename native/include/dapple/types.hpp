@@ -19,7 +19,8 @@ using Face = std::array<std::int32_t, 3>;
 struct Sites {
   std::vector<Vec3> positions = {};
   std::vector<std::int32_t> faces = {};  ///< indices into the caller's faces
-  std::vector<Vec3> barycentric = {};    ///< of the positions in their faces; may be empty where nobody needs them
+  std::vector<Vec3> barycentric =
+      {};  ///< of the positions in their faces; may be empty where nobody needs them
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };

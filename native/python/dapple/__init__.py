@@ -6,6 +6,8 @@
 >>> samples.positions  # (2000, 3): evenly spaced, never patterned
 """
 
+from typing import Any, Final
+
 from ._native import (
     Cancelled,
     Context,
@@ -26,7 +28,16 @@ from ._native import (
     write_mesh,
 )
 
+PAPER: Final[dict[str, Any]] = {
+    "start": "random",
+    "method": "line_search",
+    "gap_weight": 0.0,
+    "tolerance": 1e-5,
+}
+"""Options of sample() for the paper's own way: white noise, plain L-BFGS, no gap (Chen et al. 2012, Algorithm 2)."""
+
 __all__ = [
+    "PAPER",
     "Cancelled",
     "Context",
     "Energy",

@@ -142,8 +142,10 @@ class Tracker:
         samples: Samples,
         *,
         capacity_weight: float = 30.0,
+        gap_weight: float = 1.0,
         tolerance: float = 1e-5,
         max_evaluations: int = 30,
+        method: Literal["trust_region", "line_search"] = "trust_region",
         threads: int = 0,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -158,8 +160,10 @@ def sample(
     *,
     seed: int = 0,
     capacity_weight: float = 30.0,
+    gap_weight: float = 1.0,
     tolerance: float = 1e-5,
     max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
     threads: int = 0,
     context: Context | None = None,

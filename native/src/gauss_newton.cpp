@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gauss_newton.hpp"
+
+#include <Eigen/Dense>
+#include <numeric>
+
+#include "parallel.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr int kSolverSteps = 15;
+constexpr double kSolverTolerance =
+    1e-2;  // of the residual: the step is shortened and corrected anyway
+constexpr std::size_t kGrain = 1024;
+
+/// Two unit vectors that span the plane of `normal` (Duff et al. 2017, without the branch on the
+/// sign of zero).
+Eigen::Matrix<double, 3, 2> tangent_basis(const Vec3& normal) {
+  const double sign = normal.z() < 0.0 ? -1.0 : 1.0;
+  const double a = -1.0 / (sign + normal.z());
+  const double b = normal.x() * normal.y() * a;
+  Eigen::Matrix<double, 3, 2> basis;
+  basis << 1.0 + sign * normal.x() * normal.x() * a, b, sign * b,
+      sign + normal.y() * normal.y() * a, -sign * normal.x(), -normal.y();
+  return basis;
+}
+
+}  // namespace
+
+GaussNewton::GaussNewton(const RestrictedVoronoi& diagram, const Gap& gap, const Vectors& normals,
+                         double capacity_weight)
+    : diagram_(diagram), gap_(gap), normals_(normals), capacity_weight_(capacity_weight) {
+  double mass = 0.0;
+  for (const Moments& cell : diagram.cells) mass += cell.mass;
+  least_mass_ = 1e-3 * mass / static_cast<double>(std::max<std::size_t>(diagram.cells.size(), 1));
+  own_.assign(diagram.cells.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < own_.size(); ++i)
+    for (const CellBoundary& side : diagram.boundary(i)) own_[i] += side.flux;
+  transpose();
+}
+
+// J needs a_ji in row i, and the cells list a_ij: gathering instead of scattering lets the rows run
+// in parallel.
+void GaussNewton::transpose() {
+  const std::size_t count = diagram_.cells.size();
+  starts_.assign(count + 1, 0);
+  for (std::size_t i = 0; i < count; ++i)
+    for (const CellBoundary& side : diagram_.boundary(i))
+      ++starts_[static_cast<std::size_t>(side.neighbour) + 1];
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  inflows_.resize(starts_.back());
+  std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+  for (std::size_t i = 0; i < count; ++i)
+    for (const CellBoundary& side : diagram_.boundary(i))
+      inflows_[next[static_cast<std::size_t>(side.neighbour)]++] = {static_cast<std::int32_t>(i),
+                                                                    side.flux};
+}
+
+Vectors GaussNewton::apply(const Vectors& v, double delta) const {
+  const std::size_t count = v.size();
+  std::vector<double> change(count);  // J v: how the capacities change
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      change[i] = own_[i].dot(v[i]);
+      for (std::size_t k = starts_[i]; k < starts_[i + 1]; ++k)
+        change[i] -= inflows_[k].flux.dot(v[static_cast<std::size_t>(inflows_[k].from)]);
+    }
+  });
+  Vectors result(count);
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Vec3 sum = change[i] * own_[i];
+      for (const CellBoundary& side : diagram_.boundary(i))
+        sum -= change[static_cast<std::size_t>(side.neighbour)] * side.flux;
+      result[i] = 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_) * v[i] +
+                  2.0 * capacity_weight_ * sum;
+    }
+  });
+  for (const ClosePair& pair : gap_.pairs) {
+    const auto i = static_cast<std::size_t>(pair.i);
+    const auto j = static_cast<std::size_t>(pair.j);
+    const Vec3 force = pair.stiffness * pair.direction.dot(v[i] - v[j]) * pair.direction;
+    result[i] += force;
+    result[j] -= force;
+  }
+  make_tangential(result, normals_);
+  return result;
+}
+
+// The inverses of H's diagonal blocks, restricted to the tangent planes.
+std::vector<Eigen::Matrix3d> GaussNewton::preconditioner(double delta) const {
+  std::vector<Eigen::Matrix3d> blocks(own_.size());
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    Eigen::Matrix3d block = own_[i] * own_[i].transpose();
+    for (const CellBoundary& side : diagram_.boundary(i))
+      block += side.flux * side.flux.transpose();
+    blocks[i] = 2.0 * capacity_weight_ * block;
+    blocks[i].diagonal().array() += 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_);
+  }
+  for (const ClosePair& pair : gap_.pairs) {
+    const Eigen::Matrix3d block = pair.stiffness * pair.direction * pair.direction.transpose();
+    blocks[static_cast<std::size_t>(pair.i)] += block;
+    blocks[static_cast<std::size_t>(pair.j)] += block;
+  }
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Eigen::Matrix<double, 3, 2> basis = tangent_basis(normals_[i]);
+    const Eigen::Matrix2d inner = basis.transpose() * blocks[i] * basis;
+    blocks[i] = basis * inner.inverse() * basis.transpose();
+  }
+  return blocks;
+}
+
+Vectors GaussNewton::solve(const Vectors& b, double delta) const {
+  const std::vector<Eigen::Matrix3d> inverse = preconditioner(delta);
+  const auto precondition = [&](const Vectors& v) {
+    Vectors result(v.size());
+    for (std::size_t k = 0; k < v.size(); ++k) result[k] = inverse[k] * v[k];
+    return result;
+  };
+  Vectors x(b.size(), Vec3::Zero());
+  Vectors residual = b;
+  Vectors z = precondition(residual);
+  Vectors direction = z;
+  double rho = dot(residual, z);
+  const double enough = kSolverTolerance * kSolverTolerance * rho;
+  for (int k = 0; k < kSolverSteps && rho > enough; ++k) {
+    const Vectors applied = apply(direction, delta);
+    const double curvature = dot(direction, applied);
+    if (!(curvature > 0.0)) break;
+    add_scaled(x, rho / curvature, direction);
+    add_scaled(residual, -rho / curvature, applied);
+    z = precondition(residual);
+    const double next = dot(residual, z);
+    for (std::size_t i = 0; i < direction.size(); ++i)
+      direction[i] = z[i] + next / rho * direction[i];
+    rho = next;
+  }
+  return x;
+}
+
+}  // namespace dapple
