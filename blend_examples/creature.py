@@ -33,11 +33,11 @@ STUD_SIZE = 0.46  # radius of a stud in spacings
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="blend_examples/run.sh", description=__doc__)
     parser.add_argument(
-        "--frames", type=int, default=24, help="frames of the animation (4 or more)"
+        "--frames", type=int, default=48, help="frames of the animation (4 or more)"
     )
     parser.add_argument("--count", type=int, default=1500, help="number of studs")
     parser.add_argument("--seed", type=int, default=0, help="another seed, another scatter")
-    parser.add_argument("--width", type=int, default=720, help="width of one picture in pixels")
+    parser.add_argument("--width", type=int, default=640, help="width of one picture in pixels")
     parser.add_argument("--out", type=Path, default=ROOT / "build/examples", help="output folder")
     given = parser.parse_args()
     if given.frames < PANELS:

@@ -258,7 +258,7 @@ def animate(armature: bpy.types.Object, first: int, last: int) -> None:
         for bone in armature.pose.bones:
             pitch, yaw, length = pose.get(bone.name, (0, 0, 1))
             if bone.name in LEGS:
-                yaw = 24 * stride * (1 if bone.name in ("leg.fore.L", "leg.hind.R") else -1)
+                yaw = 16 * stride * (1 if bone.name in ("leg.fore.L", "leg.hind.R") else -1)
                 yaw *= LEGS[bone.name][1]
             thin = 1 / math.sqrt(length)
             bone.rotation_euler = (math.radians(pitch), 0, math.radians(yaw))

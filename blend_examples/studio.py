@@ -148,7 +148,7 @@ def build_studio(width: int, height: int) -> None:
 def set_render(scene: bpy.types.Scene, width: int, height: int) -> None:
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
-    scene.cycles.samples = 20
+    scene.cycles.samples = 16
     scene.cycles.use_denoising = True
     scene.cycles.max_bounces = 3
     scene.render.resolution_x, scene.render.resolution_y = width, height
