@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that work in steps: at once in background mode, else under a timer with Esc."""
 
+import time
 from collections.abc import Callable
 
 import bpy
@@ -8,7 +9,8 @@ import bpy
 from ..core.errors import ScatterError, StoppedError
 from ..core.steps import Stepper, Steps, run_now
 
-_TICK = 0.02  # seconds
+_TICK = 0.01  # seconds between two ticks
+_BUDGET = 0.04  # seconds of a tick
 Answer = set[str]
 
 
@@ -52,7 +54,7 @@ class StepsOperator:
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}
         try:
-            if not self._stepper.poll():
+            if not self._advance():
                 self._show(context)
                 return {"RUNNING_MODAL"}
             self.done(context, self._stepper.result)
@@ -72,6 +74,14 @@ class StepsOperator:
         context.window_manager.progress_end()
         if context.workspace:
             context.workspace.status_text_set(None)
+
+    def _advance(self) -> bool:
+        """As many steps as a tick has time for; True when all are done."""
+        end = time.monotonic() + _BUDGET
+        while (left := end - time.monotonic()) > 0.0:
+            if self._stepper.poll(wait=left):
+                return True
+        return False
 
     def _show(self, context: bpy.types.Context) -> None:
         progress = self._stepper.progress

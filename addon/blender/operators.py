@@ -62,7 +62,7 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_optimise(StepsOperator, bpy.types.Operator):
-    """Scatter the points anew over the surface as it stands in the current frame"""
+    """Scatter the points anew over the surface as it is in this frame; baked keys are dropped"""
 
     bl_idname = "dapple.optimise"
     bl_label = "Optimise"

@@ -17,6 +17,7 @@ from ..core.solve import Report
 from ..nodes import GROUP_NAME, VERSION_KEY, set_input
 
 _DEFAULT = Settings()
+_STILL: set[str] = set()  # not animatable: update functions do not run during playback
 
 
 def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -89,6 +90,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         poll=_is_surface,
     )
     count: IntProperty(
+        options=_STILL,
         name="Count",
         description="Number of points, met exactly",
         default=_DEFAULT.count,
@@ -96,9 +98,14 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         soft_max=100_000,
     )
     seed: IntProperty(
-        name="Seed", description="Another seed, another scatter", default=_DEFAULT.seed, min=0
+        options=_STILL,
+        name="Seed",
+        description="Another seed, another scatter",
+        default=_DEFAULT.seed,
+        min=0,
     )
     capacity_weight: FloatProperty(
+        options=_STILL,
         name="Capacity Weight",
         description="How much equal areas count against regular spacing; larger is less regular",
         default=_DEFAULT.capacity_weight,
@@ -106,6 +113,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         soft_max=100.0,
     )
     tolerance: FloatProperty(
+        options=_STILL,
         name="Tolerance",
         description="Relative decrease of the energy at which to stop; smaller is more regular",
         default=_DEFAULT.tolerance,
@@ -114,6 +122,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         precision=7,
     )
     max_evaluations: IntProperty(
+        options=_STILL,
         name="Max Evaluations",
         description="Evaluations of the energy after which the optimisation stops",
         default=_DEFAULT.max_evaluations,
@@ -127,6 +136,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         update=_instance_changed,
     )
     scale: FloatProperty(
+        options=_STILL,
         name="Scale",
         description="Size of the instances",
         default=1.0,
@@ -135,7 +145,8 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         update=_instance_changed,
     )
     scale_randomness: FloatProperty(
-        name="Scale Randomness",
+        options=_STILL,
+        name="Random Scale",
         description="By how much of their size instances may be smaller",
         default=0.0,
         min=0.0,
@@ -144,7 +155,8 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         update=_instance_changed,
     )
     turn_randomness: FloatProperty(
-        name="Turn Randomness",
+        options=_STILL,
+        name="Random Turn",
         description="Share of a full turn by which instances are turned about the normal",
         default=1.0,
         min=0.0,
@@ -154,7 +166,9 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     report: PointerProperty(type=DAPPLE_PG_report)
     surface_vertices: IntProperty(
-        name="Surface Vertices", description="Vertices of the surface the points are bound to"
+        options=_STILL,
+        name="Surface Vertices",
+        description="Vertices of the surface the points are bound to",
     )
     baked_start: IntProperty(name="First Baked Frame")
     baked_keys: IntProperty(name="Baked Keys", description="Number of baked frames, 0 if none")

@@ -21,7 +21,7 @@ from .topology import differences
 
 def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
     column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, 38)):
+    for number, line in enumerate(textwrap.wrap(text, 44)):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
@@ -44,7 +44,7 @@ class DAPPLE_PT_main(_Panel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        layout.use_property_split = True
+        layout.use_property_split, layout.use_property_decorate = True, False
         if missing():
             _lines(layout, missing(), "ERROR")
         elif is_scatter(context.object):
@@ -78,14 +78,14 @@ def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
     """What is to be said about the last result: (text, icon)."""
     report = obj.dapple.report
-    evenness = f"spacing {report.alpha_mean:.2f} (min {report.alpha_min:.2f}) of the best possible"
-    cost = f"{report.evaluations} evaluations, {report.milliseconds:.0f} ms"
-    state = "" if report.converged else ", tolerance not reached"
-    spread = f"capacity spread {100 * report.capacity_spread:.2g} %"
+    baked = " a frame" if obj.dapple.baked_keys else ""
     lines = [
-        (f"{report.count:,} points, {evenness}, {spread}", "NONE"),
-        (f"{cost}{' a frame' if obj.dapple.baked_keys else ''}{state}", "NONE"),
+        (f"{report.count:,} points, capacity spread {100 * report.capacity_spread:.2g} %", "NONE"),
+        (f"Spacing {report.alpha_mean:.2f} of the best (min {report.alpha_min:.2f})", "NONE"),
+        (f"{report.evaluations} evaluations, {report.milliseconds:.0f} ms{baked}", "NONE"),
     ]
+    if not report.converged:
+        lines.append(("Tolerance not reached: raise Max Evaluations", "INFO"))
     stale = stale_reason(obj, context)
     lines.append((stale or "Fresh: fits the surface", "ERROR" if stale else "CHECKMARK"))
     return lines
@@ -130,7 +130,7 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.object.dapple
-        layout.use_property_split = True
+        layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(context.scene, "frame_start", text="Frame Start")
         layout.prop(context.scene, "frame_end", text="End")
         row = layout.row(align=True)

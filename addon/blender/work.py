@@ -90,6 +90,7 @@ def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
             arrays = _at_frame(surface, first + step)
             check_same_topology(baker.first, arrays, f"frame {first + step}")
         yield _advance(baker, arrays, step / count, (step + 1) / count)
+    check_unchanged(baker.first, _at_frame(surface, first))
     return baker
 
 

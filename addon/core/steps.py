@@ -77,10 +77,12 @@ class Stepper:
         if self._context is not None:
             self._context.cancel()
 
-    def poll(self) -> bool:
-        """Go on as far as possible without waiting; True when all is done."""
-        if self._thread is not None and self._thread.is_alive():
-            return False
+    def poll(self, wait: float = 0.0) -> bool:
+        """Go on to the next task, waiting at most so many seconds; True when all is done."""
+        if self._thread is not None:
+            self._thread.join(wait)
+            if self._thread.is_alive():
+                return False
         try:
             self._start(self._next_task())
         except StopIteration as stop:

@@ -39,6 +39,29 @@ addon_host.disable()
 """
 
 
+INSTALLED = """
+bpy.ops.preferences.addon_enable(module="bl_pkg")
+bpy.ops.extensions.package_install_files(
+    filepath=arguments[0], repo="user_default", enable_on_install=True
+)
+import scenes
+obj = scenes.scattered(scenes.sphere())
+module = next(name for name in sys.modules if name.endswith("dapple.blender.work"))
+print(len(scenes.positions(obj)), "points in", module.removesuffix(".blender.work"))
+bpy.ops.preferences.addon_disable(module="bl_ext.user_default.dapple")
+"""
+
+
+def extension_tool(*arguments):
+    """Blender's own builder and validator of extensions."""
+    scripts = Path(bpy.utils.system_resource("SCRIPTS"))
+    tool = scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
+    done = subprocess.run(
+        [sys.executable, str(tool), *arguments], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_enable_and_disable_again_and_again():
     for _ in range(3):
         addon_host.disable()
@@ -74,15 +97,13 @@ def test_the_manifest_asks_for_nothing_and_names_the_minimum():
 
 
 def test_blender_accepts_the_extension():
-    scripts = Path(bpy.utils.system_resource("SCRIPTS"))
-    tool = scripts / "addons_core" / "bl_pkg" / "cli" / "blender_ext.py"
-    done = subprocess.run(
-        [sys.executable, str(tool), "validate", str(ADDON)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    extension_tool("validate", str(ADDON))
+
+
+def test_the_zip_installs_from_disk(tmp_path):
+    archive = tmp_path / "dapple.zip"
+    extension_tool("build", f"--source-dir={ADDON}", f"--output-filepath={archive}")
+    assert "60 points in bl_ext.user_default.dapple" in child.run(INSTALLED, archive)
 
 
 def test_options_have_the_names_and_defaults_of_the_native_package():
@@ -105,7 +126,8 @@ def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=120)
     lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
-    assert lines[0].startswith("120 points, spacing 0.")
+    assert lines[0].startswith("120 points, capacity spread ")
+    assert lines[1].startswith("Spacing 0.")
     assert lines[-1] == "Fresh: fits the surface"
     surface.modifiers.new("Subdivision", "SUBSURF")
     lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
