@@ -112,6 +112,14 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=100.0,
     )
+    gap_weight: FloatProperty(
+        options=_STILL,
+        name="Gap Weight",
+        description="How much the smallest distances between neighbours count",
+        default=_DEFAULT.gap_weight,
+        min=0.0,
+        soft_max=10.0,
+    )
     tolerance: FloatProperty(
         options=_STILL,
         name="Tolerance",

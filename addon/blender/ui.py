@@ -111,7 +111,7 @@ class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
-        for name in ("capacity_weight", "tolerance", "max_evaluations"):
+        for name in ("capacity_weight", "gap_weight", "tolerance", "max_evaluations"):
             self.layout.prop(context.object.dapple, name)
         self.layout.prop(context.object.dapple.report, "spacing")
 

@@ -12,6 +12,7 @@ class Settings:
     count: int = 1000  # number of points, met exactly
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
+    gap_weight: float = 1.0  # kappa: keeps neighbours apart
     tolerance: float = 1e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
 
@@ -23,4 +24,5 @@ class Settings:
 
     def tracker_options(self) -> dict[str, Any]:
         """Keyword options of dapple.Tracker, which has a limit of evaluations of its own."""
-        return {"capacity_weight": self.capacity_weight, "tolerance": self.tolerance}
+        names = ("capacity_weight", "gap_weight", "tolerance")
+        return {name: getattr(self, name) for name in names}
