@@ -48,7 +48,8 @@ tidy_one() {
   local key
   key=$(sha256sum "$1" | cut -d ' ' -f 1)-$2
   [ ! -f "build/tidy/$key" ] || return 0
-  clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option "$1" && touch "build/tidy/$key"
+  clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option "$1" 2>&1 |
+    sed '/^[0-9]* warnings\{0,1\} generated/d' && touch "build/tidy/$key"
 }
 export -f tidy_one
 
@@ -60,7 +61,7 @@ clang_tidy_check() {
     find_files '.*\.hpp' native | xargs cat
     cat .clang-tidy build/release/compile_commands.json scripts/requirements.txt
   } | sha256sum | cut -c 1-16)
-  find_files '.*\.cpp' native | xargs -P "$(build_jobs)" -I '{}' bash -c 'tidy_one "$@"' _ '{}' "$common"
+  find_files '.*\.cpp' native | xargs -P "$(build_jobs)" -I '{}' bash -o pipefail -c 'tidy_one "$@"' _ '{}' "$common"
 }
 
 failed=()
