@@ -6,10 +6,11 @@
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
 #include <map>
+#include <numbers>
 #include <utility>
 
 // Run: build/release/benchmarks/dapple_benchmarks
-// The figure to watch: WholeOptimisation, 2,000 samples on 81,920 faces at the paper's tolerance
+// The figure to watch: whole_optimisation, 2,000 samples on 81,920 faces at the paper's tolerance
 // (the paper: 16 s).
 
 namespace {
@@ -22,9 +23,25 @@ struct Mesh {
   std::vector<Face> faces;
 };
 
-Mesh octahedron() {
-  return {{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-          {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
+Mesh icosahedron() {
+  const double g = std::numbers::phi;
+  Mesh mesh{{{-1, g, 0},
+             {1, g, 0},
+             {-1, -g, 0},
+             {1, -g, 0},
+             {0, -1, g},
+             {0, 1, g},
+             {0, -1, -g},
+             {0, 1, -g},
+             {g, 0, -1},
+             {g, 0, 1},
+             {-g, 0, -1},
+             {-g, 0, 1}},
+            {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
+  for (Vec3& p : mesh.vertices) p.normalize();
+  return mesh;
 }
 
 Mesh subdivided(const Mesh& mesh) {
@@ -59,12 +76,12 @@ std::vector<Vec3> deform(std::vector<Vec3> vertices, double time) {
   return vertices;
 }
 
-/// 8 * 4^levels faces; 131,072 at 7, 32,768 at 6.
+/// 20 * 4^levels faces: 81,920 at 6, 20,480 at 5.
 const Mesh& sphere(int levels) {
   static std::map<int, Mesh> made;
   const auto [found, fresh] = made.try_emplace(levels);
   if (fresh) {
-    found->second = octahedron();
+    found->second = icosahedron();
     for (int k = 0; k < levels; ++k) found->second = subdivided(found->second);
   }
   return found->second;
@@ -83,48 +100,46 @@ void report(benchmark::State& state, const dapple::Report& r) {
   state.counters["capacity_spread"] = r.evenness.capacity_spread;
 }
 
-void WholeOptimisation(benchmark::State& state) {
+void whole_optimisation(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
   dapple::Samples samples;
   for (auto _ : state) samples = dapple::sample(surface, static_cast<std::size_t>(state.range(0)));
   state.counters["faces"] = static_cast<double>(surface.face_count());
   report(state, samples.report);
 }
-BENCHMARK(WholeOptimisation)
+BENCHMARK(whole_optimisation)
     ->Args({2000, 6})
-    ->Args({2000, 7})
-    ->Args({10000, 7})
+    ->Args({10000, 6})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void OneEvaluation(benchmark::State& state) {
+void one_evaluation(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
   const dapple::Sites sites =
       dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0);
   for (auto _ : state) benchmark::DoNotOptimize(dapple::evaluate_energy(surface, sites, 30.0));
 }
-BENCHMARK(OneEvaluation)
+BENCHMARK(one_evaluation)
     ->Args({2000, 6})
-    ->Args({2000, 7})
-    ->Args({10000, 7})
-    ->Args({100000, 7})
+    ->Args({10000, 6})
+    ->Args({100000, 6})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void PoissonStart(benchmark::State& state) {
+void poisson_start(benchmark::State& state) {
   const dapple::Surface surface = body(6);
   for (auto _ : state)
     benchmark::DoNotOptimize(
         dapple::poisson_start(surface, static_cast<std::size_t>(state.range(0)), 0));
 }
-BENCHMARK(PoissonStart)
+BENCHMARK(poisson_start)
     ->Arg(2000)
     ->Arg(10000)
     ->Arg(100000)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void TrackedFrame(benchmark::State& state) {
+void tracked_frame(benchmark::State& state) {
   const Mesh& mesh = sphere(static_cast<int>(state.range(1)));
   const dapple::Surface first(deform(mesh.vertices, 0.0), mesh.faces);
   dapple::Tracker tracker(first, dapple::sample(first, static_cast<std::size_t>(state.range(0))));
@@ -132,6 +147,10 @@ void TrackedFrame(benchmark::State& state) {
   for (auto _ : state) tracker.advance(deform(mesh.vertices, time += 0.05));
   report(state, tracker.samples().report);
 }
-BENCHMARK(TrackedFrame)->Args({2000, 6})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(tracked_frame)
+    ->Args({2000, 6})
+    ->Args({2000, 5})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 }  // namespace

@@ -26,6 +26,8 @@ constexpr double kDeltaFull = 0.4;
 constexpr double kDeltaShortened = 2.0;
 constexpr double kDeltaFailed = 4.0;
 constexpr double kDeltaMost = 1e12;
+constexpr int kSolves = 6;    // before the stored pairs are blamed for a step that stays too long
+constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
 
 /// Where the sites are and what is known there.
 struct State {
@@ -52,22 +54,20 @@ class Minimizer {
     state_ = evaluate(start.barycentric.empty() ? project(start.positions, start.faces) : start);
     freeze_radii();
     note_energy();
-    int small_decreases = 0;
-    while (!reached_target() && small_decreases < options_.patience &&
-           result_.evaluations < options_.max_evaluations) {
-      const std::optional<double> decrease = iterate();
-      small_decreases = decrease && *decrease > options_.tolerance ? 0 : small_decreases + 1;
-      report_progress(decrease.value_or(0.0));
+    while (!settled() && result_.evaluations < options_.max_evaluations) {
+      iterate();
+      report_progress();
     }
-    result_.converged = reached_target() || small_decreases >= options_.patience;
+    result_.converged = settled();
     result_.sites = std::move(state_.sites);
     result_.energy = std::move(state_.energy);
     return std::move(result_);
   }
 
  private:
-  [[nodiscard]] bool reached_target() const {
-    return state_.energy.normalised <= options_.target_energy;
+  [[nodiscard]] bool settled() const {
+    return state_.energy.normalised <= options_.target_energy ||
+           small_decreases_ >= options_.patience || failures_ >= kFailures;
   }
 
   [[nodiscard]] Sites project(std::span<const Vec3> points,
@@ -115,40 +115,53 @@ class Minimizer {
     return std::sqrt(2.0 * area / std::numbers::sqrt3);
   }
 
-  /// One step; the relative decrease of the energy, or nothing if no step was found.
-  std::optional<double> iterate() {
-    Vectors direction =
+  void iterate() {
+    const Vectors direction =
         options_.method == Method::kTrustRegion ? trust_region_step() : line_search_step();
+    const double slope = std::min(dot(direction, state_.gradient), 0.0);
     double t = 1.0;
-    std::optional<State> next = backtrack(direction, t);
+    std::optional<State> next = backtrack(direction, slope, t);
     if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
-    if (!next) {
+    // A quasi-Newton step promises half its slope: where even that is small, failing to get it is
+    // convergence.
+    judge(next ? state_.total() - next->total() : -0.5 * slope, next.has_value());
+    if (next)
+      accept(std::move(*next));
+    else
       memory_.forget();
-      return std::nullopt;
-    }
-    memory_.remember(difference(next->sites.positions, state_.sites.positions),
-                     difference(next->gradient, state_.gradient));
-    const double decrease = (state_.total() - next->total()) / next->total();
-    state_ = std::move(*next);
+  }
+
+  void judge(double decrease, bool found) {
+    decrease_ = decrease / state_.total();
+    small_decreases_ = decrease_ > options_.tolerance ? 0 : small_decreases_ + 1;
+    failures_ = found ? 0 : failures_ + 1;
+  }
+
+  void accept(State next) {
+    memory_.remember(difference(next.sites.positions, state_.sites.positions),
+                     difference(next.gradient, state_.gradient));
+    state_ = std::move(next);
     freeze_radii();
     ++result_.iterations;
     note_energy();
-    return decrease;
   }
 
+  // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
+  // to it.
   Vectors trust_region_step() {
     const GaussNewton model(state_.energy.diagram, state_.gap, state_.normals,
                             options_.capacity_weight);
-    while (true) {
+    const double first_delta = delta_;
+    for (int solves = 1;; ++solves) {
       const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
       Vectors direction = memory_.direction(state_.gradient, state_.normals, solve);
       const double excess = longest(direction);
-      if (excess <= 1.0 && dot(direction, state_.gradient) < 0.0) return direction;
-      if (excess <= 1.0 || delta_ > kDeltaMost) {
-        if (memory_.empty()) return direction;
-        memory_.forget();
-      }
+      const bool descends = dot(direction, state_.gradient) < 0.0;
+      if ((excess <= 1.0 && descends) || delta_ > kDeltaMost) return direction;
       delta_ *= excess > kFarOff ? kDeltaFarOff : kDeltaTooLong;
+      if ((descends && solves < kSolves) || memory_.empty()) continue;
+      memory_.forget();
+      delta_ = first_delta;
     }
   }
 
@@ -201,8 +214,8 @@ class Minimizer {
     return excess;
   }
 
-  std::optional<State> backtrack(const Vectors& direction, double& t) {
-    const double slope = std::min(dot(direction, state_.gradient), 0.0);
+  /// The state after the longest of the steps t = 1, 1/2, 1/4 ... that decreases the energy enough.
+  std::optional<State> backtrack(const Vectors& direction, double slope, double& t) {
     for (int k = 0; k < kBacktracks && result_.evaluations < options_.max_evaluations;
          ++k, t *= 0.5) {
       Vectors moved = state_.sites.positions;
@@ -220,11 +233,11 @@ class Minimizer {
   }
 
   // The decrease falls by orders of magnitude until it meets the tolerance.
-  void report_progress(double decrease) const {
+  void report_progress() const {
     if (!context_) return;
     const double used = double(result_.evaluations) / options_.max_evaluations;
-    const double fallen = options_.tolerance > 0.0 && decrease > 0.0
-                              ? std::log(decrease) / std::log(std::min(options_.tolerance, 0.5))
+    const double fallen = options_.tolerance > 0.0 && decrease_ > 0.0
+                              ? std::log(decrease_) / std::log(std::min(options_.tolerance, 0.5))
                               : 0.0;
     context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
   }
@@ -237,6 +250,9 @@ class Minimizer {
   LbfgsMemory memory_;
   std::vector<double> radii_;  // of the gap, per site; empty without it
   double delta_ = 1.0;
+  double decrease_ = 0.0;    // of the last step, relative
+  int small_decreases_ = 0;  // in a row
+  int failures_ = 0;         // in a row
   OptimizerResult result_;
 };
 

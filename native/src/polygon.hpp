@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <dapple/types.hpp>
+#include <limits>
 #include <span>
 
 namespace dapple {
@@ -25,29 +26,22 @@ class Polygon {
     size_ = 3;
   }
 
-  /// Keep the part with x . normal <= offset; new edges are marked `plane`. True if anything was
-  /// cut off.
-  bool clip(const Vec3& normal, double offset, std::int32_t plane) {
-    bool outside = false;
+  /// The least and the largest of x . normal - offset over the corners.
+  struct Range {
+    double low, high;
+  };
+  Range measure(const Vec3& normal, double offset) {
+    Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (std::size_t k = 0; k < size_; ++k) {
-      corners_[k].side = corners_[k].x.dot(normal) - offset;
-      outside = outside || corners_[k].side > 0.0;
+      const double side = corners_[k].x.dot(normal) - offset;
+      corners_[k].side = side;
+      range.low = std::min(range.low, side);
+      range.high = std::max(range.high, side);
     }
-    if (outside) cut(plane);
-    return outside;
+    return range;
   }
 
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-  [[nodiscard]] std::span<const Corner> corners() const { return {corners_.data(), size_}; }
-
-  /// Squared distance of the farthest corner from the site.
-  [[nodiscard]] double squared_radius() const {
-    double radius = 0.0;
-    for (std::size_t k = 0; k < size_; ++k) radius = std::max(radius, corners_[k].x.squaredNorm());
-    return radius;
-  }
-
- private:
+  /// Keep the part that was measured as not above 0; new edges are marked `plane`.
   // Sutherland and Hodgman: walk the corners, keep those inside, add one where an edge crosses the
   // plane. Room is checked at each corner: rounding can make a polygon so slightly concave that a
   // plane adds more than one.
@@ -67,6 +61,19 @@ class Polygon {
     size_ = kept;
   }
 
+  void clear() { size_ = 0; }
+
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::span<const Corner> corners() const { return {corners_.data(), size_}; }
+
+  /// Squared distance of the farthest corner from the site.
+  [[nodiscard]] double squared_radius() const {
+    double radius = 0.0;
+    for (std::size_t k = 0; k < size_; ++k) radius = std::max(radius, corners_[k].x.squaredNorm());
+    return radius;
+  }
+
+ private:
   std::vector<Corner> corners_ = std::vector<Corner>(16);  // the first size_ count
   std::vector<Corner> kept_ = std::vector<Corner>(16);
   std::size_t size_ = 0;

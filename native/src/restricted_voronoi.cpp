@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kFirstNeighbours = 12;  // enough for most cells; more are fetched on demand
 constexpr std::size_t kGrain = 32;            // cells a chunk
+constexpr double kTie = 1e-14;  // of a polygon's squared radius: rounding of x . (x_j - x_i)
 
 /// The sites in the order of their faces, which is also an order in space.
 struct OrderedSites {
@@ -111,9 +112,6 @@ class CellFlood {
   bool reset(std::int32_t site) {
     site_ = owner_ = site;
     bisectors_.reset(site);
-    const auto original = [&](std::int32_t k) {
-      return sites_->original[static_cast<std::size_t>(k)];
-    };
     for (std::size_t k = 0; const Bisector* b = bisectors_.at(k); ++k) {
       if (b->squared_distance > 0.0) break;
       if (original(b->site) < original(owner_)) owner_ = b->site;
@@ -129,9 +127,15 @@ class CellFlood {
     return *bisectors_.at(static_cast<std::size_t>(k));
   }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }
+  /// The site that the face clipped last went to because it lies in the bisector; -1 if it did not.
+  [[nodiscard]] std::int32_t tied_to() const { return tied_to_; }
 
   /// Clip a face to the site's cell; true if nothing was cut off.
+  ///
+  /// What lies in a bisector, to rounding, is as near to one site as to the other: both give it to
+  /// the lower (caller's) index.
   bool clip(std::int32_t face) {
+    tied_to_ = -1;
     const auto [a, b, c] = surface_->corners(face);
     const Vec3& x = position();
     polygon_.start(surface_->vertex(a) - x, surface_->vertex(b) - x, surface_->vertex(c) - x);
@@ -141,7 +145,15 @@ class CellFlood {
     for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius;
          b_k = bisectors_.at(++k)) {
       if (b_k->squared_distance == 0.0) continue;
-      if (!polygon_.clip(b_k->normal, b_k->offset, static_cast<std::int32_t>(k))) continue;
+      const auto [low, high] = polygon_.measure(b_k->normal, b_k->offset);
+      if (low >= -kTie * radius && high <= kTie * radius) {
+        if (original(site_) < original(b_k->site)) continue;
+        tied_to_ = b_k->site;
+        polygon_.clear();
+        return false;
+      }
+      if (high <= 0.0) continue;
+      polygon_.cut(static_cast<std::int32_t>(k));
       whole = false;
       radius = polygon_.squared_radius();
     }
@@ -166,6 +178,10 @@ class CellFlood {
   }
 
  private:
+  [[nodiscard]] std::int32_t original(std::int32_t site) const {
+    return sites_->original[static_cast<std::size_t>(site)];
+  }
+
   void push(std::int32_t face) {
     std::int32_t& stamp = stamps_[static_cast<std::size_t>(face)];
     if (stamp == stamp_) return;
@@ -184,6 +200,7 @@ class CellFlood {
   Bisectors bisectors_;
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
+  std::int32_t tied_to_ = -1;
   Polygon polygon_;
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;
@@ -434,12 +451,13 @@ class Builder {
     for (std::size_t k = 0; k < known.size(); ++k) {
       if (!flood.reset(known[k]) && !flood.reset(flood.owner())) continue;
       flood.clip(face);
-      if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
-      for (const Polygon::Corner& corner : flood.polygon().corners()) {
-        if (corner.edge < 0) continue;
-        const std::int32_t j = flood.bisector(corner.edge).site;
+      const auto add = [&](std::int32_t j) {
         if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
-      }
+      };
+      if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
+      if (flood.tied_to() >= 0) add(flood.tied_to());
+      for (const Polygon::Corner& corner : flood.polygon().corners())
+        if (corner.edge >= 0) add(flood.bisector(corner.edge).site);
     }
     return result;
   }
