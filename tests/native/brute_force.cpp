@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::int32_t kFaceEdge = -1;
 
-/// A convex polygon; edge k runs from point k to point k + 1 and remembers the site whose bisector made it.
+/// A convex polygon; edge k runs from point k to point k + 1 and remembers the site whose bisector
+/// made it.
 struct Polygon {
   std::vector<Vec3> points;
   std::vector<std::int32_t> edges;
@@ -71,7 +72,8 @@ Polygon cut(const Polygon& polygon, const std::vector<Vec3>& sites, std::size_t 
 }
 
 /// Seven points of degree 5 (Radon 1948): exact for phi^2 |x - o|^2.
-void add_triangle(const LinearDensity& density, const Vec3& origin, const std::array<Vec3, 3>& corner, Moments& sum) {
+void add_triangle(const LinearDensity& density, const Vec3& origin,
+                  const std::array<Vec3, 3>& corner, Moments& sum) {
   const double area = 0.5 * (corner[1] - corner[0]).cross(corner[2] - corner[0]).norm();
   const auto add = [&](const Vec3& weights, double weight) {
     const Vec3 p = weights[0] * corner[0] + weights[1] * corner[1] + weights[2] * corner[2];
@@ -106,8 +108,8 @@ Vec3 segment_flux(const LinearDensity& density, const Vec3& site, const Vec3& p,
   return sum;
 }
 
-void add_polygon(const LinearDensity& density, const std::vector<Vec3>& sites, std::size_t i, const Polygon& polygon,
-                 BruteCell& cell) {
+void add_polygon(const LinearDensity& density, const std::vector<Vec3>& sites, std::size_t i,
+                 const Polygon& polygon, BruteCell& cell) {
   const auto& points = polygon.points;
   for (std::size_t k = 1; k + 1 < points.size(); ++k)
     add_triangle(density, sites[i], {points[0], points[k], points[k + 1]}, cell.moments);
@@ -126,7 +128,8 @@ void add_polygon(const LinearDensity& density, const std::vector<Vec3>& sites, s
 
 /// The first of the sites at this place.
 bool leads(const std::vector<Vec3>& sites, std::size_t i) {
-  return std::find(sites.begin(), sites.end(), sites[i]) == sites.begin() + static_cast<std::ptrdiff_t>(i);
+  return std::find(sites.begin(), sites.end(), sites[i]) ==
+         sites.begin() + static_cast<std::ptrdiff_t>(i);
 }
 
 }  // namespace
@@ -138,7 +141,8 @@ std::vector<BruteCell> brute_force_cells(const Shape& shape, const std::vector<V
     if (density.normal().isZero(0.0)) continue;
     for (std::size_t i = 0; i < sites.size(); ++i) {
       if (!leads(sites, i)) continue;
-      Polygon polygon{{density.corner(0), density.corner(1), density.corner(2)}, {kFaceEdge, kFaceEdge, kFaceEdge}};
+      Polygon polygon{{density.corner(0), density.corner(1), density.corner(2)},
+                      {kFaceEdge, kFaceEdge, kFaceEdge}};
       for (std::size_t j = 0; j < sites.size() && !polygon.points.empty(); ++j)
         if (sites[j] != sites[i]) polygon = cut(polygon, sites, i, j);
       add_polygon(density, sites, i, polygon, cells[i]);
@@ -149,14 +153,16 @@ std::vector<BruteCell> brute_force_cells(const Shape& shape, const std::vector<V
 
 Vec3 closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = point - a, bp = point - b, cp = point - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
   if (d1 <= 0 && d2 <= 0) return a;
   if (d3 >= 0 && d4 <= d3) return b;
   if (d6 >= 0 && d5 <= d6) return c;
   const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
   if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
   const double sum = va + vb + vc;
   return a + vb / sum * ab + vc / sum * ac;
 }

@@ -14,11 +14,13 @@ struct BruteCell {
   std::map<std::int32_t, double> length;
 };
 
-/// Cut every face by every bisector: O(faces sites^2), nothing culled, nothing shared with the library. Of sites that
-/// coincide the first takes all.
-[[nodiscard]] std::vector<BruteCell> brute_force_cells(const Shape& shape, const std::vector<Vec3>& sites);
+/// Cut every face by every bisector: O(faces sites^2), nothing culled, nothing shared with the
+/// library. Of sites that coincide the first takes all.
+[[nodiscard]] std::vector<BruteCell> brute_force_cells(const Shape& shape,
+                                                       const std::vector<Vec3>& sites);
 
 /// The closest point of one triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-[[nodiscard]] Vec3 closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b, const Vec3& c);
+[[nodiscard]] Vec3 closest_on_triangle(const Vec3& point, const Vec3& a, const Vec3& b,
+                                       const Vec3& c);
 
 }  // namespace dapple::test

@@ -12,7 +12,8 @@ namespace {
 
 template <typename T>
 bool equal_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 double largest_coordinate(const Surface& surface) {
@@ -37,17 +38,20 @@ void check_arrays(const Samples& samples) {
 
 }  // namespace
 
-void check_on_surface(const Surface& surface, const Sites& sites, const std::vector<Vec3>& weights) {
+void check_on_surface(const Surface& surface, const Sites& sites,
+                      const std::vector<Vec3>& weights) {
   ASSERT_EQ(sites.faces.size(), sites.positions.size());
   ASSERT_EQ(weights.size(), sites.positions.size());
   const double rounding = 1e-13 * largest_coordinate(surface);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     ASSERT_GE(sites.faces[k], 0) << "faces[" << k << "]";
-    ASSERT_LT(sites.faces[k], static_cast<std::int32_t>(surface.face_count())) << "faces[" << k << "]";
+    ASSERT_LT(sites.faces[k], static_cast<std::int32_t>(surface.face_count()))
+        << "faces[" << k << "]";
     ASSERT_GE(weights[k].minCoeff(), 0.0) << "barycentric[" << k << "]";
     ASSERT_NEAR(weights[k].sum(), 1.0, 1e-14) << "barycentric[" << k << "]";
     const Vec3 there = surface.point(sites.faces[k], weights[k]);
-    ASSERT_LE((there - sites.positions[k]).norm(), rounding) << "positions[" << k << "] is off its face";
+    ASSERT_LE((there - sites.positions[k]).norm(), rounding)
+        << "positions[" << k << "] is off its face";
   }
 }
 
@@ -71,11 +75,14 @@ void check(const Surface& surface, const Samples& samples) {
   check_cells(surface, sites);
 }
 
-bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return equal_bytes(a, b); }
+bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return equal_bytes(a, b);
+}
 
 bool same_bytes(const Samples& a, const Samples& b) {
-  return equal_bytes(a.positions, b.positions) && equal_bytes(a.normals, b.normals) && equal_bytes(a.faces, b.faces) &&
-         equal_bytes(a.barycentric, b.barycentric) && equal_bytes(a.ids, b.ids) && equal_bytes(a.classes, b.classes) &&
+  return equal_bytes(a.positions, b.positions) && equal_bytes(a.normals, b.normals) &&
+         equal_bytes(a.faces, b.faces) && equal_bytes(a.barycentric, b.barycentric) &&
+         equal_bytes(a.ids, b.ids) && equal_bytes(a.classes, b.classes) &&
          equal_bytes(a.report.energies, b.report.energies);
 }
 

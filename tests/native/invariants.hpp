@@ -5,8 +5,9 @@
 
 namespace dapple::test {
 
-/// What holds for every result: each sample on its face, weights >= 0 that sum to 1, unit normals, ids unique, arrays
-/// of one length, and cells that share out the whole surface and its whole density.
+/// What holds for every result: each sample on its face, weights >= 0 that sum to 1, unit normals,
+/// ids unique, arrays of one length, and cells that share out the whole surface and its whole
+/// density.
 void check(const Surface& surface, const Samples& samples);
 
 /// The part about cells: areas sum to the surface's (1e-10 relative), capacities to its mass.

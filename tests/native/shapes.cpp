@@ -47,9 +47,11 @@ Shape subdivided(const Shape& shape) {
   Shape result{shape.name, shape.vertices, {}};
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
   const auto middle = [&](std::int32_t a, std::int32_t b) {
-    const auto [at, fresh] = middles.try_emplace(std::minmax(a, b), as_index(result.vertices.size()));
+    const auto [at, fresh] =
+        middles.try_emplace(std::minmax(a, b), as_index(result.vertices.size()));
     if (fresh) {
-      const Vec3 sum = shape.vertices[static_cast<std::size_t>(a)] + shape.vertices[static_cast<std::size_t>(b)];
+      const Vec3 sum =
+          shape.vertices[static_cast<std::size_t>(a)] + shape.vertices[static_cast<std::size_t>(b)];
       result.vertices.push_back(0.5 * sum);
     }
     return at->second;
@@ -64,11 +66,21 @@ Shape subdivided(const Shape& shape) {
 Shape icosahedron() {
   const double t = std::numbers::phi;
   return {"Icosahedron",
-          {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-           {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}},
-          {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-           {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-           {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}}};
+          {{-1, t, 0},
+           {1, t, 0},
+           {-1, -t, 0},
+           {1, -t, 0},
+           {0, -1, t},
+           {0, 1, t},
+           {0, -1, -t},
+           {0, 1, -t},
+           {t, 0, -1},
+           {t, 0, 1},
+           {-t, 0, -1},
+           {-t, 0, 1}},
+          {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+           {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+           {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
 }
 
 Shape named(Shape shape, std::string name) {
@@ -83,7 +95,8 @@ Shape lattice(std::string name, int columns, int rows, bool wrap_columns, bool w
   const int across = columns + (wrap_columns ? 0 : 1);
   const int down = rows + (wrap_rows ? 0 : 1);
   for (int r = 0; r < down; ++r)
-    for (int c = 0; c < across; ++c) shape.vertices.push_back(at(double(c) / columns, double(r) / rows));
+    for (int c = 0; c < across; ++c)
+      shape.vertices.push_back(at(double(c) / columns, double(r) / rows));
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
       const int c1 = (c + 1) % across, r1 = (r + 1) % down;
@@ -92,17 +105,37 @@ Shape lattice(std::string name, int columns, int rows, bool wrap_columns, bool w
   return shape;
 }
 
-double wave(const Vec3& p) { return 1.0 + 0.8 * std::sin(3.0 * p.x()) * std::cos(2.0 * p.y() + p.z()); }
+double wave(const Vec3& p) {
+  return 1.0 + 0.8 * std::sin(3.0 * p.x()) * std::cos(2.0 * p.y() + p.z());
+}
 
 double only_above(const Vec3& p) { return std::max(0.0, p.x() - 0.3); }
 
 std::vector<Shape> make_all_shapes() {
-  std::vector<Shape> shapes = {triangle(), tetrahedron(), octahedron(), grid(6), box(3), icosphere(2), blob(2),
-                               torus(24, 12), tube(12, 8), needle(), two_sheets(4, 0.05), two_components(),
-                               many_components(40), moebius(24), fin(4), tee(2), bow_tie(), isolated_vertices(),
-                               zero_area_faces(), duplicate_faces(), flipped_faces()};
+  std::vector<Shape> shapes = {triangle(),
+                               tetrahedron(),
+                               octahedron(),
+                               grid(6),
+                               box(3),
+                               icosphere(2),
+                               blob(2),
+                               torus(24, 12),
+                               tube(12, 8),
+                               needle(),
+                               two_sheets(4, 0.05),
+                               two_components(),
+                               many_components(40),
+                               moebius(24),
+                               fin(4),
+                               tee(2),
+                               bow_tie(),
+                               isolated_vertices(),
+                               zero_area_faces(),
+                               duplicate_faces(),
+                               flipped_faces()};
   for (const char* name : {"Grid", "Box", "Blob", "Fin", "ZeroAreaFaces"}) {
-    const auto at = std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == name; });
+    const auto at =
+        std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == name; });
     shapes.push_back(named(with_density(*at, wave), at->name + "Dense"));
   }
   shapes.push_back(named(with_density(grid(6), only_above), "GridHalfEmpty"));
@@ -237,7 +270,8 @@ Shape octahedron() {
 }
 
 Shape grid(int cells) {
-  return lattice("Grid", cells, cells, false, false, [](double u, double v) { return Vec3(u, v, 0); });
+  return lattice("Grid", cells, cells, false, false,
+                 [](double u, double v) { return Vec3(u, v, 0); });
 }
 
 Shape box(int cells) {
@@ -265,7 +299,8 @@ Shape icosphere(int subdivisions) {
 
 Shape blob(int subdivisions) {
   const auto bump = [](const Vec3& p) {
-    return Vec3(p * (1.0 + 0.25 * std::sin(3.0 * p.x() + 0.5) + 0.2 * std::cos(4.0 * p.y()) * p.z()));
+    return Vec3(p *
+                (1.0 + 0.25 * std::sin(3.0 * p.x() + 0.5) + 0.2 * std::cos(4.0 * p.y()) * p.z()));
   };
   return named(mapped(icosphere(subdivisions), bump), "Blob");
 }
@@ -284,7 +319,8 @@ Shape tube(int around, int along) {
 }
 
 Shape needle() {
-  return {"Needle", {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-6, 0}, {0.5, -0.5, 0.1}}, {{0, 1, 2}, {1, 0, 3}}};
+  return {
+      "Needle", {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-6, 0}, {0.5, -0.5, 0.1}}, {{0, 1, 2}, {1, 0, 3}}};
 }
 
 Shape two_sheets(int cells, double gap) {
@@ -315,7 +351,8 @@ Shape moebius(int segments) {
     for (const double side : {-0.3, 0.3}) {
       const double angle = kTurn * k / segments;
       const double ring = 1.0 + side * std::cos(0.5 * angle);
-      shape.vertices.emplace_back(ring * std::cos(angle), ring * std::sin(angle), side * std::sin(0.5 * angle));
+      shape.vertices.emplace_back(ring * std::cos(angle), ring * std::sin(angle),
+                                  side * std::sin(0.5 * angle));
     }
   for (int k = 0; k + 1 < segments; ++k) add_quad(shape, 2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2);
   const int last = 2 * (segments - 1);
@@ -326,7 +363,9 @@ Shape moebius(int segments) {
 Shape fin(int cells) {
   const Shape sheet = grid(cells);
   const auto bent = [](double angle) {
-    return [angle](const Vec3& p) { return Vec3(std::cos(angle) * p.x(), p.y(), std::sin(angle) * p.x()); };
+    return [angle](const Vec3& p) {
+      return Vec3(std::cos(angle) * p.x(), p.y(), std::sin(angle) * p.x());
+    };
   };
   Shape sum = mapped(sheet, bent(0.0));
   sum = joined(sum, mapped(sheet, bent(2.0)));
@@ -335,13 +374,16 @@ Shape fin(int cells) {
 }
 
 Shape tee(int cells) {
-  const Shape floor = mapped(grid(2 * cells), [](const Vec3& p) { return Vec3(p.x() - 0.5, p.y(), 0.0); });
+  const Shape floor =
+      mapped(grid(2 * cells), [](const Vec3& p) { return Vec3(p.x() - 0.5, p.y(), 0.0); });
   const Shape wall = mapped(grid(2 * cells), [](const Vec3& p) { return Vec3(0.0, p.x(), p.y()); });
   return named(welded(joined(floor, wall)), "Tee");
 }
 
 Shape bow_tie() {
-  return {"BowTie", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, 1, 0.2}}, {{0, 1, 2}, {0, 4, 3}}};
+  return {"BowTie",
+          {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, 1, 0.2}},
+          {{0, 1, 2}, {0, 4, 3}}};
 }
 
 Shape isolated_vertices() {
@@ -375,7 +417,8 @@ Shape duplicate_faces() {
 Shape flipped_faces() {
   Shape shape = blob(1);
   shape.name = "FlippedFaces";
-  for (std::size_t f = 0; f < shape.faces.size(); f += 3) std::swap(shape.faces[f][1], shape.faces[f][2]);
+  for (std::size_t f = 0; f < shape.faces.size(); f += 3)
+    std::swap(shape.faces[f][1], shape.faces[f][2]);
   return shape;
 }
 
@@ -387,10 +430,17 @@ const std::vector<Shape>& all_shapes() {
 Shape random_shape(Random& random) {
   Shape shape;
   switch (random.below(4)) {
-    case 0: shape = random_soup(random); break;
-    case 1: shape = jittered(icosphere(random.below(2)), 0.2, random); break;
-    case 2: shape = jittered(grid(1 + random.below(5)), 0.15, random); break;
-    default: shape = random_hat(random);
+    case 0:
+      shape = random_soup(random);
+      break;
+    case 1:
+      shape = jittered(icosphere(random.below(2)), 0.2, random);
+      break;
+    case 2:
+      shape = jittered(grid(1 + random.below(5)), 0.15, random);
+      break;
+    default:
+      shape = random_hat(random);
   }
   if (random.below(2) == 0) shape.density = random.densities(shape.vertices.size());
   if (shape.mass() <= 0.0) shape.density.clear();
@@ -400,7 +450,8 @@ Shape random_shape(Random& random) {
 Sites random_sites(const Shape& shape, std::size_t count, Random& random, bool inner) {
   std::vector<double> sums;
   double total = 0.0;
-  for (std::size_t f = 0; f < shape.faces.size(); ++f) sums.push_back(total += shape.face_area(as_index(f)));
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    sums.push_back(total += shape.face_area(as_index(f)));
   Sites sites;
   for (std::size_t k = 0; k < count; ++k) {
     const auto at = std::upper_bound(sums.begin(), sums.end() - 1, total * random.uniform());
@@ -433,7 +484,8 @@ Sites troubled_sites(const Shape& shape, std::size_t count, Random& random) {
         weights[(corner + 1) % 3] = 0.75;
         sites.positions[k] = shape.point(face, weights);
         break;
-      default: break;
+      default:
+        break;
     }
   }
   return sites;

@@ -10,18 +10,21 @@
 
 namespace dapple::test {
 
-/// A small generator of its own (PCG-XSH-RR, O'Neill 2014), so that the tests do not draw from the code they test.
+/// A small generator of its own (PCG-XSH-RR, O'Neill 2014), so that the tests do not draw from the
+/// code they test.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 0x853c49e6748fea9bu) { bits(); }
+  explicit Random(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 0x853c49e6748fea9bu) {
+    bits();
+  }
 
   std::uint32_t bits();
   double uniform() { return bits() * 0x1p-32; }  // [0, 1)
   double between(double low, double high) { return low + (high - low) * uniform(); }
   std::int32_t below(std::int32_t end) { return static_cast<std::int32_t>(uniform() * end); }
-  Vec3 in_box();          // [-1, 1]^3
-  Vec3 weights();         // uniform barycentric coordinates
-  Vec3 inner_weights();   // at least 0.1 from every edge
+  Vec3 in_box();         // [-1, 1]^3
+  Vec3 weights();        // uniform barycentric coordinates
+  Vec3 inner_weights();  // at least 0.1 from every edge
   std::vector<double> densities(std::size_t count);
 
  private:
@@ -55,21 +58,21 @@ using DensityFunction = std::function<double(const Vec3&)>;
 [[nodiscard]] Shape triangle();
 [[nodiscard]] Shape tetrahedron();
 [[nodiscard]] Shape octahedron();
-[[nodiscard]] Shape grid(int cells);                  // unit square in the plane z = 0
-[[nodiscard]] Shape box(int cells);                   // unit cube, welded along its creases
-[[nodiscard]] Shape icosphere(int subdivisions);      // radius 1
-[[nodiscard]] Shape blob(int subdivisions);           // a bumpy icosphere
-[[nodiscard]] Shape torus(int around, int tube);      // radii 1 and 0.4
-[[nodiscard]] Shape tube(int around, int along);      // open cylinder, two border loops
+[[nodiscard]] Shape grid(int cells);              // unit square in the plane z = 0
+[[nodiscard]] Shape box(int cells);               // unit cube, welded along its creases
+[[nodiscard]] Shape icosphere(int subdivisions);  // radius 1
+[[nodiscard]] Shape blob(int subdivisions);       // a bumpy icosphere
+[[nodiscard]] Shape torus(int around, int tube);  // radii 1 and 0.4
+[[nodiscard]] Shape tube(int around, int along);  // open cylinder, two border loops
 
 // Trouble.
-[[nodiscard]] Shape needle();                         // 1 : 1e6
+[[nodiscard]] Shape needle();  // 1 : 1e6
 [[nodiscard]] Shape two_sheets(int cells, double gap);
 [[nodiscard]] Shape two_components();
 [[nodiscard]] Shape many_components(int count);
 [[nodiscard]] Shape moebius(int segments);
-[[nodiscard]] Shape fin(int cells);                   // three sheets along one edge
-[[nodiscard]] Shape tee(int cells);                   // a wall standing on the middle of a floor, x = 0
+[[nodiscard]] Shape fin(int cells);  // three sheets along one edge
+[[nodiscard]] Shape tee(int cells);  // a wall standing on the middle of a floor, x = 0
 [[nodiscard]] Shape bow_tie();
 [[nodiscard]] Shape isolated_vertices();
 [[nodiscard]] Shape zero_area_faces();
@@ -79,11 +82,13 @@ using DensityFunction = std::function<double(const Vec3&)>;
 /// Every shape above, at sizes for quick tests, some with a density.
 [[nodiscard]] const std::vector<Shape>& all_shapes();
 
-/// A random small mesh (soup, bumpy sphere, crumpled sheet or pointed hat) with or without a random density.
+/// A random small mesh (soup, bumpy sphere, crumpled sheet or pointed hat) with or without a random
+/// density.
 [[nodiscard]] Shape random_shape(Random& random);
 
 /// Sites drawn by area, with weights that keep away from the edges or not.
-[[nodiscard]] Sites random_sites(const Shape& shape, std::size_t count, Random& random, bool inner = false);
+[[nodiscard]] Sites random_sites(const Shape& shape, std::size_t count, Random& random,
+                                 bool inner = false);
 
 /// Sites with the troubles of real input: copies of others, on vertices and on edges.
 [[nodiscard]] Sites troubled_sites(const Shape& shape, std::size_t count, Random& random);

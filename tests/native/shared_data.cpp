@@ -21,8 +21,8 @@ bool has_shared_mesh(const std::string& name) {
 }
 
 const std::vector<std::string>& shared_mesh_names() {
-  static const std::vector<std::string> names = {"bunny", "fandisk", "crank", "face",
-                                                 "camelhead", "lilium", "truck"};
+  static const std::vector<std::string> names = {"bunny",     "fandisk", "crank", "face",
+                                                 "camelhead", "lilium",  "truck"};
   return names;
 }
 

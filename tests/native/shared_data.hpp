@@ -10,7 +10,8 @@
 
 namespace dapple::test {
 
-/// The folder of real meshes: DAPPLE_DATA in the environment, or shared/data beside the source tree.
+/// The folder of real meshes: DAPPLE_DATA in the environment, or shared/data beside the source
+/// tree.
 [[nodiscard]] std::filesystem::path shared_data();
 
 /// A real mesh; call DAPPLE_NEEDS_MESH first.
@@ -23,7 +24,8 @@ namespace dapple::test {
 
 }  // namespace dapple::test
 
-#define DAPPLE_NEEDS_MESH(name)                                                                             \
-  if (!dapple::test::has_shared_mesh(name))                                                                 \
-  GTEST_SKIP() << "The real mesh " << (name) << " is not in " << dapple::test::shared_data() / "meshes" \
+#define DAPPLE_NEEDS_MESH(name)                               \
+  if (!dapple::test::has_shared_mesh(name))                   \
+  GTEST_SKIP() << "The real mesh " << (name) << " is not in " \
+               << dapple::test::shared_data() / "meshes"      \
                << "; set DAPPLE_DATA to the folder that holds meshes/."

@@ -16,11 +16,13 @@ Evenness evenness(const Surface& surface, const Sites& sites) {
   return measure_evenness(surface, sites, restricted_voronoi(surface, sites));
 }
 
-/// A sheet as wide and high as whole hexagons in offset rows, so that the mean cell is a hexagon's area.
+/// A sheet as wide and high as whole hexagons in offset rows, so that the mean cell is a hexagon's
+/// area.
 TEST(Analysis, OfHexagonsIsOne) {
   const int columns = 12, rows = 10;
   const double height = rows * std::numbers::sqrt3 / 2.0;
-  const Shape sheet = mapped(grid(1), [&](const Vec3& p) { return Vec3(columns * p.x(), height * p.y(), 0.0); });
+  const Shape sheet =
+      mapped(grid(1), [&](const Vec3& p) { return Vec3(columns * p.x(), height * p.y(), 0.0); });
   Sites sites;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
@@ -63,15 +65,18 @@ TEST(Analysis, IsTheSameForAnyConstantDensity) {
   Random random(2);
   const Sites sites = random_sites(shape, 50, random);
   const Evenness plain = evenness(shape.surface(), sites);
-  const Evenness dense = evenness(with_density(shape, [](const Vec3&) { return 7.0; }).surface(), sites);
+  const Evenness dense =
+      evenness(with_density(shape, [](const Vec3&) { return 7.0; }).surface(), sites);
   EXPECT_NEAR(plain.alpha_min, dense.alpha_min, 1e-12);
   EXPECT_NEAR(plain.alpha_mean, dense.alpha_mean, 1e-12);
   EXPECT_NEAR(plain.capacity_spread, dense.capacity_spread, 1e-12);
 }
 
-/// Samples that follow a density are as even, each against its own spacing, as samples of a constant one.
+/// Samples that follow a density are as even, each against its own spacing, as samples of a
+/// constant one.
 TEST(Analysis, MeasuresAgainstTheLocalSpacing) {
-  const Surface surface = with_density(grid(10), [](const Vec3& p) { return 0.2 + 3.0 * p.x(); }).surface();
+  const Surface surface =
+      with_density(grid(10), [](const Vec3& p) { return 0.2 + 3.0 * p.x(); }).surface();
   const Evenness found = sample(surface, 500).report.evenness;
   EXPECT_GT(found.alpha_mean, 0.78);
   EXPECT_LT(found.alpha_mean, 0.92);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cancels a piece of work at every place where it asks whether to go on: count first, then break each one (as Embree's
-// verify does with allocations). The linker puts the function below before Context::check.
+// Cancels a piece of work at every place where it asks whether to go on: count first, then break
+// each one (as Embree's verify does with allocations). The linker puts the function below before
+// Context::check.
 #include <gtest/gtest.h>
 
 #include <dapple/errors.hpp>
@@ -78,7 +79,8 @@ TEST_P(CancelWithThreads, EverywhereInASample) {
   const SampleOptions options = few_evaluations(GetParam());
   const Samples expected = sample(surface, 120, options);
   cancel_everywhere([&](Context* context) { (void)sample(surface, 120, options, context); }, [] {});
-  EXPECT_TRUE(same_bytes(sample(surface, 120, options), expected)) << "a cancelled run left something behind";
+  EXPECT_TRUE(same_bytes(sample(surface, 120, options), expected))
+      << "a cancelled run left something behind";
 }
 
 TEST_P(CancelWithThreads, EverywhereInATrackedFrame) {
@@ -113,7 +115,8 @@ TEST(Cancel, EverywhereInAPoissonStart) {
     only_start.optimizer.max_evaluations = 1;
     return only_start;
   }();
-  cancel_everywhere([&](Context* context) { (void)sample(surface, 2000, options, context); }, [] {});
+  cancel_everywhere([&](Context* context) { (void)sample(surface, 2000, options, context); },
+                    [] {});
 }
 
 /// From another thread, with hundreds of evaluations still to go.
@@ -129,7 +132,8 @@ TEST(Cancel, FromAnotherThreadWhileItWorks) {
       while (context.progress() < when) std::this_thread::yield();
       context.cancel();
     });
-    EXPECT_THROW((void)sample(surface, 2000, options, &context), Cancelled) << "at progress " << when;
+    EXPECT_THROW((void)sample(surface, 2000, options, &context), Cancelled)
+        << "at progress " << when;
   }
 }
 

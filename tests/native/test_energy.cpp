@@ -15,7 +15,8 @@ namespace dapple::test {
 namespace {
 
 constexpr double kLambda = 30.0;
-constexpr double kHexagon = 5.0 * std::numbers::sqrt3 / 54.0;  // 0.16037, second moment of a hexagon of area 1
+constexpr double kHexagon =
+    5.0 * std::numbers::sqrt3 / 54.0;  // 0.16037, second moment of a hexagon of area 1
 
 // ---- the gradient against central differences ----
 
@@ -28,7 +29,8 @@ std::array<Vec3, 2> tangents(const Shape& shape, std::int32_t face) {
   return {u, (v - v.dot(u) * u).normalized()};
 }
 
-double slope(const Surface& surface, Sites sites, std::size_t k, const Vec3& direction, double step) {
+double slope(const Surface& surface, Sites sites, std::size_t k, const Vec3& direction,
+             double step) {
   const Vec3 middle = sites.positions[k];
   sites.positions[k] = middle + step * direction;
   const double after = evaluate_energy(surface, sites, kLambda).total;
@@ -45,17 +47,21 @@ double largest_component(const std::vector<Vec3>& gradient) {
 double nearest_distance(const Sites& sites, std::size_t k) {
   double squared = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < sites.size(); ++j)
-    if (j != k) squared = std::min(squared, (sites.positions[j] - sites.positions[k]).squaredNorm());
+    if (j != k)
+      squared = std::min(squared, (sites.positions[j] - sites.positions[k]).squaredNorm());
   return std::sqrt(squared);
 }
 
-/// Move `count` of the sites along their faces and compare slopes, to 1e-6 of the largest component of the gradient.
+/// Move `count` of the sites along their faces and compare slopes, to 1e-6 of the largest component
+/// of the gradient.
 ///
-/// The energy has kinks in its second derivative, where a corner of a cell passes a mesh edge or two cells meet, and
-/// within a step of a kink a central difference is off by its first power. It also bends with the distance to the
-/// nearest site. The step is therefore small against both (1e-5 of the spacing, 1e-4 of that distance; rounding stays
-/// below 1e-7), and the sites keep off the edges of their faces.
-void expect_gradient_is_slope(const Shape& shape, std::size_t sites_count, std::size_t count, std::uint64_t seed) {
+/// The energy has kinks in its second derivative, where a corner of a cell passes a mesh edge or
+/// two cells meet, and within a step of a kink a central difference is off by its first power. It
+/// also bends with the distance to the nearest site. The step is therefore small against both (1e-5
+/// of the spacing, 1e-4 of that distance; rounding stays below 1e-7), and the sites keep off the
+/// edges of their faces.
+void expect_gradient_is_slope(const Shape& shape, std::size_t sites_count, std::size_t count,
+                              std::uint64_t seed) {
   Random random(seed);
   const Surface surface = shape.surface();
   const Sites sites = random_sites(shape, sites_count, random, true);
@@ -63,9 +69,11 @@ void expect_gradient_is_slope(const Shape& shape, std::size_t sites_count, std::
   const double scale = largest_component(gradient);
   ASSERT_GT(scale, 0.0);
   for (std::size_t k = 0; k < std::min(count, sites_count); ++k) {
-    const double step = std::min(1e-5 * surface.spacing(sites_count), 1e-4 * nearest_distance(sites, k));
+    const double step =
+        std::min(1e-5 * surface.spacing(sites_count), 1e-4 * nearest_distance(sites, k));
     for (const Vec3& direction : tangents(shape, sites.faces[k]))
-      EXPECT_NEAR(slope(surface, sites, k, direction, step), gradient[k].dot(direction), 1e-6 * scale)
+      EXPECT_NEAR(slope(surface, sites, k, direction, step), gradient[k].dot(direction),
+                  1e-6 * scale)
           << shape.name << ", site " << k << ", seed " << seed;
   }
 }
@@ -75,13 +83,25 @@ double ramp(const Vec3& p) { return 1.5 + p.x() + 0.5 * std::sin(2.0 * p.y()); }
 TEST(Gradient, IsTheSlopeOnAFlatSurface) { expect_gradient_is_slope(grid(8), 40, 40, 1); }
 TEST(Gradient, IsTheSlopeOnACurvedSurface) { expect_gradient_is_slope(blob(3), 60, 60, 2); }
 TEST(Gradient, IsTheSlopeOnACreasedSurface) { expect_gradient_is_slope(box(4), 60, 60, 3); }
-TEST(Gradient, IsTheSlopeOnAVaryingDensity) { expect_gradient_is_slope(with_density(blob(3), ramp), 60, 60, 4); }
-TEST(Gradient, IsTheSlopeOnCreasesUnderADensity) { expect_gradient_is_slope(with_density(box(4), ramp), 60, 60, 5); }
-TEST(Gradient, IsTheSlopeOnAPlaneUnderADensity) { expect_gradient_is_slope(with_density(grid(8), ramp), 40, 40, 6); }
-TEST(Gradient, IsTheSlopeThroughThinWalls) { expect_gradient_is_slope(two_sheets(4, 0.05), 40, 40, 7); }
+TEST(Gradient, IsTheSlopeOnAVaryingDensity) {
+  expect_gradient_is_slope(with_density(blob(3), ramp), 60, 60, 4);
+}
+TEST(Gradient, IsTheSlopeOnCreasesUnderADensity) {
+  expect_gradient_is_slope(with_density(box(4), ramp), 60, 60, 5);
+}
+TEST(Gradient, IsTheSlopeOnAPlaneUnderADensity) {
+  expect_gradient_is_slope(with_density(grid(8), ramp), 40, 40, 6);
+}
+TEST(Gradient, IsTheSlopeThroughThinWalls) {
+  expect_gradient_is_slope(two_sheets(4, 0.05), 40, 40, 7);
+}
 TEST(Gradient, IsTheSlopeAtANonManifoldEdge) { expect_gradient_is_slope(fin(4), 40, 40, 8); }
-TEST(Gradient, IsTheSlopeWithMoreSitesThanFaces) { expect_gradient_is_slope(icosphere(0), 100, 60, 9); }
-TEST(Gradient, IsTheSlopeOnManyComponents) { expect_gradient_is_slope(many_components(30), 40, 40, 10); }
+TEST(Gradient, IsTheSlopeWithMoreSitesThanFaces) {
+  expect_gradient_is_slope(icosphere(0), 100, 60, 9);
+}
+TEST(Gradient, IsTheSlopeOnManyComponents) {
+  expect_gradient_is_slope(many_components(30), 40, 40, 10);
+}
 
 TEST(Gradient, IsTheSlopeOnRandomMeshes) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -122,14 +142,16 @@ TEST(Energy, OfOneSiteInASquare) {
 }
 
 TEST(Energy, OfTwoSitesInASquare) {
-  const Energy energy = evaluate_energy(unit_square(), on_square({{0.25, 0.5, 0}, {0.75, 0.5, 0}}), kLambda);
+  const Energy energy =
+      evaluate_energy(unit_square(), on_square({{0.25, 0.5, 0}, {0.75, 0.5, 0}}), kLambda);
   EXPECT_NEAR(energy.cvt, 2.0 * 0.5 / 12.0 * (0.25 + 1.0), 1e-15);
   EXPECT_NEAR(energy.capacity_term, 0.5, 1e-15);
   EXPECT_LE(largest_component(energy.gradient), 1e-14);
 }
 
 TEST(Energy, OfFourSitesInASquare) {
-  const Sites sites = on_square({{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}});
+  const Sites sites =
+      on_square({{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}});
   const Energy energy = evaluate_energy(unit_square(), sites, kLambda);
   EXPECT_NEAR(energy.cvt, 1.0 / 24.0, 1e-15);
   EXPECT_NEAR(energy.capacity_term, 0.25, 1e-15);
@@ -140,9 +162,11 @@ TEST(Energy, OfFourSitesInASquare) {
 /// The strip between two sites moves at half their speed: |V_0| = (x_0 + x_1) / 2.
 TEST(Energy, OfTwoSitesInASquareOffBalance) {
   const double a = 0.2, b = 0.6, wall = 0.5 * (a + b);
-  const Energy energy = evaluate_energy(unit_square(), on_square({{a, 0.5, 0}, {b, 0.5, 0}}), kLambda);
+  const Energy energy =
+      evaluate_energy(unit_square(), on_square({{a, 0.5, 0}, {b, 0.5, 0}}), kLambda);
   EXPECT_NEAR(energy.capacity_term, wall * wall + (1 - wall) * (1 - wall), 1e-15);
-  const double capacity_slope = wall - (1 - wall);  // d/da of the sum of squares: 2 (w - (1 - w)) / 2
+  const double capacity_slope =
+      wall - (1 - wall);  // d/da of the sum of squares: 2 (w - (1 - w)) / 2
   const double cvt_slope = 2.0 * wall * (a - 0.5 * wall);
   EXPECT_NEAR(energy.gradient[0].x(), cvt_slope + kLambda * capacity_slope, 1e-13);
   EXPECT_NEAR(energy.gradient[0].y(), 0.0, 1e-13);
@@ -162,15 +186,18 @@ TEST(Energy, OfOneSiteUnderARamp) {
 TEST(Energy, OfPerfectHexagons) {
   const int cells = 8;
   const double pitch = 0.1;
-  const Shape sheet = mapped(grid(cells), [](const Vec3& p) { return Vec3(2.0 * p - Vec3(1, 1, 0)); });
+  const Shape sheet =
+      mapped(grid(cells), [](const Vec3& p) { return Vec3(2.0 * p - Vec3(1, 1, 0)); });
   Sites sites;
   for (int row = -8; row <= 8; ++row)
     for (int column = -8; column <= 8; ++column) {
-      const Vec3 p(pitch * (column + 0.5 * (row & 1)), pitch * row * std::numbers::sqrt3 / 2.0, 0.0);
+      const Vec3 p(pitch * (column + 0.5 * (row & 1)), pitch * row * std::numbers::sqrt3 / 2.0,
+                   0.0);
       const Vec3 at = (p + Vec3(1, 1, 0)) * (0.5 * cells);
       const int quad = static_cast<int>(at.y()) * cells + static_cast<int>(at.x());
       sites.positions.push_back(p);
-      sites.faces.push_back(2 * quad + (at.y() - std::floor(at.y()) > at.x() - std::floor(at.x()) ? 1 : 0));
+      sites.faces.push_back(2 * quad +
+                            (at.y() - std::floor(at.y()) > at.x() - std::floor(at.x()) ? 1 : 0));
     }
   const Energy energy = evaluate_energy(sheet.surface(), sites, kLambda);
   int inner = 0;
@@ -211,8 +238,9 @@ struct Frame {
 class EnergyInUnits : public testing::TestWithParam<Frame> {};
 
 INSTANTIATE_TEST_SUITE_P(Frames, EnergyInUnits,
-                         testing::Values(Frame{1e-6, 0, 1e-12}, Frame{1e6, 0, 1e-12}, Frame{1, 1e6, 1e-7},
-                                         Frame{1e-6, 1, 1e-7}, Frame{1e6, 1e6, 1e-12}));
+                         testing::Values(Frame{1e-6, 0, 1e-12}, Frame{1e6, 0, 1e-12},
+                                         Frame{1, 1e6, 1e-7}, Frame{1e-6, 1, 1e-7},
+                                         Frame{1e6, 1e6, 1e-12}));
 
 TEST_P(EnergyInUnits, NormalisesToTheSameValue) {
   const auto [scale, shift, tolerance] = GetParam();
@@ -220,10 +248,13 @@ TEST_P(EnergyInUnits, NormalisesToTheSameValue) {
   Random random(51);
   Sites sites = random_sites(shape, 50, random, true);
   const double base = evaluate_energy(shape.surface(), sites, kLambda).normalised;
-  const auto map = [scale = scale, shift = shift](const Vec3& p) { return Vec3(scale * p + Vec3(shift, shift, -shift)); };
+  const auto map = [scale = scale, shift = shift](const Vec3& p) {
+    return Vec3(scale * p + Vec3(shift, shift, -shift));
+  };
   for (Vec3& p : sites.positions) p = map(p);
   const Surface surface = mapped(shape, map).surface();
-  EXPECT_NEAR(evaluate_energy(surface, sites, kLambda).normalised, base, tolerance * std::abs(base));
+  EXPECT_NEAR(evaluate_energy(surface, sites, kLambda).normalised, base,
+              tolerance * std::abs(base));
 }
 
 TEST(Energy, NormalisesToTheSameValueForAScaledDensity) {
@@ -256,7 +287,8 @@ TEST(Energy, OfNoSitesIsZero) {
 }
 
 TEST(Energy, LeavesTheSecondOfCoincidentSitesAlone) {
-  const Energy energy = evaluate_energy(unit_square(), on_square({{0.3, 0.4, 0}, {0.7, 0.4, 0}, {0.3, 0.4, 0}}), kLambda);
+  const Energy energy = evaluate_energy(
+      unit_square(), on_square({{0.3, 0.4, 0}, {0.7, 0.4, 0}, {0.3, 0.4, 0}}), kLambda);
   EXPECT_EQ(energy.gradient[2], Vec3::Zero().eval());
   EXPECT_NE(energy.gradient[0], Vec3::Zero().eval());
   EXPECT_NEAR(energy.diagram.cells[0].area + energy.diagram.cells[1].area, 1.0, 1e-15);
@@ -265,9 +297,11 @@ TEST(Energy, LeavesTheSecondOfCoincidentSitesAlone) {
 TEST(Energy, NamesTheFirstPositionThatIsNotFinite) {
   Sites sites = on_square({{0.3, 0.4, 0}, {0.7, 0.4, 0}, {0.3, 0.6, 0}});
   sites.positions[1].z() = std::numeric_limits<double>::quiet_NaN();
-  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); }, {"positions[1]", "nan"});
+  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); },
+                                {"positions[1]", "nan"});
   sites.positions[1].z() = -std::numeric_limits<double>::infinity();
-  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); }, {"positions[1]", "-inf"});
+  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); },
+                                {"positions[1]", "-inf"});
 }
 
 TEST(Energy, NamesTheFirstFaceOutOfRange) {
@@ -282,19 +316,23 @@ TEST(Energy, NamesTheFirstFaceOutOfRange) {
 TEST(Energy, RefusesArraysOfDifferentLength) {
   Sites sites = on_square({{0.3, 0.4, 0}, {0.7, 0.4, 0}});
   sites.faces.pop_back();
-  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); }, {"faces", "1", "2"});
+  expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, kLambda); },
+                                {"faces", "1", "2"});
 }
 
 TEST(Energy, RefusesABadWeight) {
   const Sites sites = on_square({{0.3, 0.4, 0}});
-  for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-    expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, bad); }, {"capacity_weight"});
+  for (const double bad :
+       {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    expect_message<ArgumentError>([&] { (void)evaluate_energy(unit_square(), sites, bad); },
+                                  {"capacity_weight"});
 }
 
 TEST(Energy, StopsWhenCancelled) {
   Context context;
   context.cancel();
-  EXPECT_THROW((void)evaluate_energy(unit_square(), on_square({{0.3, 0.4, 0}}), kLambda, &context), Cancelled);
+  EXPECT_THROW((void)evaluate_energy(unit_square(), on_square({{0.3, 0.4, 0}}), kLambda, &context),
+               Cancelled);
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <dapple/errors.hpp>
 #include <dapple/mesh_file.hpp>
 #include <dapple/surface.hpp>
 #include <fstream>
 #include <numbers>
-
-#include <unistd.h>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -23,7 +22,8 @@ class MeshFile : public testing::Test {
  protected:
   void SetUp() override {
     const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::path(testing::TempDir()) / ("dapple mesh file " + name + std::to_string(getpid()));
+    folder_ =
+        fs::path(testing::TempDir()) / ("dapple mesh file " + name + std::to_string(getpid()));
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -42,7 +42,8 @@ class MeshFile : public testing::Test {
       (void)Surface(mesh.vertices, mesh.faces);
       ADD_FAILURE() << file << " was accepted";
     } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find(file.filename().string()), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(file.filename().string()), std::string::npos)
+          << error.what();
     } catch (const SurfaceError& error) {
       EXPECT_NE(std::string(error.what()).find('['), std::string::npos) << error.what();
     }
@@ -53,7 +54,9 @@ class MeshFile : public testing::Test {
 
 /// Coordinates whose digits fill a double, far from the origin and tiny.
 Shape digits() {
-  return mapped(blob(2), [](const Vec3& p) { return Vec3(p.x() / 3.0, 1e-9 * p.y() * std::numbers::pi, 1e7 + p.z()); });
+  return mapped(blob(2), [](const Vec3& p) {
+    return Vec3(p.x() / 3.0, 1e-9 * p.y() * std::numbers::pi, 1e7 + p.z());
+  });
 }
 
 TEST_F(MeshFile, KeepsEveryDigitInPly) {
@@ -77,7 +80,8 @@ TEST_F(MeshFile, KeepsFacesAndPlacesInOtherFormats) {
 }
 
 TEST_F(MeshFile, KeepsFacesThatFitNoHalfEdgeMesh) {
-  for (const Shape& shape : {fin(3), moebius(12), bow_tie(), duplicate_faces(), flipped_faces(), isolated_vertices()}) {
+  for (const Shape& shape :
+       {fin(3), moebius(12), bow_tie(), duplicate_faces(), flipped_faces(), isolated_vertices()}) {
     write_mesh(path("mesh.ply"), shape.vertices, shape.faces);
     const MeshArrays read = read_mesh(path("mesh.ply"));
     EXPECT_TRUE(same_bytes(read.vertices, shape.vertices)) << shape.name;
@@ -86,16 +90,18 @@ TEST_F(MeshFile, KeepsFacesThatFitNoHalfEdgeMesh) {
 }
 
 TEST_F(MeshFile, CutsPolygonsIntoFans) {
-  const fs::path file = write_text("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf 1 2 3 4\nf 1 4 5\n");
+  const fs::path file = write_text(
+      "quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nf 1 2 3 4\nf 1 4 5\n");
   const std::vector<Face> expected = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
   EXPECT_EQ(read_mesh(file).faces, expected);
 }
 
 TEST_F(MeshFile, ReadsTextPly) {
-  const fs::path file = write_text("text.ply",
-                                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
-                                   "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
-                                   "end_header\n0 0 0\n0.1 0 0\n0 1e-3 2\n3 0 1 2\n");
+  const fs::path file =
+      write_text("text.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+                 "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                 "end_header\n0 0 0\n0.1 0 0\n0 1e-3 2\n3 0 1 2\n");
   const MeshArrays read = read_mesh(file);
   ASSERT_EQ(read.vertices.size(), 3u);
   EXPECT_EQ(read.vertices[1], Vec3(0.1, 0, 0));
@@ -114,7 +120,8 @@ TEST_F(MeshFile, NamesAFileThatIsNotThere) {
 }
 
 TEST_F(MeshFile, NamesAFileItCannotRead) {
-  for (const char* text : {"", "hello", "ply\n", "ply\nformat binary_little_endian 1.0\nend_header\n"}) {
+  for (const char* text :
+       {"", "hello", "ply\n", "ply\nformat binary_little_endian 1.0\nend_header\n"}) {
     const fs::path file = write_text("broken.ply", text);
     expect_message<FileError>([&] { (void)read_mesh(file); }, {"broken.ply"});
   }
@@ -137,7 +144,8 @@ TEST_F(MeshFile, RefusesAFileCutShort) {
 TEST_F(MeshFile, RefusesBadIndicesAndNumbers) {
   expect_refused(write_text("high.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"));
   const std::string header =
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty "
+      "double z\n"
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   expect_refused(write_text("nan.ply", header + "0 0 0\nnan 0 0\n0 1 2\n3 0 1 2\n"));
   expect_refused(write_text("high.ply", header + "0 0 0\n1 0 0\n0 1 2\n3 0 1 7\n"));
@@ -147,8 +155,10 @@ TEST_F(MeshFile, RefusesBadIndicesAndNumbers) {
 TEST_F(MeshFile, NamesAFileItCannotWrite) {
   const Shape shape = tetrahedron();
   const fs::path nowhere = path("no such folder") / "mesh.ply";
-  expect_message<FileError>([&] { write_mesh(nowhere, shape.vertices, shape.faces); }, {"mesh.ply"});
-  expect_message<FileError>([&] { write_mesh(path("mesh.strange"), shape.vertices, shape.faces); }, {"mesh.strange"});
+  expect_message<FileError>([&] { write_mesh(nowhere, shape.vertices, shape.faces); },
+                            {"mesh.ply"});
+  expect_message<FileError>([&] { write_mesh(path("mesh.strange"), shape.vertices, shape.faces); },
+                            {"mesh.strange"});
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 namespace dapple::test {
 namespace {
 
-OptimizerResult optimized(const Surface& surface, std::size_t count, const OptimizerOptions& options,
-                          std::uint64_t seed = 1) {
+OptimizerResult optimized(const Surface& surface, std::size_t count,
+                          const OptimizerOptions& options, std::uint64_t seed = 1) {
   return optimize(surface, Projector(surface), poisson_start(surface, count, seed), options);
 }
 
@@ -49,9 +49,10 @@ TEST_P(OptimizerOn, ReportsTheEnergyOfWhereItEnds) {
 
 TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
   const Surface surface = torus(60, 30).surface();
-  const OptimizerResult found = optimize(surface, Projector(surface), random_start(surface, 400, 1), {});
-  std::cout << "e " << found.energies.front() << " -> " << found.energies.back() << " in " << found.evaluations
-            << " evaluations\n";
+  const OptimizerResult found =
+      optimize(surface, Projector(surface), random_start(surface, 400, 1), {});
+  std::cout << "e " << found.energies.front() << " -> " << found.energies.back() << " in "
+            << found.evaluations << " evaluations\n";
   EXPECT_TRUE(found.converged);
   EXPECT_GT(found.energies.front(), 1.0);
   EXPECT_LT(found.energies.back(), 0.18);
@@ -61,7 +62,8 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
 TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
   const Surface surface = blob(3).surface();
   const Sites start = poisson_start(surface, 100, 1);
-  const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  const OptimizerResult found =
+      optimize(surface, Projector(surface), start, {.max_evaluations = 1});
   EXPECT_EQ(found.evaluations, 1);
   EXPECT_EQ(found.iterations, 0);
   EXPECT_FALSE(found.converged);
@@ -73,7 +75,8 @@ TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
 TEST(Optimizer, KeepsToItsEvaluationsAndSaysThatTheyRanOut) {
   const Surface surface = blob(3).surface();
   for (const int limit : {2, 3, 5, 8}) {
-    const OptimizerResult found = optimized(surface, 300, {.tolerance = 1e-12, .max_evaluations = limit});
+    const OptimizerResult found =
+        optimized(surface, 300, {.tolerance = 1e-12, .max_evaluations = limit});
     EXPECT_EQ(found.evaluations, limit);
     EXPECT_FALSE(found.converged);
   }
@@ -82,14 +85,16 @@ TEST(Optimizer, KeepsToItsEvaluationsAndSaysThatTheyRanOut) {
 TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerResult coarse = optimized(surface, 300, {.tolerance = 1e-4});
-  const OptimizerResult fine = optimized(surface, 300, {.tolerance = 1e-7, .max_evaluations = 2000});
+  const OptimizerResult fine =
+      optimized(surface, 300, {.tolerance = 1e-7, .max_evaluations = 2000});
   EXPECT_TRUE(coarse.converged);
   EXPECT_TRUE(fine.converged);
   EXPECT_LT(fine.energy.normalised, coarse.energy.normalised);
   EXPECT_GT(fine.evaluations, coarse.evaluations);
 }
 
-/// The size of the decrease is meant, and more than one small one (METHOD): the last two are small, no two before.
+/// The size of the decrease is meant, and more than one small one (METHOD): the last two are small,
+/// no two before.
 TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerOptions options{.tolerance = 1e-5};
@@ -117,7 +122,8 @@ TEST(Optimizer, StopsOnceTheTargetIsReached) {
 TEST(Optimizer, DoesNotMoveFromATargetItAlreadyMeets) {
   const Surface surface = blob(3).surface();
   const Sites start = poisson_start(surface, 100, 1);
-  const OptimizerResult found = optimize(surface, Projector(surface), start, {.target_energy = 1e9});
+  const OptimizerResult found =
+      optimize(surface, Projector(surface), start, {.target_energy = 1e9});
   EXPECT_TRUE(found.converged);
   EXPECT_EQ(found.iterations, 0);
   EXPECT_TRUE(same_bytes(found.sites.positions, start.positions));
@@ -125,10 +131,12 @@ TEST(Optimizer, DoesNotMoveFromATargetItAlreadyMeets) {
 
 TEST(Optimizer, RestsWhereTheGradientIsZero) {
   const Surface surface = grid(1).surface();
-  const Sites start{{{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}}, {0, 0, 1, 1}};
+  const Sites start{{{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}},
+                    {0, 0, 1, 1}};
   const OptimizerResult found = optimize(surface, Projector(surface), start, {});
   EXPECT_TRUE(found.converged);
-  for (std::size_t k = 0; k < 4; ++k) EXPECT_LE((found.sites.positions[k] - start.positions[k]).norm(), 1e-9);
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_LE((found.sites.positions[k] - start.positions[k]).norm(), 1e-9);
 }
 
 TEST(Optimizer, FindsTheBestPlaceForOneSite) {
@@ -144,7 +152,8 @@ TEST(Optimizer, ProjectsAStartWithoutBarycentrics) {
   Sites start = poisson_start(surface, 100, 1);
   start.barycentric.clear();
   for (Vec3& p : start.positions) p *= 1.01;  // a little off the surface
-  const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  const OptimizerResult found =
+      optimize(surface, Projector(surface), start, {.max_evaluations = 1});
   check_on_surface(surface, found.sites, found.sites.barycentric);
 }
 
@@ -160,7 +169,8 @@ TEST(Optimizer, MovesCoincidentSitesOnlyDownhill) {
   const Vec3 p(0.3, 0.2, 0);
   const Sites start{{p, p, p}, {3, 3, 3}};
   const OptimizerResult found = optimize(surface, Projector(surface), start, {});
-  for (std::size_t k = 1; k < found.energies.size(); ++k) EXPECT_LE(found.energies[k], found.energies[k - 1]);
+  for (std::size_t k = 1; k < found.energies.size(); ++k)
+    EXPECT_LE(found.energies[k], found.energies[k - 1]);
   check_cells(surface, found.sites);
 }
 
@@ -171,12 +181,16 @@ struct BadOption {
 
 TEST(Optimizer, NamesTheOptionOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<BadOption> cases = {
-      {"capacity_weight", {.capacity_weight = -1.0}}, {"capacity_weight", {.capacity_weight = nan}},
-      {"tolerance", {.tolerance = -1e-9}},            {"tolerance", {.tolerance = nan}},
-      {"patience", {.patience = 0}},                  {"max_evaluations", {.max_evaluations = 0}},
-      {"max_evaluations", {.max_evaluations = -3}},   {"memory", {.memory = -1}},
-      {"max_step", {.max_step = -0.5}},               {"max_step", {.max_step = nan}}};
+  const std::vector<BadOption> cases = {{"capacity_weight", {.capacity_weight = -1.0}},
+                                        {"capacity_weight", {.capacity_weight = nan}},
+                                        {"tolerance", {.tolerance = -1e-9}},
+                                        {"tolerance", {.tolerance = nan}},
+                                        {"patience", {.patience = 0}},
+                                        {"max_evaluations", {.max_evaluations = 0}},
+                                        {"max_evaluations", {.max_evaluations = -3}},
+                                        {"memory", {.memory = -1}},
+                                        {"max_step", {.max_step = -0.5}},
+                                        {"max_step", {.max_step = nan}}};
   const Surface surface = grid(1).surface();
   for (const auto& [name, options] : cases)
     expect_message<ArgumentError>([&, &o = options] { (void)optimized(surface, 3, o); }, {name});
@@ -187,10 +201,12 @@ TEST(Optimizer, NamesABadStart) {
   const Projector projector(surface);
   Sites start = poisson_start(surface, 5, 1);
   start.faces[2] = 7;
-  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); }, {"faces[2]", "7"});
+  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); },
+                                {"faces[2]", "7"});
   start = poisson_start(surface, 5, 1);
   start.positions[4].x() = std::numeric_limits<double>::quiet_NaN();
-  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); }, {"positions[4]", "nan"});
+  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); },
+                                {"positions[4]", "nan"});
 }
 
 }  // namespace

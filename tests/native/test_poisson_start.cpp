@@ -25,11 +25,14 @@ double least_gap(const Surface& surface, const Sites& sites) {
 
 using Start = Sites (*)(const Surface&, std::size_t, std::uint64_t);
 
-Sites poisson(const Surface& surface, std::size_t count, std::uint64_t seed) { return poisson_start(surface, count, seed); }
+Sites poisson(const Surface& surface, std::size_t count, std::uint64_t seed) {
+  return poisson_start(surface, count, seed);
+}
 
 class StartOn : public testing::TestWithParam<Shape> {};
 
-INSTANTIATE_TEST_SUITE_P(Shapes, StartOn, testing::ValuesIn(all_shapes()), shape_name<testing::TestParamInfo<Shape>>);
+INSTANTIATE_TEST_SUITE_P(Shapes, StartOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
 
 TEST_P(StartOn, GivesExactlyTheCountOnTheSurface) {
   const Surface surface = GetParam().surface();
@@ -55,7 +58,8 @@ TEST(PoissonStart, KeepsAWiderGapThanRandom) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       const double gap = least_gap(surface, poisson_start(surface, 1000, seed));
       const double random_gap = least_gap(surface, random_start(surface, 1000, seed));
-      std::cout << shape.name << ": least gap " << gap << " spacings, random " << random_gap << '\n';
+      std::cout << shape.name << ": least gap " << gap << " spacings, random " << random_gap
+                << '\n';
       EXPECT_GT(gap, 0.5) << shape.name;
       EXPECT_LT(gap, 0.95) << shape.name;  // hexagons have 1, and darts do not land in hexagons
       EXPECT_LT(random_gap, 0.2) << shape.name;
@@ -70,13 +74,15 @@ TEST(PoissonStart, FollowsTheDensity) {
   for (const Start start : {&random_start, &poisson}) {
     double left = 0;
     for (std::uint64_t seed = 0; seed < 5; ++seed)
-      for (const Vec3& p : start(surface, 2000, seed).positions) left += p.x() * p.x() < 1.0 / 3.0 ? 1 : 0;
+      for (const Vec3& p : start(surface, 2000, seed).positions)
+        left += p.x() * p.x() < 1.0 / 3.0 ? 1 : 0;
     EXPECT_NEAR(left / 10000.0, 1.0 / 3.0, 0.03);  // six standard deviations of white noise
   }
 }
 
 TEST(PoissonStart, FollowsASteepDensity) {
-  const Shape shape = with_density(grid(20), [](const Vec3& p) { return std::pow(10.0, 4.0 * p.x()); });
+  const Shape shape =
+      with_density(grid(20), [](const Vec3& p) { return std::pow(10.0, 4.0 * p.x()); });
   const Surface surface = shape.surface();
   const Sites sites = poisson_start(surface, 3000, 1);
   double right = 0;
@@ -85,10 +91,12 @@ TEST(PoissonStart, FollowsASteepDensity) {
 }
 
 TEST(PoissonStart, StaysOffWhatHasNoDensity) {
-  const Shape one_vertex = with_density(grid(6), [](const Vec3& p) { return p.norm() < 1e-9 ? 2.0 : 0.0; });
+  const Shape one_vertex =
+      with_density(grid(6), [](const Vec3& p) { return p.norm() < 1e-9 ? 2.0 : 0.0; });
   const Surface surface = one_vertex.surface();
   for (const Start start : {&random_start, &poisson})
-    for (const Vec3& p : start(surface, 300, 1).positions) EXPECT_LE(p.head<2>().maxCoeff(), 1.0 / 6.0 + 1e-12);
+    for (const Vec3& p : start(surface, 300, 1).positions)
+      EXPECT_LE(p.head<2>().maxCoeff(), 1.0 / 6.0 + 1e-12);
 }
 
 TEST(PoissonStart, SpreadsOverComponentsByTheirArea) {

@@ -23,7 +23,9 @@ struct Closest {
 Closest brute_force_closest(const Shape& shape, const Vec3& point) {
   Closest best;
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
-    const auto corner = [&](std::size_t c) { return shape.vertices[static_cast<std::size_t>(shape.faces[f][c])]; };
+    const auto corner = [&](std::size_t c) {
+      return shape.vertices[static_cast<std::size_t>(shape.faces[f][c])];
+    };
     const Vec3 candidate = closest_on_triangle(point, corner(0), corner(1), corner(2));
     const double distance = (candidate - point).norm();
     if (distance < best.distance) best = {candidate, distance, static_cast<std::int32_t>(f)};
@@ -43,7 +45,8 @@ std::pair<Vec3, double> extent(const Shape& shape) {
 }
 
 /// Points within `reach` times the size of the surface.
-std::vector<Vec3> points_around(const Shape& shape, double reach, std::size_t count, Random& random) {
+std::vector<Vec3> points_around(const Shape& shape, double reach, std::size_t count,
+                                Random& random) {
   const auto [middle, size] = extent(shape);
   std::vector<Vec3> points(count);
   for (Vec3& p : points) p = middle + reach * size * random.in_box();
@@ -57,7 +60,8 @@ void expect_closest(const Shape& shape, const std::vector<Vec3>& points) {
   const auto [middle, size] = extent(shape);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Closest expected = brute_force_closest(shape, points[k]);
-    const double rounding = 1e-14 * (middle.norm() + size + points[k].norm()) + 1e-13 * expected.distance;
+    const double rounding =
+        1e-14 * (middle.norm() + size + points[k].norm()) + 1e-13 * expected.distance;
     EXPECT_NEAR(found.distances[k], expected.distance, rounding) << shape.name << ", point " << k;
     EXPECT_NEAR((found.positions[k] - points[k]).norm(), found.distances[k], rounding);
   }
@@ -97,7 +101,8 @@ TEST_P(ProjectorOn, GivesTheSameBytesForAnyHint) {
   const Projection base = projector.project(points);
   for (int trial = 0; trial < 3; ++trial) {
     std::vector<std::int32_t> hints(points.size());
-    for (std::int32_t& hint : hints) hint = random.below(static_cast<std::int32_t>(GetParam().faces.size()));
+    for (std::int32_t& hint : hints)
+      hint = random.below(static_cast<std::int32_t>(GetParam().faces.size()));
     const Projection hinted = projector.project(points, hints);
     EXPECT_EQ(hinted.faces, base.faces);
     EXPECT_EQ(hinted.distances, base.distances);
@@ -140,13 +145,15 @@ TEST(Projector, GivesTiesToTheLowestFaceWhateverTheOrderOfFaces) {
     std::rotate(shape.faces.begin(), shape.faces.begin() + 1, shape.faces.end());
     const Projection found = Projector(shape.surface()).project(points);
     for (std::size_t k = 0; k < 4; ++k)  // the middle is equally far from all only up to rounding
-      EXPECT_EQ(found.faces[k], brute_force_closest(shape, points[k]).face) << points[k].transpose();
+      EXPECT_EQ(found.faces[k], brute_force_closest(shape, points[k]).face)
+          << points[k].transpose();
   }
 }
 
 TEST(Projector, GivesTheFirstOfDuplicateFaces) {
   const Shape shape = joined(joined(grid(2), grid(2)), grid(2));
-  const Projection found = Projector(shape.surface()).project(std::vector<Vec3>{{0.3, 0.1, 1}, {0.9, 0.8, -1}});
+  const Projection found =
+      Projector(shape.surface()).project(std::vector<Vec3>{{0.3, 0.1, 1}, {0.9, 0.8, -1}});
   EXPECT_LT(found.faces[0], 8);
   EXPECT_LT(found.faces[1], 8);
 }
@@ -158,12 +165,15 @@ struct Frame {
 class ProjectorInUnits : public testing::TestWithParam<Frame> {};
 
 INSTANTIATE_TEST_SUITE_P(Frames, ProjectorInUnits,
-                         testing::Values(Frame{1e-6, 0}, Frame{1e6, 0}, Frame{1, 1e6}, Frame{1e-6, 1}, Frame{1e6, 1e9},
-                                         Frame{1e-12, 0}, Frame{1e12, 0}));
+                         testing::Values(Frame{1e-6, 0}, Frame{1e6, 0}, Frame{1, 1e6},
+                                         Frame{1e-6, 1}, Frame{1e6, 1e9}, Frame{1e-12, 0},
+                                         Frame{1e12, 0}));
 
 TEST_P(ProjectorInUnits, FindsTheClosestPoint) {
   const auto [scale, shift] = GetParam();
-  const auto map = [scale = scale, shift = shift](const Vec3& p) { return Vec3(scale * p + Vec3(shift, shift, -shift)); };
+  const auto map = [scale = scale, shift = shift](const Vec3& p) {
+    return Vec3(scale * p + Vec3(shift, shift, -shift));
+  };
   Random random(66);
   for (const Shape& shape : {blob(2), box(3), needle()}) {
     const Shape moved = mapped(shape, map);
@@ -198,7 +208,8 @@ TEST(Projector, OutlivesItsSurfaceAndMoves) {
   first = Projector(grid(1).surface());
   const std::vector<Vec3> point = {{0.25, 0.5, 1.0}};
   EXPECT_NEAR(first.project(point).distances[0], 1.0, 1e-15);
-  EXPECT_NEAR(second.project(point).distances[0], brute_force_closest(blob(1), point[0]).distance, 1e-14);
+  EXPECT_NEAR(second.project(point).distances[0], brute_force_closest(blob(1), point[0]).distance,
+              1e-14);
 }
 
 TEST(Projector, NamesTheFirstPointThatIsNotFinite) {
@@ -215,7 +226,8 @@ TEST(Projector, NamesTheFirstHintOutOfRange) {
   const Projector projector(grid(1).surface());
   for (const std::int32_t bad : {-1, 2}) {
     const std::vector<std::int32_t> hints = {0, 1, bad};
-    expect_message<ArgumentError>([&] { (void)projector.project(points, hints); }, {"hints[2]", std::to_string(bad)});
+    expect_message<ArgumentError>([&] { (void)projector.project(points, hints); },
+                                  {"hints[2]", std::to_string(bad)});
   }
   const std::vector<std::int32_t> few = {0};
   expect_message<ArgumentError>([&] { (void)projector.project(points, few); }, {"hints", "1", "3"});

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The restricted cells against cells cut in exact arithmetic. For each site its neighbours come from CGAL's exact
-// Delaunay triangulation of the sites in space, and each face is clipped by the exact bisectors with them: a point is
-// in a Voronoi cell if it is no farther from the site than from its Delaunay neighbours.
+// The restricted cells against cells cut in exact arithmetic. For each site its neighbours come
+// from CGAL's exact Delaunay triangulation of the sites in space, and each face is clipped by the
+// exact bisectors with them: a point is in a Voronoi cell if it is no farther from the site than
+// from its Delaunay neighbours.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
@@ -21,7 +22,8 @@ using Number = Kernel::FT;
 using Point = Kernel::Point_3;
 using Vector = Kernel::Vector_3;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::size_t, Kernel>;
-using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase>>;
+using Delaunay =
+    CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase>>;
 
 constexpr int kMeshes = 120;
 
@@ -65,8 +67,10 @@ double cell_area(const Shape& shape, const Delaunay& delaunay, Delaunay::Vertex_
   double sum = 0.0;
   for (const Face& face : shape.faces) {
     std::vector<Point> polygon;
-    for (const std::int32_t v : face) polygon.push_back(exact(shape.vertices[static_cast<std::size_t>(v)]));
-    for (const auto& neighbour : neighbours) polygon = clip(polygon, site->point(), neighbour->point());
+    for (const std::int32_t v : face)
+      polygon.push_back(exact(shape.vertices[static_cast<std::size_t>(v)]));
+    for (const auto& neighbour : neighbours)
+      polygon = clip(polygon, site->point(), neighbour->point());
     sum += area(polygon);
   }
   return sum;
@@ -86,11 +90,12 @@ void expect_exact_areas(const Shape& shape, const Sites& sites) {
   const std::vector<double> expected = exact_areas(shape, sites.positions);
   const std::vector<Moments> found = restricted_voronoi(surface, sites).cells;
   for (std::size_t i = 0; i < sites.size(); ++i)
-    EXPECT_NEAR(found[i].area, expected[i], 1e-9 * surface.area()) << "cell " << i << " on " << shape.name;
+    EXPECT_NEAR(found[i].area, expected[i], 1e-9 * surface.area())
+        << "cell " << i << " on " << shape.name;
 }
 
-/// A Voronoi cell is the intersection of the half-spaces of its Delaunay neighbours whatever the dimension of the
-/// triangulation, so sites in a plane are no special case.
+/// A Voronoi cell is the intersection of the half-spaces of its Delaunay neighbours whatever the
+/// dimension of the triangulation, so sites in a plane are no special case.
 TEST(Referee, AgreesOnRandomMeshes) {
   int solid = 0;
   for (std::uint64_t seed = 0; seed < kMeshes; ++seed) {
@@ -127,7 +132,8 @@ TEST_P(RefereeOf, Agrees) {
   expect_exact_areas(GetParam(), random_sites(GetParam(), 10, random));
 }
 
-/// Eight sites on one sphere: every Delaunay tetrahedralisation of a cube is a matter of taste, its cells are not.
+/// Eight sites on one sphere: every Delaunay tetrahedralisation of a cube is a matter of taste, its
+/// cells are not.
 TEST(Referee, AgreesOnTheCornersOfACube) {
   const Shape shape = box(2);
   Sites sites;

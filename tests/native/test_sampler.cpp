@@ -48,7 +48,8 @@ TEST_P(SamplerOn, GivesTheSameBytesForAnyNumberOfThreadsAndAgain) {
 }
 
 TEST(Sampler, GivesTheSameBytesForAnyNumberOfThreadsOnALargerMesh) {
-  const Surface surface = with_density(blob(5), [](const Vec3& p) { return 1.2 + p.x(); }).surface();
+  const Surface surface =
+      with_density(blob(5), [](const Vec3& p) { return 1.2 + p.x(); }).surface();
   for (const Start start : {Start::kPoisson, Start::kRandom}) {
     SampleOptions options;
     options.start = start;
@@ -80,22 +81,26 @@ struct Bands {
   Band alpha_min, alpha_mean, capacity_spread, energy;
 };
 
-void expect_in_bands(const Surface& surface, SampleOptions options, const std::string& name, const Bands& bands) {
+void expect_in_bands(const Surface& surface, SampleOptions options, const std::string& name,
+                     const Bands& bands) {
   for (options.seed = 0; options.seed < 5; ++options.seed) {
     const Report report = sample(surface, 1000, options).report;
-    std::cout << name << ", seed " << options.seed << ": alpha min " << report.evenness.alpha_min << ", mean "
-              << report.evenness.alpha_mean << ", capacity spread " << report.evenness.capacity_spread << ", e "
-              << report.energy << ", " << report.evaluations << " evaluations\n";
+    std::cout << name << ", seed " << options.seed << ": alpha min " << report.evenness.alpha_min
+              << ", mean " << report.evenness.alpha_mean << ", capacity spread "
+              << report.evenness.capacity_spread << ", e " << report.energy << ", "
+              << report.evaluations << " evaluations\n";
     EXPECT_TRUE(report.converged);
     EXPECT_TRUE(bands.alpha_min.holds(report.evenness.alpha_min)) << report.evenness.alpha_min;
     EXPECT_TRUE(bands.alpha_mean.holds(report.evenness.alpha_mean)) << report.evenness.alpha_mean;
-    EXPECT_TRUE(bands.capacity_spread.holds(report.evenness.capacity_spread)) << report.evenness.capacity_spread;
+    EXPECT_TRUE(bands.capacity_spread.holds(report.evenness.capacity_spread))
+        << report.evenness.capacity_spread;
     EXPECT_TRUE(bands.energy.holds(report.energy)) << report.energy;
   }
 }
 
-// Centres from measurements of the method on a torus at the paper's tolerance: random start 0.59, 0.83, 0.0033, 0.1707,
-// Poisson-disk start e 0.1701. Hexagons would have alpha 1, spread 0, e 0.16037.
+// Centres from measurements of the method on a torus at the paper's tolerance: random start 0.59,
+// 0.83, 0.0033, 0.1707, Poisson-disk start e 0.1701. Hexagons would have alpha 1, spread 0, e
+// 0.16037.
 TEST(SamplerBands, FromAPoissonStartOnATorus) {
   expect_in_bands(torus(120, 60).surface(), {}, "torus, Poisson start",
                   {{0.40, 0.80}, {0.80, 0.90}, {0.0005, 0.008}, {0.1615, 0.1745}});
@@ -151,12 +156,15 @@ struct Frame {
 class SamplerInUnits : public testing::TestWithParam<Frame> {};
 
 INSTANTIATE_TEST_SUITE_P(Frames, SamplerInUnits,
-                         testing::Values(Frame{1e-6, 0, 1e-3}, Frame{1e6, 0, 1e-3}, Frame{1, 1e6, 2e-3}));
+                         testing::Values(Frame{1e-6, 0, 1e-3}, Frame{1e6, 0, 1e-3},
+                                         Frame{1, 1e6, 2e-3}));
 
 TEST_P(SamplerInUnits, IsAsEvenAsInAnyOther) {
   const auto [scale, shift, tolerance] = GetParam();
   const Shape shape = blob(3);
-  const auto map = [scale = scale, shift = shift](const Vec3& p) { return Vec3(scale * p + Vec3(shift, shift, -shift)); };
+  const auto map = [scale = scale, shift = shift](const Vec3& p) {
+    return Vec3(scale * p + Vec3(shift, shift, -shift));
+  };
   const Surface surface = mapped(shape, map).surface();
   const Samples samples = sample(surface, 300);
   check(surface, samples);
@@ -169,10 +177,12 @@ TEST(Sampler, NamesTheOptionOutOfRange) {
   const Surface surface = grid(1).surface();
   SampleOptions options;
   options.optimizer.max_evaluations = 0;
-  expect_message<ArgumentError>([&] { (void)sample(surface, 3, options); }, {"max_evaluations", "0"});
+  expect_message<ArgumentError>([&] { (void)sample(surface, 3, options); },
+                                {"max_evaluations", "0"});
   options = {};
   options.optimizer.capacity_weight = std::numeric_limits<double>::quiet_NaN();
-  expect_message<ArgumentError>([&] { (void)sample(surface, 3, options); }, {"capacity_weight", "nan"});
+  expect_message<ArgumentError>([&] { (void)sample(surface, 3, options); },
+                                {"capacity_weight", "nan"});
   options = {};
   options.optimizer.tolerance = -1.0;
   expect_message<ArgumentError>([&] { (void)sample(surface, 3, options); }, {"tolerance", "-1"});

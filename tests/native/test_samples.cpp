@@ -18,7 +18,9 @@ struct Binding {
   std::vector<std::int32_t> ids = {};
   std::vector<std::int32_t> classes = {};
 
-  [[nodiscard]] Samples bind() const { return bind_samples(grid(3).surface(), faces, weights, ids, classes); }
+  [[nodiscard]] Samples bind() const {
+    return bind_samples(grid(3).surface(), faces, weights, ids, classes);
+  }
   void expect_refused(std::initializer_list<std::string> parts) const {
     expect_message<ArgumentError>([&] { (void)bind(); }, parts);
   }
@@ -29,7 +31,8 @@ TEST(Samples, StandWhereTheyAreBound) {
   const Shape shape = grid(3);
   check(shape.surface(), samples);
   for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_LE((samples.positions[k] - shape.point(Binding().faces[k], Binding().weights[k])).norm(), 1e-15);
+    EXPECT_LE((samples.positions[k] - shape.point(Binding().faces[k], Binding().weights[k])).norm(),
+              1e-15);
     EXPECT_LE((samples.normals[k] - Vec3::UnitZ()).norm(), 1e-15);
   }
   EXPECT_EQ(samples.ids, (std::vector<std::int32_t>{0, 1, 2, 3}));
@@ -82,9 +85,7 @@ TEST(Samples, SurviveSinglePrecision) {
     EXPECT_LE((samples.positions[k] - shape.point(faces[k], weights[k])).norm(), 1e-6);
 }
 
-TEST(Samples, MayBeNone) {
-  EXPECT_EQ(bind_samples(grid(3).surface(), {}, {}).size(), 0u);
-}
+TEST(Samples, MayBeNone) { EXPECT_EQ(bind_samples(grid(3).surface(), {}, {}).size(), 0u); }
 
 TEST(Samples, NameTheFirstFaceOutOfRange) {
   for (const std::int32_t bad : {-1, 18, 2147483647}) {

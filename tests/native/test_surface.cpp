@@ -19,7 +19,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class SurfaceOf : public testing::TestWithParam<Shape> {};
 
-INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceOf, testing::ValuesIn(all_shapes()), shape_name<testing::TestParamInfo<Shape>>);
+INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceOf, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
 
 TEST_P(SurfaceOf, MeasuresAreaAndMass) {
   const Surface surface = GetParam().surface();
@@ -43,9 +44,11 @@ TEST_P(SurfaceOf, OrdersFacesOneToOne) {
     const Vec3 middle = shape.point(f, Vec3::Constant(1.0 / 3.0));
     const Face& corners = surface.corners(surface.ordered_face(f));
     for (std::size_t c = 0; c < 3; ++c)
-      ASSERT_EQ(surface.vertex(corners[c]),
-                shape.vertices[static_cast<std::size_t>(shape.faces[static_cast<std::size_t>(f)][c])]);
-    ASSERT_LE((surface.geometry(surface.ordered_face(f)).centroid - middle).norm(), 1e-13 * (1.0 + middle.norm()));
+      ASSERT_EQ(
+          surface.vertex(corners[c]),
+          shape.vertices[static_cast<std::size_t>(shape.faces[static_cast<std::size_t>(f)][c])]);
+    ASSERT_LE((surface.geometry(surface.ordered_face(f)).centroid - middle).norm(),
+              1e-13 * (1.0 + middle.norm()));
   }
 }
 
@@ -66,7 +69,8 @@ TEST_P(SurfaceOf, WalksRingsAroundEdges) {
       ++in_ring;
       h = surface.next_around(h);
     } while (h != start && in_ring <= half_edges);
-    for (std::int32_t other = 0; other < half_edges; ++other) on_edge += ends(other) == ends(start) ? 1 : 0;
+    for (std::int32_t other = 0; other < half_edges; ++other)
+      on_edge += ends(other) == ends(start) ? 1 : 0;
     ASSERT_EQ(in_ring, on_edge) << "half-edge " << start;
   }
 }
@@ -89,7 +93,8 @@ TEST_P(SurfaceOf, GivesUnitNormalsEverywhere) {
   Random random(3);
   const Sites sites = random_sites(shape, 50, random);
   const std::vector<Vec3> weights(sites.size(), Vec3(0.2, 0.5, 0.3));
-  for (const Vec3& normal : surface.normals(sites.faces, weights)) EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
+  for (const Vec3& normal : surface.normals(sites.faces, weights))
+    EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
 }
 
 TEST(Surface, PutsAPointAtItsWeights) {
@@ -134,23 +139,27 @@ TEST(Surface, NamesTheFirstVertexThatIsNotFinite) {
       Shape shape = blob(1);
       shape.vertices[17][axis] = bad;
       shape.vertices[30][0] = bad;
-      expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"vertices[17]", std::to_string(bad)});
+      expect_message<SurfaceError>([&] { (void)shape.surface(); },
+                                   {"vertices[17]", std::to_string(bad)});
     }
 }
 
 TEST(Surface, NamesTheFirstFaceOutOfRange) {
   const std::int32_t past = static_cast<std::int32_t>(blob(1).vertices.size());
-  for (const std::int32_t bad : {-1, past, std::numeric_limits<std::int32_t>::max(), -2147483647 - 1})
+  for (const std::int32_t bad :
+       {-1, past, std::numeric_limits<std::int32_t>::max(), -2147483647 - 1})
     for (std::size_t corner = 0; corner < 3; ++corner) {
       Shape shape = blob(1);
       shape.faces[5][corner] = bad;
       shape.faces[9][0] = bad;
-      expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"faces[5]", std::to_string(bad)});
+      expect_message<SurfaceError>([&] { (void)shape.surface(); },
+                                   {"faces[5]", std::to_string(bad)});
     }
 }
 
 TEST(Surface, NamesTheFirstBadDensity) {
-  const std::vector<std::pair<double, std::string>> cases = {{kNan, "nan"}, {kInfinity, "inf"}, {-0.5, "-0.5"}};
+  const std::vector<std::pair<double, std::string>> cases = {
+      {kNan, "nan"}, {kInfinity, "inf"}, {-0.5, "-0.5"}};
   for (const auto& [bad, text] : cases) {
     Shape shape = with_density(blob(1), [](const Vec3&) { return 1.0; });
     shape.density[11] = bad;

@@ -19,7 +19,8 @@ void expect_closed(const Shape& shape, int components, int genus) {
   EXPECT_EQ(found.nonmanifold_edges, 0) << shape.name;
 }
 
-void expect_open(const Shape& shape, int components, int border_edges, int border_loops, int genus) {
+void expect_open(const Shape& shape, int components, int border_edges, int border_loops,
+                 int genus) {
   const Topology found = topology(shape.surface());
   EXPECT_TRUE(found.manifold) << shape.name;
   EXPECT_FALSE(found.closed) << shape.name;
@@ -29,7 +30,8 @@ void expect_open(const Shape& shape, int components, int border_edges, int borde
   EXPECT_EQ(found.genus, genus) << shape.name;
 }
 
-void expect_not_manifold(const Shape& shape, int components, int border_edges, int nonmanifold_edges) {
+void expect_not_manifold(const Shape& shape, int components, int border_edges,
+                         int nonmanifold_edges) {
   const Topology found = topology(shape.surface());
   EXPECT_FALSE(found.manifold) << shape.name;
   EXPECT_FALSE(found.closed) << shape.name;
@@ -41,7 +43,8 @@ void expect_not_manifold(const Shape& shape, int components, int border_edges, i
 }
 
 TEST(Topology, OfClosedSurfaces) {
-  for (const Shape& shape : {tetrahedron(), octahedron(), box(3), icosphere(2), blob(3)}) expect_closed(shape, 1, 0);
+  for (const Shape& shape : {tetrahedron(), octahedron(), box(3), icosphere(2), blob(3)})
+    expect_closed(shape, 1, 0);
   expect_closed(torus(12, 8), 1, 1);
   expect_closed(two_components(), 2, 0);
   const Shape beside = mapped(torus(9, 7), [](const Vec3& p) { return Vec3(p + Vec3(5, 0, 0)); });
@@ -110,7 +113,8 @@ TEST(Topology, OfRealMeshes) {
   const Topology truck = topology(shared_mesh("truck").surface());
   EXPECT_FALSE(truck.manifold);
   EXPECT_EQ(truck.nonmanifold_edges, 54);
-  EXPECT_EQ(truck.components, 59) << "over edges; 50 where parts that meet at a vertex count as one";
+  EXPECT_EQ(truck.components, 59)
+      << "over edges; 50 where parts that meet at a vertex count as one";
   EXPECT_EQ(topology(shared_mesh("lilium").surface()).border_edges, 186);
   EXPECT_TRUE(topology(shared_mesh("bunny").surface()).closed);
   EXPECT_TRUE(topology(shared_mesh("fandisk").surface()).closed);

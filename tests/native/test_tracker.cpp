@@ -16,7 +16,9 @@ namespace {
 
 constexpr std::size_t kCount = 400;
 
-Shape body() { return with_density(blob(4), [](const Vec3& p) { return 1.3 + 0.5 * p.z(); }); }
+Shape body() {
+  return with_density(blob(4), [](const Vec3& p) { return 1.3 + 0.5 * p.z(); });
+}
 
 Tracker tracker_of(const Shape& shape, std::size_t count = kCount, TrackerOptions options = {}) {
   const Surface surface = shape.surface();
@@ -24,7 +26,8 @@ Tracker tracker_of(const Shape& shape, std::size_t count = kCount, TrackerOption
 }
 
 /// Everything but the time taken.
-void expect_untouched(const Tracker& tracker, const Samples& before, const std::vector<Vec3>& vertices) {
+void expect_untouched(const Tracker& tracker, const Samples& before,
+                      const std::vector<Vec3>& vertices) {
   EXPECT_TRUE(same_bytes(tracker.samples(), before));
   EXPECT_TRUE(same_bytes(tracker.surface().vertices(), vertices));
 }
@@ -59,7 +62,9 @@ TEST(Tracker, KeepsBarycentricsUnderRigidMotion) {
   Tracker tracker = tracker_of(shape);
   const Samples first = tracker.samples();
   for (int frame = 1; frame <= 5; ++frame) {
-    const auto move = [frame](const Vec3& p) { return Vec3(rotated(p, 0.7 * frame) + Vec3(3.0 * frame, 0, -1)); };
+    const auto move = [frame](const Vec3& p) {
+      return Vec3(rotated(p, 0.7 * frame) + Vec3(3.0 * frame, 0, -1));
+    };
     const Samples& next = tracker.advance(mapped(shape, move).vertices);
     EXPECT_EQ(next.faces, first.faces);
     for (std::size_t k = 0; k < kCount; ++k) {
@@ -74,9 +79,11 @@ TEST(Tracker, KeepsBarycentricsUnderScaleAndMirror) {
   Tracker tracker = tracker_of(shape);
   const Samples first = tracker.samples();
   for (const Vec3& factors : {Vec3(7, 7, 7), Vec3(-1, 1, 1), Vec3(1e-4, 1e-4, 1e-4)}) {
-    const Samples& next = tracker.advance(mapped(shape, [&](const Vec3& p) { return Vec3(factors.cwiseProduct(p)); }).vertices);
+    const Samples& next = tracker.advance(
+        mapped(shape, [&](const Vec3& p) { return Vec3(factors.cwiseProduct(p)); }).vertices);
     EXPECT_EQ(next.faces, first.faces);
-    for (std::size_t k = 0; k < kCount; ++k) ASSERT_LE((next.barycentric[k] - first.barycentric[k]).norm(), 1e-12);
+    for (std::size_t k = 0; k < kCount; ++k)
+      ASSERT_LE((next.barycentric[k] - first.barycentric[k]).norm(), 1e-12);
   }
 }
 
@@ -96,7 +103,8 @@ TEST(Tracker, KeepsIdsAndClasses) {
   }
 }
 
-/// Every sample moves less than half a spacing relative to where the surface carried it, on every frame.
+/// Every sample moves less than half a spacing relative to where the surface carried it, on every
+/// frame.
 TEST(Tracker, KeepsEverySampleNearItsPlaceOnAGentleDeformation) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
@@ -118,15 +126,17 @@ TEST(Tracker, KeepsEverySampleNearItsPlaceOnAGentleDeformation) {
     EXPECT_NEAR(after.report.slide_max, slide_max, 1e-12);
     EXPECT_NEAR(after.report.slide_mean, slide_sum / kCount, 1e-12);
     if (frame % 5 == 0)
-      std::cout << "frame " << frame << ": slide mean " << slide_sum / kCount << ", max " << slide_max << ", e "
-                << after.report.energy << ", " << after.report.evaluations << " evaluations\n";
+      std::cout << "frame " << frame << ": slide mean " << slide_sum / kCount << ", max "
+                << slide_max << ", e " << after.report.energy << ", " << after.report.evaluations
+                << " evaluations\n";
   }
 }
 
 TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
-  const double first = evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0).normalised;
+  const double first =
+      evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0).normalised;
   double worst_left = 0.0;
   for (int frame = 1; frame <= 10; ++frame) {
     const Samples before = tracker.samples();
@@ -138,7 +148,8 @@ TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
     EXPECT_LE(samples.report.energy, first + 2e-3) << "frame " << frame;
     EXPECT_GE(samples.report.energy, 0.16037) << "frame " << frame;
   }
-  EXPECT_GT(worst_left, first + 2e-2) << "the motion does not disturb the samples: the test shows nothing";
+  EXPECT_GT(worst_left, first + 2e-2)
+      << "the motion does not disturb the samples: the test shows nothing";
 }
 
 TEST(Tracker, GivesTheSameBytesForAnyNumberOfThreads) {
@@ -151,7 +162,8 @@ TEST(Tracker, GivesTheSameBytesForAnyNumberOfThreads) {
     for (int frame = 1; frame <= 4; ++frame) {
       const Samples& samples = tracker.advance(deformed(shape.vertices, 0.4 * frame));
       if (threads == 1) base.push_back(samples);
-      EXPECT_TRUE(same_bytes(samples, base[static_cast<std::size_t>(frame - 1)])) << threads << " threads";
+      EXPECT_TRUE(same_bytes(samples, base[static_cast<std::size_t>(frame - 1)]))
+          << threads << " threads";
     }
   }
 }
@@ -160,8 +172,11 @@ TEST(Tracker, SurvivesCollapseAndBack) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
   std::vector<Vec3> collapsed = shape.vertices;
-  for (const std::int32_t v : shape.faces[10]) collapsed[static_cast<std::size_t>(v)] = shape.vertices[static_cast<std::size_t>(shape.faces[10][0])];
-  for (const auto& vertices : {collapsed, shape.vertices}) check(tracker.surface(), tracker.advance(vertices));
+  for (const std::int32_t v : shape.faces[10])
+    collapsed[static_cast<std::size_t>(v)] =
+        shape.vertices[static_cast<std::size_t>(shape.faces[10][0])];
+  for (const auto& vertices : {collapsed, shape.vertices})
+    check(tracker.surface(), tracker.advance(vertices));
 }
 
 TEST(Tracker, SurvivesATeleport) {
@@ -188,7 +203,8 @@ TEST(Tracker, BeginsFromStoredBindings) {
   const Surface surface = shape.surface();
   const Samples samples = sample(surface, kCount);
   Tracker one(surface, samples);
-  Tracker two(surface, bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes));
+  Tracker two(surface, bind_samples(surface, samples.faces, samples.barycentric, samples.ids,
+                                    samples.classes));
   const std::vector<Vec3> next = deformed(shape.vertices, 0.5);
   EXPECT_TRUE(same_bytes(one.advance(next), two.advance(next)));
 }
@@ -204,11 +220,13 @@ TEST(Tracker, RefusesBadFramesAndIsUnchanged) {
 
   std::vector<Vec3> bad = shape.vertices;
   bad.pop_back();
-  expect_message<SurfaceError>([&] { tracker.advance(bad); },
-                               {"vertices", std::to_string(bad.size()), std::to_string(shape.vertices.size())});
+  expect_message<SurfaceError>(
+      [&] { tracker.advance(bad); },
+      {"vertices", std::to_string(bad.size()), std::to_string(shape.vertices.size())});
   expect_untouched(tracker, before, vertices);
 
-  for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     bad = shape.vertices;
     bad[20].x() = value;
     expect_message<SurfaceError>([&] { tracker.advance(bad); }, {"vertices[20]"});
@@ -240,7 +258,8 @@ TEST(Tracker, NamesTheOptionOutOfRange) {
 
 TEST(Tracker, RefusesANegativeNumberOfThreads) {
   const Surface surface = body().surface();
-  expect_message<ArgumentError>([&] { Tracker(surface, sample(surface, 10), {.threads = -1}); }, {"threads", "-1"});
+  expect_message<ArgumentError>([&] { Tracker(surface, sample(surface, 10), {.threads = -1}); },
+                                {"threads", "-1"});
 }
 
 TEST(Tracker, IsUnchangedWhenCancelledBefore) {
