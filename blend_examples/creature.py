@@ -7,6 +7,7 @@ Run through blend_examples/run.sh, which sets everything up first.
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import os
 import sys
@@ -69,6 +70,7 @@ def quiet() -> Iterator[None]:
     try:
         yield
     finally:
+        ctypes.CDLL(None).fflush(None)  # or C would write its lines after all
         os.dup2(kept, 1)
         os.close(kept)
 
