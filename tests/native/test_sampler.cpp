@@ -98,36 +98,64 @@ void expect_in_bands(const Surface& surface, SampleOptions options, const std::s
   }
 }
 
-// Centres from measurements of the method on a torus at the paper's tolerance: random start 0.59,
-// 0.83, 0.0033, 0.1707, Poisson-disk start e 0.1701. Hexagons would have alpha 1, spread 0, e
-// 0.16037.
-TEST(SamplerBands, FromAPoissonStartOnATorus) {
-  expect_in_bands(torus(120, 60).surface(), {}, "torus, Poisson start",
-                  {{0.40, 0.80}, {0.80, 0.90}, {0.0005, 0.008}, {0.1615, 0.1745}});
+// Hexagons would have alpha 1, spread 0 and e 0.16037. For the paper's own way, measurements of the
+// method on a torus at the paper's tolerance: alpha min 0.59, mean 0.83, spread 0.0033, e 0.1707.
+const Bands kPaper = {{0.30, 0.80}, {0.79, 0.90}, {0.0005, 0.010}, {0.1615, 0.1790}};
+
+// For the trust region with a gap, on meshes after some ten evaluations: alpha min 0.59 (across
+// creases) to 0.70, mean 0.83 to 0.85, spread 0.005 to 0.008, and better with more.
+const Bands kGap = {{0.50, 0.85}, {0.80, 0.92}, {0.0005, 0.008}, {0.1615, 0.1710}};
+
+TEST(SamplerBands, ThePapersWayOnATorus) {
+  expect_in_bands(torus(120, 60).surface(), paper_options(), "torus, paper", kPaper);
 }
 
-TEST(SamplerBands, FromARandomStartOnATorus) {
+TEST(SamplerBands, ThePapersWayFromAPoissonStart) {
+  SampleOptions options = paper_options();
+  options.start = Start::kPoisson;
+  expect_in_bands(torus(120, 60).surface(), options, "torus, paper from a Poisson start", kPaper);
+}
+
+TEST(SamplerBands, OnATorus) { expect_in_bands(torus(120, 60).surface(), {}, "torus", kGap); }
+
+TEST(SamplerBands, FromARandomStart) {
   SampleOptions options;
   options.start = Start::kRandom;
   expect_in_bands(torus(120, 60).surface(), options, "torus, random start",
-                  {{0.30, 0.80}, {0.79, 0.90}, {0.0005, 0.010}, {0.1615, 0.1790}});
+                  {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.010}, {0.1615, 0.1760}});
 }
 
 TEST(SamplerBands, UnderADensity) {
   const Shape shape = with_density(torus(120, 60), [](const Vec3& p) { return 1.5 + p.x(); });
-  expect_in_bands(shape.surface(), {}, "torus, density, Poisson start",
-                  {{0.35, 0.80}, {0.78, 0.90}, {0.0005, 0.012}, {0.1615, 0.1790}});
+  expect_in_bands(shape.surface(), {}, "torus, density", kGap);
 }
 
-TEST(SamplerBands, OnABoxWithCreases) {
-  expect_in_bands(box(10).surface(), {}, "box, Poisson start",
-                  {{0.35, 0.80}, {0.79, 0.90}, {0.0005, 0.012}, {0.1615, 0.1790}});
-}
+TEST(SamplerBands, OnABoxWithCreases) { expect_in_bands(box(10).surface(), {}, "box", kGap); }
 
 TEST(SamplerBands, OnTheBunny) {
   DAPPLE_NEEDS_MESH("bunny");
-  expect_in_bands(shared_mesh("bunny").surface(), {}, "bunny, Poisson start",
-                  {{0.35, 0.80}, {0.79, 0.90}, {0.0005, 0.012}, {0.1615, 0.1790}});
+  expect_in_bands(shared_mesh("bunny").surface(), {}, "bunny", kGap);
+}
+
+TEST(SamplerBands, OnTheFandisk) {
+  DAPPLE_NEEDS_MESH("fandisk");
+  expect_in_bands(shared_mesh("fandisk").surface(), {}, "fandisk",
+                  {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.015}, {0.1600, 0.1750}});
+}
+
+/// The gap adds what capacities alone do not give, a smallest distance.
+TEST(Sampler, KeepsNeighboursApartWithTheGap) {
+  const Surface surface = torus(60, 30).surface();
+  double with = 0.0, without = 0.0;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    SampleOptions options;
+    options.seed = seed;
+    with += sample(surface, 500, options).report.evenness.alpha_min / 3.0;
+    options.optimizer.gap_weight = 0.0;
+    without += sample(surface, 500, options).report.evenness.alpha_min / 3.0;
+  }
+  std::cout << "alpha min " << without << " without the gap, " << with << " with it\n";
+  EXPECT_GT(with, without);
 }
 
 TEST(Sampler, EvensTheCapacitiesMoreWithTheCapacityTerm) {
