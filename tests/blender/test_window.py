@@ -14,7 +14,16 @@ import pytest
 @pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual display: xvfb is missing")
 def test_add_bake_and_escape_in_a_window(tmp_path):
     screen = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24 +extension GLX"]
-    options = ("--window-geometry", "0", "0", "1280", "800", "--enable-event-simulate")
+    options = (
+        "--window-geometry",
+        "0",
+        "0",
+        "1280",
+        "800",
+        "--gpu-backend",
+        "opengl",
+        "--enable-event-simulate",
+    )
     done = subprocess.run(
         [*screen, *child.blender(*options), "--python", str(child.HERE / "window.py")],
         env={**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1", "BLENDER_USER_RESOURCES": str(tmp_path)},
