@@ -100,9 +100,11 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
 
 std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
                                       double capacity_weight, double gap_weight, double tolerance,
-                                      int max_evaluations, const std::string& method, int threads) {
-  const TrackerOptions options{
+                                      int max_evaluations, double max_slide,
+                                      const std::string& method, int threads) {
+  TrackerOptions options{
       optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method), threads};
+  options.optimizer.max_slide = max_slide;
   const py::gil_scoped_release released;
   return std::make_shared<Tracker>(surface, samples, options);
 }
@@ -415,13 +417,15 @@ Args:
     samples: its Samples.
     capacity_weight, gap_weight, tolerance, method, threads: as for sample().
     max_evaluations: of the energy, per frame.
+    max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
+        violent frame evenness is caught up over the next ones.
 
 Raises:
     ValueError: the samples are not of the surface.)")
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
            py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
            py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 30,
-           py::arg("method") = "trust_region", py::arg("threads") = 0)
+           py::arg("max_slide") = 0.45, py::arg("method") = "trust_region", py::arg("threads") = 0)
       .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the tracker is unchanged if this raises.

@@ -52,6 +52,7 @@ class Minimizer {
 
   OptimizerResult run(const Sites& start) {
     state_ = evaluate(start.barycentric.empty() ? project(start.positions, start.faces) : start);
+    start_ = state_.sites.positions;
     freeze_radii();
     note_energy();
     while (!settled() && result_.evaluations < options_.max_evaluations) {
@@ -220,10 +221,21 @@ class Minimizer {
          ++k, t *= 0.5) {
       Vectors moved = state_.sites.positions;
       add_scaled(moved, t, direction);
+      hold_back(moved);
       State next = evaluate(project(moved, state_.sites.faces));
       if (next.total() <= state_.total() + kArmijo * t * slope) return next;
     }
     return std::nullopt;
+  }
+
+  /// No site may slide farther from where it started than max_slide.
+  void hold_back(Vectors& positions) const {
+    if (std::isinf(options_.max_slide)) return;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const Vec3 slide = positions[k] - start_[k];
+      const double most = options_.max_slide * local_spacing(k);
+      if (slide.norm() > most) positions[k] = start_[k] + most * slide.normalized();
+    }
   }
 
   void note_energy() {
@@ -247,6 +259,7 @@ class Minimizer {
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
+  Vectors start_;
   LbfgsMemory memory_;
   std::vector<double> radii_;  // of the gap, per site; empty without it
   double delta_ = 1.0;
@@ -265,6 +278,8 @@ void check(const OptimizerOptions& options) {
   check_at_least("max_evaluations", options.max_evaluations, 1);
   check_at_least("memory", options.memory, 0);
   check_at_least("max_step", options.max_step, 0.0);
+  if (!(options.max_slide >= 0.0))
+    throw ArgumentError("max_slide is " + number(options.max_slide) + ": it must be >= 0");
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ struct OptimizerOptions {
   int max_evaluations = 200;  ///< of the energy; at least 1
   int memory = 7;             ///< L-BFGS pairs
   double max_step = 0.5;      ///< longest move of a site in one step, in local spacings
+  double max_slide =
+      std::numeric_limits<double>::infinity();  ///< farthest from the start, in local spacings
   double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalised
                                                                     ///< energy is not above it
 };

@@ -7,7 +7,9 @@
 namespace dapple {
 
 struct TrackerOptions {
-  OptimizerOptions optimizer = {.max_evaluations = 30};
+  /// Within one frame no sample slides by half a spacing: after a violent frame evenness is caught
+  /// up over the next ones, instead of by a jump.
+  OptimizerOptions optimizer = {.max_evaluations = 30, .max_slide = 0.45};
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

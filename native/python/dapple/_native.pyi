@@ -145,6 +145,7 @@ class Tracker:
         gap_weight: float = 1.0,
         tolerance: float = 1e-5,
         max_evaluations: int = 30,
+        max_slide: float = 0.45,
         method: Literal["trust_region", "line_search"] = "trust_region",
         threads: int = 0,
     ) -> None: ...
