@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What holds for every result."""
+
+import dapple
+import numpy as np
+from shapes import on_faces
+
+ARRAYS = {
+    "positions": (np.float64, (3,)),
+    "normals": (np.float64, (3,)),
+    "faces": (np.int32, ()),
+    "barycentric": (np.float64, (3,)),
+    "ids": (np.int32, ()),
+    "classes": (np.int32, ()),
+}
+
+
+def check_array(array: np.ndarray, dtype: type, shape: tuple[int, ...]) -> None:
+    assert isinstance(array, np.ndarray)
+    assert array.dtype == dtype
+    assert array.shape == shape
+    assert array.flags.c_contiguous
+    assert not array.flags.writeable
+
+
+def check_samples(surface: dapple.Surface, samples: dapple.Samples) -> None:
+    count = len(samples)
+    for name, (dtype, tail) in ARRAYS.items():
+        check_array(getattr(samples, name), dtype, (count, *tail))
+    assert samples.report.count == count
+    assert len(np.unique(samples.ids)) == count
+    if count == 0:
+        return
+    assert samples.barycentric.min() >= 0
+    np.testing.assert_allclose(samples.barycentric.sum(axis=1), 1, atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(samples.normals, axis=1), 1, atol=1e-12)
+    there = on_faces(surface.vertices, surface.faces, samples.faces, samples.barycentric)
+    size = np.abs(surface.vertices).max()
+    np.testing.assert_allclose(samples.positions, there, rtol=0, atol=1e-13 * size)
+    energy = dapple.energy(surface, samples.positions, samples.faces)
+    assert abs(energy.areas.sum() - surface.area) <= 1e-10 * surface.area
+    assert abs(energy.capacities.sum() - surface.mass) <= 1e-10 * surface.mass
+
+
+def same_bytes(a: dapple.Samples, b: dapple.Samples) -> bool:
+    return all(getattr(a, name).tobytes() == getattr(b, name).tobytes() for name in ARRAYS)

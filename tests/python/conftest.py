@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import os
+import sys
+from pathlib import Path
+
+import dapple
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import shapes
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def data() -> Path:
+    """The folder of real meshes; the test is skipped where there is none."""
+    folder = Path(os.environ.get("DAPPLE_DATA") or ROOT.parent / "shared" / "data")
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is not there; set DAPPLE_DATA to the folder that holds meshes/")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mesh() -> shapes.Mesh:
+    return shapes.torus()
+
+
+@pytest.fixture(scope="session")
+def surface(mesh) -> dapple.Surface:
+    return dapple.Surface(*mesh)
+
+
+@pytest.fixture(scope="session")
+def dense(mesh) -> dapple.Surface:
+    return dapple.Surface(*mesh, 1.5 + mesh[0][:, 0])
+
+
+@pytest.fixture(scope="session")
+def samples(surface) -> dapple.Samples:
+    return dapple.sample(surface, 300)
