@@ -98,13 +98,13 @@ class Minimizer {
     make_tangential(state.gradient, state.normals);
   }
 
-  /// The gap's radii follow the local spacing; they stay fixed within an iteration, so that its
-  /// gradient is exact.
+  /// The gap's radii follow the local spacing. They stay fixed within an iteration, so that the
+  /// gap's gradient is exact, and between iterations they only shrink, so that it never rises.
   void freeze_radii() {
     if (options_.gap_weight == 0.0 || (surface_.uniform() && !radii_.empty())) return;
-    radii_.resize(state_.sites.size());
+    radii_.resize(state_.sites.size(), std::numeric_limits<double>::infinity());
     for (std::size_t k = 0; k < radii_.size(); ++k)
-      radii_[k] = options_.gap_radius * local_spacing(k);
+      radii_[k] = std::min(radii_[k], options_.gap_radius * local_spacing(k));
     add_gap(state_);
   }
 
