@@ -15,7 +15,8 @@ packages=(
 )
 case $system in
   debian-12) ;;
-  debian-13) packages+=(blender python3-numpy) ;;
+  # The real Blender, and a virtual display for the tests that need its window.
+  debian-13) packages+=(blender python3-numpy xvfb xauth) ;;
   *) fail "this system is $system; supported are Debian 12 (bookworm) and Debian 13 (trixie)" ;;
 esac
 [ "$(uname -m)" = x86_64 ] || fail "this machine is $(uname -m); Blender's Python module needs x86_64"
