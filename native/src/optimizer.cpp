@@ -17,6 +17,8 @@ constexpr double kArmijo = 1e-4;  // share of the predicted decrease that a step
 constexpr double kFirstStep =
     0.25;  // of the longest step allowed, when nothing is known of the curvature
 constexpr int kBacktracks = 6;  // halvings of a step before it counts as failed
+constexpr int kPulls = 8;       // towards the start, of a site that was projected out of reach
+constexpr double kPull = 0.8;   // share of its way that is left after each; the last leaves none
 
 // The trust region's delta: how it answers to the outcome of a step.
 constexpr double kDeltaTooLong = 2.5;  // the step is longer than allowed ...
@@ -52,7 +54,7 @@ class Minimizer {
 
   OptimizerResult run(const Sites& start) {
     state_ = evaluate(start.barycentric.empty() ? project(start.positions, start.faces) : start);
-    start_ = state_.sites.positions;
+    start_ = state_.sites;
     freeze_radii();
     note_energy();
     while (!settled() && result_.evaluations < options_.max_evaluations) {
@@ -221,20 +223,51 @@ class Minimizer {
          ++k, t *= 0.5) {
       Vectors moved = state_.sites.positions;
       add_scaled(moved, t, direction);
-      hold_back(moved);
-      State next = evaluate(project(moved, state_.sites.faces));
+      State next = evaluate(project_within_reach(std::move(moved)));
       if (next.total() <= state_.total() + kArmijo * t * slope) return next;
     }
     return std::nullopt;
   }
 
-  /// No site may slide farther from where it started than max_slide.
-  void hold_back(Vectors& positions) const {
-    if (std::isinf(options_.max_slide)) return;
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-      const Vec3 slide = positions[k] - start_[k];
-      const double most = options_.max_slide * local_spacing(k);
-      if (slide.norm() > most) positions[k] = start_[k] + most * slide.normalized();
+  /// How far a site may be from where it started.
+  [[nodiscard]] double reach(std::size_t k) const {
+    return options_.max_slide * std::min(local_spacing(k), surface_.spacing(state_.sites.size()));
+  }
+
+  /// Project, no site farther than its reach. The projection can carry one that was held back
+  /// farther again (around a bend, to another sheet): it is pulled towards its start until it does
+  /// not.
+  [[nodiscard]] Sites project_within_reach(Vectors moved) const {
+    if (std::isinf(options_.max_slide)) return project(moved, state_.sites.faces);
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const Vec3 slide = moved[k] - start_.positions[k];
+      const double excess = slide.norm() / reach(k);
+      if (excess > 1.0) moved[k] = start_.positions[k] + slide / excess;
+    }
+    Sites sites = project(moved, state_.sites.faces);
+    for (int pull = 0; pull < kPulls; ++pull)
+      pull_back(sites, moved, pull + 1 < kPulls ? kPull : 0.0);
+    return sites;
+  }
+
+  /// Project the sites out of reach again from the share `part` of their way; 0 is where they
+  /// started.
+  void pull_back(Sites& sites, Vectors& moved, double part) const {
+    std::vector<std::size_t> far;
+    Sites pulled;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      if ((sites.positions[k] - start_.positions[k]).norm() <= reach(k)) continue;
+      moved[k] = start_.positions[k] + part * (moved[k] - start_.positions[k]);
+      far.push_back(k);
+      pulled.positions.push_back(moved[k]);
+      pulled.faces.push_back(start_.faces[k]);
+      pulled.barycentric.push_back(start_.barycentric[k]);
+    }
+    if (part > 0.0) pulled = project(pulled.positions, pulled.faces);
+    for (std::size_t k = 0; k < far.size(); ++k) {
+      sites.positions[far[k]] = pulled.positions[k];
+      sites.faces[far[k]] = pulled.faces[k];
+      sites.barycentric[far[k]] = pulled.barycentric[k];
     }
   }
 
@@ -259,7 +292,7 @@ class Minimizer {
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
-  Vectors start_;
+  Sites start_;
   LbfgsMemory memory_;
   std::vector<double> radii_;  // of the gap, per site; empty without it
   double delta_ = 1.0;

@@ -168,6 +168,19 @@ TEST(Optimizer, DoesNotMoveFromATargetItAlreadyMeets) {
   EXPECT_TRUE(same_bytes(found.sites.positions, start.positions));
 }
 
+TEST(Optimizer, SlidesNoFartherThanAllowed) {
+  const Surface surface = torus(60, 30).surface();
+  const Sites start = random_start(surface, 300, 1);
+  for (const double most : {0.0, 0.1, 0.4}) {
+    const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_slide = most});
+    for (std::size_t k = 0; k < 300; ++k) {
+      const double slide =
+          (found.sites.positions[k] - start.positions[k]).norm() / surface.spacing(300);
+      EXPECT_LE(slide, most + 1e-12) << "site " << k;
+    }
+  }
+}
+
 TEST(Optimizer, RestsWhereTheGradientIsZero) {
   const Surface surface = grid(1).surface();
   const Sites start{{{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}},
@@ -228,6 +241,7 @@ TEST(Optimizer, NamesTheOptionOutOfRange) {
     refused("tolerance", &OptimizerOptions::tolerance, bad);
     refused("max_step", &OptimizerOptions::max_step, bad);
   }
+  for (const double bad : {-0.5, nan}) refused("max_slide", &OptimizerOptions::max_slide, bad);
   refused("patience", &OptimizerOptions::patience, 0);
   refused("max_evaluations", &OptimizerOptions::max_evaluations, 0);
   refused("max_evaluations", &OptimizerOptions::max_evaluations, -3);

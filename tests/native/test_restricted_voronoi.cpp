@@ -115,7 +115,6 @@ TEST_P(CellsOfRealMesh, ShareOutTheSurface) {
 TEST_P(CellsOfRealMesh, ShareOutTheSurfaceAmongMoreSitesThanFaces) {
   DAPPLE_NEEDS_MESH(GetParam());
   const Shape shape = shared_mesh(GetParam());
-  if (shape.faces.size() > 20000) GTEST_SKIP() << "too many sites for a quick test";
   Random random(15);
   check_cells(shape.surface(), random_sites(shape, shape.faces.size() + 1000, random));
 }

@@ -26,6 +26,7 @@ struct OptimizerOptions {
   double max_step = 0.5;      ///< longest move of a site in one step, in local spacings
   double max_slide =
       std::numeric_limits<double>::infinity();  ///< farthest from the start, in local spacings
+                                                ///< and in the surface's
   double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalised
                                                                     ///< energy is not above it
 };
