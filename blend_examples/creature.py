@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import json
+import math
 import os
 import sys
 import tempfile
@@ -93,6 +94,7 @@ def frames_shown(last: int) -> Iterator[None]:
 def build_scene(frames: range, width: int) -> tuple[bpy.types.Object, bpy.types.Object]:
     """The newt in its studio; the body and the stud."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.preferences.filepaths.save_version = 0  # no creature.blend1
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = frames[0], frames[-1]
     armature = newt.build_armature()
@@ -143,6 +145,11 @@ def render(frames: range, folder: Path) -> dict[int, Path]:
     return pictures
 
 
+def percent(share: float) -> str:
+    """Rounded down: 100 % means all."""
+    return f"{math.floor(1e4 * share) / 100:g} %"
+
+
 def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
     first, later, steady = report["first_frame"], report["all_frames"], report["over_time"]
     return [
@@ -156,7 +163,7 @@ def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
         f"first frame      {first['evaluations']:.0f} iterations, {first['milliseconds']:.0f} ms",
         f"later frames     {later['evaluations']:.0f} iterations, "
         f"{later['milliseconds']:.0f} ms each",
-        f"kept             {100 * steady['kept']:.2f} % "
+        f"kept             {percent(steady['kept'])} "
         "(same id, moved less than half a spacing on the surface)",
         f"movement         {steady['slide_mean']:.4f} spacings a frame, "
         f"{steady['slide_max']:.3f} at most",
@@ -182,7 +189,9 @@ def make(given: argparse.Namespace) -> None:
     report = {"first_frame": first, "all_frames": later, "over_time": asdict(steady)}
     with stage("rendering"), tempfile.TemporaryDirectory() as folder:
         pictures = render(frames, Path(folder))
-        caption = f"{given.count} studs, each in its place through {given.frames} frames"
+        caption = (
+            f"{given.count} studs, {given.frames} frames: {percent(steady.kept)} keep their place"
+        )
         contact_sheet(pictures, caption, given.out / "creature.png")
     scene_file = given.out / "creature.blend"
     with quiet():

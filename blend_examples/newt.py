@@ -204,7 +204,7 @@ def build_eyes(armature: bpy.types.Object, materials: list[bpy.types.Material]) 
     for side in (1, -1):
         eye = bpy.data.objects.new("Eye", mesh)
         bpy.context.scene.collection.objects.link(eye)
-        gaze = Vector((0.75, 0.62 * side, 0.30))
+        gaze = Vector((0.62, 0.76 * side, 0.26))
         place = Matrix.LocRotScale(
             (1.72, 0.40 * side, 1.12), gaze.to_track_quat("Z", "Y"), (EYE_RADIUS,) * 3
         )
