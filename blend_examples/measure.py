@@ -29,6 +29,21 @@ class Keys:
         a, b, c = np.moveaxis(vertices[self.corners[key]], 1, 0)
         return np.cross(b - a, c - a)
 
+    def kept(self, key: int, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+        """Which points (n,) lie within half a spacing, on the surface, of where key - 1 rides.
+
+        The other side of a thin wall is near, yet far along the surface: where the normals
+        disagree, the way there has to lie within half a spacing too.
+        """
+        here, ridden = self.positions(key, vertices), self.positions(key - 1, vertices)
+        reach = 0.5 * hexagonal_spacing(vertices, triangles, len(self.ids))
+        kept = np.linalg.norm(here - ridden, axis=1) < reach
+        facing = (self.normals(key, vertices) * self.normals(key - 1, vertices)).sum(axis=1)
+        for i in np.flatnonzero(kept & (facing <= 0)):
+            near = np.linalg.norm(vertices - ridden[i], axis=1) < reach
+            kept[i] = joined(near, triangles, self.corners[key - 1][i], self.corners[key][i])
+        return kept
+
 
 def read_attribute(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
     attribute = mesh.attributes[name]
@@ -48,8 +63,8 @@ def read_keys(scatter: bpy.types.Object) -> Keys:
     return Keys(ids, corners.reshape(shape), barycentric.reshape(shape))
 
 
-def surface_now(surface: bpy.types.Object) -> tuple[np.ndarray, float]:
-    """World positions (v, 3) of the evaluated surface's vertices, and its area."""
+def surface_now(surface: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
+    """World positions (v, 3) of the evaluated surface's vertices, and its triangles (m, 3)."""
     evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
     flat = np.empty(3 * len(mesh.vertices), dtype=np.float32)
@@ -60,8 +75,27 @@ def surface_now(surface: bpy.types.Object) -> tuple[np.ndarray, float]:
     evaluated.to_mesh_clear()
     world = np.array(surface.matrix_world)
     vertices = flat.reshape(-1, 3).astype(np.float64) @ world[:3, :3].T + world[:3, 3]
-    a, b, c = np.moveaxis(vertices[triangles.reshape(-1, 3)], 1, 0)
-    return vertices, float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+    return vertices, triangles.reshape(-1, 3)
+
+
+def hexagonal_spacing(vertices: np.ndarray, triangles: np.ndarray, count: int) -> float:
+    """Distance of neighbours if count points were packed as well as can be."""
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    return math.sqrt(2 * area / (math.sqrt(3) * count))
+
+
+def joined(near: np.ndarray, triangles: np.ndarray, start: np.ndarray, goal: np.ndarray) -> bool:
+    """Whether the surface's part with near vertices (v,) leads from some of start to goal."""
+    near[start] = near[goal] = True
+    part = triangles[near[triangles].all(axis=1)]
+    reached = np.zeros(len(near), dtype=bool)
+    reached[start] = True
+    before = 0
+    while before < np.count_nonzero(reached):
+        before = np.count_nonzero(reached)
+        reached[part[reached[part].any(axis=1)]] = True
+    return bool(reached[goal].any())
 
 
 def instances_now(scatter: bpy.types.Object) -> np.ndarray:
@@ -97,16 +131,14 @@ def stability(scatter: bpy.types.Object, surface: bpy.types.Object, frames: rang
     slides, kept, changed, errors = [], [], [], []
     for key, frame in enumerate(frames):
         bpy.context.scene.frame_set(frame)
-        vertices, area = surface_now(surface)
-        spacing = math.sqrt(2 * area / (math.sqrt(3) * len(keys.ids)))
+        vertices, triangles = surface_now(surface)
+        spacing = hexagonal_spacing(vertices, triangles, len(keys.ids))
         here = keys.positions(key, vertices)
         errors.append(np.linalg.norm(instances_now(scatter) - here, axis=1).max() / spacing)
         if key == 0:
             continue
         slide = np.linalg.norm(here - keys.positions(key - 1, vertices), axis=1) / spacing
-        # The other side of a thin wall is near, yet far along the surface.
-        facing = keys.normals(key, vertices) * keys.normals(key - 1, vertices)
-        kept.append((slide < 0.5) & (facing.sum(axis=1) > 0))
+        kept.append(keys.kept(key, vertices, triangles))
         slides.append(slide)
         before, after = np.sort(keys.corners[key - 1]), np.sort(keys.corners[key])
         changed.append((before != after).any(axis=1))
