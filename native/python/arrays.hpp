@@ -27,7 +27,8 @@ inline std::string shape_text(const py::array& array) {
 inline py::array checked_array(const char* name, const py::object& value, const std::string& kinds,
                                py::ssize_t columns) {
   const py::array array = py::array::ensure(value);
-  if (!array) throw ArgumentError(std::string(name) + " is not an array: numpy cannot make one of it");
+  if (!array)
+    throw ArgumentError(std::string(name) + " is not an array: numpy cannot make one of it");
   if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
     throw ArgumentError(std::string(name) + " has the dtype " +
                         py::str(array.dtype()).cast<std::string>() + ": numbers are needed" +

@@ -8,12 +8,10 @@
 namespace dapple {
 namespace {
 
-double nearest_touching(const Sites& sites, const RestrictedVoronoi& diagram, std::size_t i) {
+double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
   double squared = std::numeric_limits<double>::infinity();
   for (const CellBoundary& side : diagram.boundary(i))
-    squared = std::min(
-        squared, (sites.positions[static_cast<std::size_t>(side.neighbour)] - sites.positions[i])
-                     .squaredNorm());
+    squared = std::min(squared, side.offset.squaredNorm());
   return std::sqrt(squared);
 }
 
@@ -25,22 +23,23 @@ double spread(const RestrictedVoronoi& diagram, double mean) {
 
 }  // namespace
 
-Evenness measure_evenness(const Surface& surface, const Sites& sites,
-                          const RestrictedVoronoi& diagram) {
+Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   Evenness result;
-  if (sites.size() == 0) return result;
-  const double capacity = surface.mass() / static_cast<double>(sites.size());
+  if (diagram.cells.size() == 0) return result;
+  double capacity = 0.0;
+  for (const Moments& cell : diagram.cells) capacity += cell.capacity;
+  capacity /= static_cast<double>(diagram.cells.size());
   result.capacity_spread = spread(diagram, capacity);
   double sum = 0.0;
   std::size_t counted = 0;
   result.alpha_min = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < sites.size(); ++i) {
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
     const Moments& cell = diagram.cells[i];
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
     const double area = cell.capacity > 0.0 ? capacity * cell.area / cell.capacity : 0.0;
-    const double alpha = area > 0.0 ? nearest_touching(sites, diagram, i) /
-                                          std::sqrt(2.0 * area / std::numbers::sqrt3)
-                                    : 0.0;
+    const double alpha =
+        area > 0.0 ? nearest_touching(diagram, i) / std::sqrt(2.0 * area / std::numbers::sqrt3)
+                   : 0.0;
     if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;

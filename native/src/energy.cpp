@@ -6,12 +6,6 @@
 namespace dapple {
 namespace {
 
-void check_sites(const Surface& surface, const Sites& sites) {
-  check_same_length("faces", sites.faces.size(), "positions", sites.size());
-  check_finite("positions", sites.positions);
-  check_face_indices("faces", sites.faces, surface);
-}
-
 /// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
 /// Theorem 2).
 std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_weight) {
@@ -28,24 +22,35 @@ std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_wei
   return result;
 }
 
+/// The energy over known cells.
+Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) {
+  Energy energy;
+  energy.diagram = std::move(diagram);
+  for (const Moments& cell : energy.diagram.cells) {
+    energy.cvt += cell.second;
+    energy.capacity_term += cell.capacity * cell.capacity;
+  }
+  energy.total = energy.cvt + capacity_weight * energy.capacity_term;
+  const auto count = static_cast<double>(energy.diagram.cells.size());
+  energy.normalised = count / mass * energy.total / mass - capacity_weight;
+  energy.gradient = gradient(energy.diagram, capacity_weight);
+  return energy;
+}
+
 }  // namespace
 
 Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
                        const Context* context) {
   check_sites(surface, sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
-  Energy energy;
-  energy.diagram = restricted_voronoi(surface, sites, context);
-  for (const Moments& cell : energy.diagram.cells) {
-    energy.cvt += cell.second;
-    energy.capacity_term += cell.capacity * cell.capacity;
-  }
-  energy.total = energy.cvt + capacity_weight * energy.capacity_term;
-  const double mass = surface.mass();
-  energy.normalised =
-      static_cast<double>(sites.size()) / mass * energy.total / mass - capacity_weight;
-  energy.gradient = gradient(energy.diagram, capacity_weight);
-  return energy;
+  return assemble(restricted_voronoi(surface, sites, context), surface.mass(), capacity_weight);
+}
+
+Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,
+                       const Context* context) {
+  domain.check(sites);
+  check_at_least("capacity_weight", capacity_weight, 0.0);
+  return assemble(domain.cells(sites, context), domain.mass(), capacity_weight);
 }
 
 }  // namespace dapple

@@ -3,16 +3,16 @@
 
 namespace dapple {
 
-Gap evaluate_gap(const Sites& sites, const RestrictedVoronoi& diagram,
-                 const std::vector<double>& radii, double weight) {
+Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                 double weight) {
   Gap gap;
-  gap.gradient.assign(sites.size(), Vec3::Zero());
+  gap.gradient.assign(diagram.cells.size(), Vec3::Zero());
   if (weight == 0.0) return gap;
-  for (std::size_t i = 0; i < sites.size(); ++i)
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
     for (const CellBoundary& side : diagram.boundary(i)) {
       const auto j = static_cast<std::size_t>(side.neighbour);
       if (j < i) continue;  // each pair once: rounding aside, both cells list their common boundary
-      const Vec3 d = sites.positions[i] - sites.positions[j];
+      const Vec3 d = -side.offset;
       const double distance = d.norm();
       const double radius = 0.5 * (radii[i] + radii[j]);
       if (distance >= radius || distance <= 0.0) continue;

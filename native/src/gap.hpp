@@ -25,7 +25,7 @@ struct Gap {
 
 /// \param radii  r_i per site; r_ij is the mean of the two
 /// \param weight kappa (|S|_phi / n)^2
-[[nodiscard]] Gap evaluate_gap(const Sites& sites, const RestrictedVoronoi& diagram,
-                               const std::vector<double>& radii, double weight);
+[[nodiscard]] Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                               double weight);
 
 }  // namespace dapple

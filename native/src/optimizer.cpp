@@ -44,16 +44,12 @@ struct State {
 
 class Minimizer {
  public:
-  Minimizer(const Surface& surface, const Projector& projector, const OptimizerOptions& options,
-            Context* context)
-      : surface_(surface),
-        projector_(projector),
-        options_(options),
-        context_(context),
-        memory_(options.memory) {}
+  Minimizer(const Domain& domain, const OptimizerOptions& options, Context* context)
+      : domain_(domain), options_(options), context_(context), memory_(options.memory) {}
 
   OptimizerResult run(const Sites& start) {
-    state_ = evaluate(start.barycentric.empty() ? project(start.positions, start.faces) : start);
+    state_ =
+        evaluate(start.barycentric.empty() ? domain_.project(start.positions, start.faces) : start);
     start_ = state_.sites;
     freeze_radii();
     note_energy();
@@ -73,18 +69,11 @@ class Minimizer {
            small_decreases_ >= options_.patience || failures_ >= kFailures;
   }
 
-  [[nodiscard]] Sites project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const {
-    Projection found = projector_.project(points, hints);
-    return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
-  }
-
   State evaluate(Sites sites) {
     State state;
     state.sites = std::move(sites);
-    for (const std::int32_t face : state.sites.faces)
-      state.normals.push_back(surface_.geometry(surface_.ordered_face(face)).normal);
-    state.energy = evaluate_energy(surface_, state.sites, options_.capacity_weight, context_);
+    for (const std::int32_t face : state.sites.faces) state.normals.push_back(domain_.normal(face));
+    state.energy = evaluate_energy(domain_, state.sites, options_.capacity_weight, context_);
     add_gap(state);
     ++result_.evaluations;
     return state;
@@ -92,9 +81,9 @@ class Minimizer {
 
   void add_gap(State& state) const {
     const double share =
-        surface_.mass() / static_cast<double>(std::max<std::size_t>(state.sites.size(), 1));
+        domain_.mass() / static_cast<double>(std::max<std::size_t>(state.sites.size(), 1));
     const double weight = radii_.empty() ? 0.0 : options_.gap_weight * share * share;
-    state.gap = evaluate_gap(state.sites, state.energy.diagram, radii_, weight);
+    state.gap = evaluate_gap(state.energy.diagram, radii_, weight);
     state.gradient = state.energy.gradient;
     add_scaled(state.gradient, 1.0, state.gap.gradient);
     make_tangential(state.gradient, state.normals);
@@ -103,7 +92,7 @@ class Minimizer {
   /// The gap's radii follow the local spacing. They stay fixed within an iteration, so that the
   /// gap's gradient is exact, and between iterations they only shrink, so that it never rises.
   void freeze_radii() {
-    if (options_.gap_weight == 0.0 || (surface_.uniform() && !radii_.empty())) return;
+    if (options_.gap_weight == 0.0 || (domain_.uniform() && !radii_.empty())) return;
     radii_.resize(state_.sites.size(), std::numeric_limits<double>::infinity());
     for (std::size_t k = 0; k < radii_.size(); ++k)
       radii_[k] = std::min(radii_[k], options_.gap_radius * local_spacing(k));
@@ -113,7 +102,7 @@ class Minimizer {
   /// Hexagonal spacing at the mean capacity and the cell's own mean density.
   [[nodiscard]] double local_spacing(std::size_t k) const {
     const Moments& cell = state_.energy.diagram.cells[k];
-    const double mean = surface_.mass() / static_cast<double>(state_.sites.size());
+    const double mean = domain_.mass() / static_cast<double>(state_.sites.size());
     const double area = cell.capacity > 0.0 ? mean * cell.area / cell.capacity : 0.0;
     return std::sqrt(2.0 * area / std::numbers::sqrt3);
   }
@@ -231,20 +220,20 @@ class Minimizer {
 
   /// How far a site may be from where it started.
   [[nodiscard]] double reach(std::size_t k) const {
-    return options_.max_slide * std::min(local_spacing(k), surface_.spacing(state_.sites.size()));
+    return options_.max_slide * std::min(local_spacing(k), domain_.spacing(state_.sites.size()));
   }
 
   /// Project, no site farther than its reach. The projection can carry one that was held back
   /// farther again (around a bend, to another sheet): it is pulled towards its start until it does
   /// not.
   [[nodiscard]] Sites project_within_reach(Vectors moved) const {
-    if (std::isinf(options_.max_slide)) return project(moved, state_.sites.faces);
+    if (std::isinf(options_.max_slide)) return domain_.project(moved, state_.sites.faces);
     for (std::size_t k = 0; k < moved.size(); ++k) {
       const Vec3 slide = moved[k] - start_.positions[k];
       const double excess = slide.norm() / reach(k);
       if (excess > 1.0) moved[k] = start_.positions[k] + slide / excess;
     }
-    Sites sites = project(moved, state_.sites.faces);
+    Sites sites = domain_.project(moved, state_.sites.faces);
     for (int pull = 0; pull < kPulls; ++pull)
       pull_back(sites, moved, pull + 1 < kPulls ? kPull : 0.0);
     return sites;
@@ -263,7 +252,7 @@ class Minimizer {
       pulled.faces.push_back(start_.faces[k]);
       pulled.barycentric.push_back(start_.barycentric[k]);
     }
-    if (part > 0.0) pulled = project(pulled.positions, pulled.faces);
+    if (part > 0.0) pulled = domain_.project(pulled.positions, pulled.faces);
     for (std::size_t k = 0; k < far.size(); ++k) {
       sites.positions[far[k]] = pulled.positions[k];
       sites.faces[far[k]] = pulled.faces[k];
@@ -273,7 +262,7 @@ class Minimizer {
 
   void note_energy() {
     const double scale =
-        static_cast<double>(state_.sites.size()) / (surface_.mass() * surface_.mass());
+        static_cast<double>(state_.sites.size()) / (domain_.mass() * domain_.mass());
     result_.energies.push_back(scale * state_.total() - options_.capacity_weight);
   }
 
@@ -287,8 +276,7 @@ class Minimizer {
     context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
   }
 
-  const Surface& surface_;
-  const Projector& projector_;
+  const Domain& domain_;
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
@@ -317,10 +305,10 @@ void check(const OptimizerOptions& options) {
 
 }  // namespace
 
-OptimizerResult optimize(const Surface& surface, const Projector& projector, const Sites& start,
-                         const OptimizerOptions& options, Context* context) {
+OptimizerResult optimize(const Domain& domain, const Sites& start, const OptimizerOptions& options,
+                         Context* context) {
   check(options);
-  return Minimizer(surface, projector, options, context).run(start);
+  return Minimizer(domain, options, context).run(start);
 }
 
 }  // namespace dapple

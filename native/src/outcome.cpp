@@ -6,7 +6,7 @@ namespace dapple {
 Samples to_samples(const Surface& surface, OptimizerResult&& found,
                    std::span<const std::int32_t> ids, std::span<const std::int32_t> classes) {
   Samples samples = bind_samples(surface, found.sites.faces, found.sites.barycentric, ids, classes);
-  samples.report.evenness = measure_evenness(surface, found.sites, found.energy.diagram);
+  samples.report.evenness = measure_evenness(found.energy.diagram);
   samples.report.energy = found.energy.normalised;
   samples.report.evaluations = found.evaluations;
   samples.report.iterations = found.iterations;

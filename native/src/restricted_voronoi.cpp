@@ -237,9 +237,9 @@ class CellIntegrals {
     std::size_t count = 0;
     for (std::size_t k = 0; k < boundary_.size(); ++k) {
       if (boundary_[k].length <= 0.0) continue;
-      const std::int32_t j = flood_->bisector(static_cast<std::int32_t>(k)).site;
-      out.push_back(
-          {sites.original[static_cast<std::size_t>(j)], boundary_[k].flux, boundary_[k].length});
+      const Bisector& bisector = flood_->bisector(static_cast<std::int32_t>(k));
+      out.push_back({sites.original[static_cast<std::size_t>(bisector.site)], boundary_[k].flux,
+                     bisector.normal, boundary_[k].length});
       ++count;
     }
     return count;
@@ -290,7 +290,7 @@ class CellIntegrals {
 
   CellBoundary& boundary_with(std::int32_t bisector) {
     const auto k = static_cast<std::size_t>(bisector);
-    if (k >= boundary_.size()) boundary_.resize(k + 1, {-1, Vec3::Zero(), 0.0});
+    if (k >= boundary_.size()) boundary_.resize(k + 1, {-1, Vec3::Zero(), Vec3::Zero(), 0.0});
     return boundary_[k];
   }
 

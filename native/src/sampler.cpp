@@ -34,9 +34,8 @@ Samples sample(const Surface& surface, std::size_t count, const SampleOptions& o
   if (context) context->check();
   check_at_least("threads", options.threads, 0);
   Samples samples = with_threads(options.threads, [&] {
-    const Projector projector(surface);
     const Sites start = make_start(surface, count, options, context);
-    return to_samples(surface, optimize(surface, projector, start, options.optimizer, context));
+    return to_samples(surface, optimize(SurfaceDomain(surface), start, options.optimizer, context));
   });
   samples.report.seconds = clock.seconds();
   if (context) context->advance(1.0);

@@ -52,8 +52,8 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     OptimizerOptions options = options_.optimizer;
     options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
     OptimizerResult found =
-        optimize(surface, Projector(surface),
-                 {carried.positions, carried.faces, carried.barycentric}, options, context);
+        optimize(SurfaceDomain(surface), {carried.positions, carried.faces, carried.barycentric},
+                 options, context);
     Samples samples = to_samples(surface, std::move(found), samples_.ids, samples_.classes);
     measure_slide(samples, carried);
     samples.report.seconds = clock.seconds();

@@ -34,4 +34,10 @@ void check_at_least(const char* name, double value, double low) {
                         ": it must be finite and >= " + number(low));
 }
 
+void check_sites(const Surface& surface, const Sites& sites) {
+  check_same_length("faces", sites.faces.size(), "positions", sites.size());
+  check_finite("positions", sites.positions);
+  check_face_indices("faces", sites.faces, surface);
+}
+
 }  // namespace dapple

@@ -30,6 +30,9 @@ void check_finite(const char* name, std::span<const Vec3> points) {
 void check_face_indices(const char* name, std::span<const std::int32_t> faces,
                         const Surface& surface);
 
+/// \throw ArgumentError naming the first site that is not finite or whose face is out of range
+void check_sites(const Surface& surface, const Sites& sites);
+
 /// \throw ArgumentError if the lengths differ
 void check_same_length(const char* name, std::size_t length, const char* other,
                        std::size_t expected);

@@ -13,7 +13,7 @@ namespace dapple::test {
 namespace {
 
 Evenness evenness(const Surface& surface, const Sites& sites) {
-  return measure_evenness(surface, sites, restricted_voronoi(surface, sites));
+  return measure_evenness(restricted_voronoi(surface, sites));
 }
 
 /// A sheet as wide and high as whole hexagons in offset rows, so that the mean cell is a hexagon's
@@ -53,7 +53,7 @@ TEST(Analysis, AgreesWithBruteForceInThePlane) {
       sum += nearest;
       squares += std::pow(diagram.cells[i].capacity - 1.0 / 60.0, 2);
     }
-    const Evenness found = measure_evenness(surface, sites, diagram);
+    const Evenness found = measure_evenness(diagram);
     EXPECT_NEAR(found.alpha_min, least / surface.spacing(60), 1e-12);
     EXPECT_NEAR(found.alpha_mean, sum / 60.0 / surface.spacing(60), 1e-12);
     EXPECT_NEAR(found.capacity_spread, std::sqrt(squares / 60.0) * 60.0, 1e-12);

@@ -15,7 +15,7 @@ namespace {
 
 OptimizerResult optimized(const Surface& surface, std::size_t count,
                           const OptimizerOptions& options, std::uint64_t seed = 1) {
-  return optimize(surface, Projector(surface), poisson_start(surface, count, seed), options);
+  return optimize(SurfaceDomain(surface), poisson_start(surface, count, seed), options);
 }
 
 /// The ways to minimise, by name.
@@ -39,7 +39,7 @@ TEST_P(OptimizerOn, NeverRaisesTheEnergy) {
     for (const std::size_t count : {2u, 60u})
       for (const auto& start :
            {poisson_start(surface, count, 1), random_start(surface, count, 1)}) {
-        const OptimizerResult found = optimize(surface, Projector(surface), start, options);
+        const OptimizerResult found = optimize(SurfaceDomain(surface), start, options);
         ASSERT_EQ(found.energies.size(), static_cast<std::size_t>(found.iterations) + 1);
         for (std::size_t k = 1; k < found.energies.size(); ++k)
           EXPECT_LE(found.energies[k], found.energies[k - 1]) << name << ", iteration " << k;
@@ -75,7 +75,7 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
   const Surface surface = torus(60, 30).surface();
   for (const auto& [name, options] : ways()) {
     const OptimizerResult found =
-        optimize(surface, Projector(surface), random_start(surface, 400, 1), options);
+        optimize(SurfaceDomain(surface), random_start(surface, 400, 1), options);
     std::cout << name << ": e " << found.energies.front() << " -> " << found.energy.normalised
               << " in " << found.evaluations << " evaluations\n";
     EXPECT_TRUE(found.converged) << name;
@@ -101,8 +101,7 @@ TEST(Optimizer, TakesFewerEvaluationsInATrustRegion) {
 TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
   const Surface surface = blob(3).surface();
   const Sites start = poisson_start(surface, 100, 1);
-  const OptimizerResult found =
-      optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {.max_evaluations = 1});
   EXPECT_EQ(found.evaluations, 1);
   EXPECT_EQ(found.iterations, 0);
   EXPECT_FALSE(found.converged);
@@ -161,8 +160,7 @@ TEST(Optimizer, StopsOnceTheTargetIsReached) {
 TEST(Optimizer, DoesNotMoveFromATargetItAlreadyMeets) {
   const Surface surface = blob(3).surface();
   const Sites start = poisson_start(surface, 100, 1);
-  const OptimizerResult found =
-      optimize(surface, Projector(surface), start, {.target_energy = 1e9});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {.target_energy = 1e9});
   EXPECT_TRUE(found.converged);
   EXPECT_EQ(found.iterations, 0);
   EXPECT_TRUE(same_bytes(found.sites.positions, start.positions));
@@ -172,7 +170,7 @@ TEST(Optimizer, SlidesNoFartherThanAllowed) {
   const Surface surface = torus(60, 30).surface();
   const Sites start = random_start(surface, 300, 1);
   for (const double most : {0.0, 0.1, 0.4}) {
-    const OptimizerResult found = optimize(surface, Projector(surface), start, {.max_slide = most});
+    const OptimizerResult found = optimize(SurfaceDomain(surface), start, {.max_slide = most});
     for (std::size_t k = 0; k < 300; ++k) {
       const double slide =
           (found.sites.positions[k] - start.positions[k]).norm() / surface.spacing(300);
@@ -185,7 +183,7 @@ TEST(Optimizer, RestsWhereTheGradientIsZero) {
   const Surface surface = grid(1).surface();
   const Sites start{{{0.25, 0.25, 0}, {0.75, 0.25, 0}, {0.25, 0.75, 0}, {0.75, 0.75, 0}},
                     {0, 0, 1, 1}};
-  const OptimizerResult found = optimize(surface, Projector(surface), start, {});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {});
   EXPECT_TRUE(found.converged);
   for (std::size_t k = 0; k < 4; ++k)
     EXPECT_LE((found.sites.positions[k] - start.positions[k]).norm(), 1e-9);
@@ -195,7 +193,7 @@ TEST(Optimizer, FindsTheBestPlaceForOneSite) {
   const Surface surface = grid(4).surface();
   const Sites start{{{0.05, 0.03, 0}}, {0}};
   const OptimizerOptions options{.tolerance = 1e-14, .max_evaluations = 500};
-  const OptimizerResult found = optimize(surface, Projector(surface), start, options);
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, options);
   EXPECT_LE((found.sites.positions[0] - Vec3(0.5, 0.5, 0)).norm(), 1e-5);
 }
 
@@ -204,14 +202,13 @@ TEST(Optimizer, ProjectsAStartWithoutBarycentrics) {
   Sites start = poisson_start(surface, 100, 1);
   start.barycentric.clear();
   for (Vec3& p : start.positions) p *= 1.01;  // a little off the surface
-  const OptimizerResult found =
-      optimize(surface, Projector(surface), start, {.max_evaluations = 1});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {.max_evaluations = 1});
   check_on_surface(surface, found.sites, found.sites.barycentric);
 }
 
 TEST(Optimizer, TakesNoSites) {
   const Surface surface = grid(1).surface();
-  const OptimizerResult found = optimize(surface, Projector(surface), {}, {});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), {}, {});
   EXPECT_EQ(found.sites.size(), 0u);
   EXPECT_TRUE(found.converged);
 }
@@ -220,7 +217,7 @@ TEST(Optimizer, MovesCoincidentSitesOnlyDownhill) {
   const Surface surface = grid(4).surface();
   const Vec3 p(0.3, 0.2, 0);
   const Sites start{{p, p, p}, {3, 3, 3}};
-  const OptimizerResult found = optimize(surface, Projector(surface), start, {});
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {});
   for (std::size_t k = 1; k < found.energies.size(); ++k)
     EXPECT_LE(found.energies[k], found.energies[k - 1]);
   check_cells(surface, found.sites);
@@ -250,14 +247,13 @@ TEST(Optimizer, NamesTheOptionOutOfRange) {
 
 TEST(Optimizer, NamesABadStart) {
   const Surface surface = grid(1).surface();
-  const Projector projector(surface);
+  const SurfaceDomain domain(surface);
   Sites start = poisson_start(surface, 5, 1);
   start.faces[2] = 7;
-  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); },
-                                {"faces[2]", "7"});
+  expect_message<ArgumentError>([&] { (void)optimize(domain, start, {}); }, {"faces[2]", "7"});
   start = poisson_start(surface, 5, 1);
   start.positions[4].x() = std::numeric_limits<double>::quiet_NaN();
-  expect_message<ArgumentError>([&] { (void)optimize(surface, projector, start, {}); },
+  expect_message<ArgumentError>([&] { (void)optimize(domain, start, {}); },
                                 {"positions[4]", "nan"});
 }
 

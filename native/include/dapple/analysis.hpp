@@ -16,7 +16,6 @@ struct Evenness {
 /// Measure the evenness. The local spacing at a site is sqrt(2 a / sqrt(3)), where a is the area
 /// that the mean capacity would take at the cell's own mean density; with constant density that is
 /// Surface::spacing.
-[[nodiscard]] Evenness measure_evenness(const Surface& surface, const Sites& sites,
-                                        const RestrictedVoronoi& diagram);
+[[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
 }  // namespace dapple

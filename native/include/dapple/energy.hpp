@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/restricted_voronoi.hpp>
+#include <dapple/domain.hpp>
 
 namespace dapple {
 
@@ -20,6 +20,10 @@ struct Energy {
 /// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative;
 /// Cancelled
 [[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites,
+                                     double capacity_weight, const Context* context = nullptr);
+
+/// The same over any domain.
+[[nodiscard]] Energy evaluate_energy(const Domain& domain, const Sites& sites,
                                      double capacity_weight, const Context* context = nullptr);
 
 }  // namespace dapple

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/energy.hpp>
-#include <dapple/projector.hpp>
 #include <limits>
 
 namespace dapple {
@@ -41,7 +40,7 @@ struct OptimizerResult {
   bool converged = false;  ///< false if the evaluations ran out first
 };
 
-/// Minimise the energy over sites on a surface, on the tangential gradient, with projection after
+/// Minimise the energy over sites in a domain, on the tangential gradient, with projection after
 /// each step (paper, Algorithm 2) and Armijo backtracking. What is minimised never rises from one
 /// iteration to the next.
 ///
@@ -51,8 +50,7 @@ struct OptimizerResult {
 /// shortening the sites one by one instead would break it. \param start with barycentric
 /// coordinates; without them it is projected first \throw ArgumentError for options out of range;
 /// Cancelled
-[[nodiscard]] OptimizerResult optimize(const Surface& surface, const Projector& projector,
-                                       const Sites& start, const OptimizerOptions& options,
-                                       Context* context = nullptr);
+[[nodiscard]] OptimizerResult optimize(const Domain& domain, const Sites& start,
+                                       const OptimizerOptions& options, Context* context = nullptr);
 
 }  // namespace dapple

@@ -13,6 +13,7 @@ struct CellBoundary {
   /// length of v in the plane of the face (paper, Theorem 2). It is the part of d|V_i|/dx_i due to
   /// j, and -d|V_j|/dx_i.
   Vec3 flux;
+  Vec3 offset;    ///< x_j - x_i; on the torus, of the image of j that touches
   double length;  ///< integral of ds
 };
 

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/projector.hpp>
+#include <dapple/restricted_voronoi.hpp>
+
+namespace dapple {
+
+/// Where sites live, as the energy and the optimiser see it: a surface, the plane or the torus.
+/// Implementations are immutable; every member may be called from several threads at once.
+class Domain {
+ public:
+  virtual ~Domain() = default;
+
+  /// The cells of the sites, relative to each site. \throw Cancelled
+  [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites,
+                                                const Context* context) const = 0;
+
+  /// The nearest points of the domain, each with its face; `hints` are faces near the points.
+  [[nodiscard]] virtual Sites project(std::span<const Vec3> points,
+                                      std::span<const std::int32_t> hints) const = 0;
+
+  /// Unit normal of a face (of the plane, for flat domains).
+  [[nodiscard]] virtual Vec3 normal(std::int32_t face) const = 0;
+
+  [[nodiscard]] virtual double area() const = 0;
+  [[nodiscard]] virtual double mass() const = 0;  ///< integral of the density
+  [[nodiscard]] virtual bool uniform() const = 0;
+
+  /// Distance between neighbours if n points were packed hexagonally.
+  [[nodiscard]] double spacing(std::size_t count) const;
+
+  /// \throw ArgumentError naming the first site that is not of the domain
+  virtual void check(const Sites& sites) const = 0;
+};
+
+/// A surface with its projector.
+class SurfaceDomain final : public Domain {
+ public:
+  explicit SurfaceDomain(const Surface& surface) : surface_(surface), projector_(surface) {}
+
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] Vec3 normal(std::int32_t face) const override;
+  [[nodiscard]] double area() const override { return surface_.area(); }
+  [[nodiscard]] double mass() const override { return surface_.mass(); }
+  [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
+  void check(const Sites& sites) const override;
+
+ private:
+  Surface surface_;
+  Projector projector_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/energy.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& positions,
+                                  const py::object& faces, double capacity_weight) {
+  const DoubleArray points = doubles("positions", positions, 3);
+  const IntArray held = integers("faces", faces, 0);
+  const auto p = as_points(points);
+  const auto f = as_span(held);
+  const py::gil_scoped_release released;
+  return std::make_shared<Energy>(
+      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}}, capacity_weight));
+}
+
+/// One number of every cell.
+template <typename Member>
+auto cell_property(Member Moments::*member) {
+  return [member](const Energy& energy) {
+    std::vector<double> values;
+    for (const Moments& cell : energy.diagram.cells) values.push_back(cell.*member);
+    return give(std::move(values));
+  };
+}
+
+}  // namespace
+
+void bind_energy(py::module_& m) {
+  py::class_<Energy, std::shared_ptr<Energy>>(m, "Energy",
+                                              "The energy at given sites and its gradient.")
+      .def_readonly("total", &Energy::total, "cvt + capacity_weight * capacity_term.")
+      .def_readonly("cvt", &Energy::cvt,
+                    "Sum of the integrals of density^2 |x - site|^2 over the cells.")
+      .def_readonly("capacity_term", &Energy::capacity_term, "Sum of the squared capacities.")
+      .def_readonly("normalised", &Energy::normalised,
+                    "n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+      .def_property_readonly("capacities", cell_property(&Moments::capacity),
+                             "(n,) float64: integral of the density over each cell.")
+      .def_property_readonly("masses", cell_property(&Moments::mass),
+                             "(n,) float64: integral of the squared density over each cell.")
+      .def_property_readonly("areas", cell_property(&Moments::area),
+                             "(n,) float64: area of each cell.")
+      .def_property_readonly("gradient", array_property(&Energy::gradient),
+                             "(n, 3) float64: dE/dx in space, not yet tangential.");
+
+  m.def("energy", &energy_at, py::arg("surface"), py::arg("positions"), py::arg("faces"),
+        py::kw_only(), py::arg("capacity_weight") = 30.0,
+        R"(Evaluate the energy and its gradient over the restricted Voronoi diagram.
+
+E = sum of the integrals of density^2 |x - x_i|^2 + capacity_weight * sum of the squared capacities
+(Chen et al. 2012, equation 6 and Theorem 2, with rho = density^2).
+
+Args:
+    surface: a Surface.
+    positions: (n, 3) float64, on the surface.
+    faces: (n,) int32, the faces that hold them.
+    capacity_weight: lambda >= 0; the paper finds 20..100 useful.
+
+Returns:
+    Energy.
+
+Raises:
+    ValueError: naming the first position that is not finite or face out of range.)");
+}
+
+}  // namespace dapple::python

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <dapple/errors.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/tracker.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+Method method_named(const std::string& name) {
+  if (name == "trust_region") return Method::kTrustRegion;
+  if (name == "line_search") return Method::kLineSearch;
+  throw ArgumentError("method is '" + name + "': it must be 'trust_region' or 'line_search'");
+}
+
+OptimizerOptions optimizer_options(double capacity_weight, double gap_weight, double tolerance,
+                                   int max_evaluations, const std::string& method) {
+  OptimizerOptions options;
+  options.method = method_named(method);
+  options.capacity_weight = capacity_weight;
+  options.gap_weight = gap_weight;
+  options.tolerance = tolerance;
+  options.max_evaluations = max_evaluations;
+  return options;
+}
+
+Start start_named(const std::string& name) {
+  if (name == "poisson") return Start::kPoisson;
+  if (name == "random") return Start::kRandom;
+  throw ArgumentError("start is '" + name + "': it must be 'poisson' or 'random'");
+}
+
+std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t count,
+                                        std::uint64_t seed, double capacity_weight,
+                                        double gap_weight, double tolerance, int max_evaluations,
+                                        const std::string& method, const std::string& start,
+                                        int threads, const ContextPtr& context) {
+  SampleOptions options;
+  options.seed = seed;
+  options.start = start_named(start);
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+  options.threads = threads;
+  const std::size_t checked = checked_count(count);
+  const py::gil_scoped_release released;
+  return std::make_shared<Samples>(sample(surface, checked, options, context.get()));
+}
+
+std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& faces,
+                                      const py::object& barycentric, const py::object& ids,
+                                      const py::object& classes) {
+  const auto optional = [](const char* name, const py::object& value) {
+    return value.is_none() ? IntArray() : integers(name, value, 0);
+  };
+  return std::make_shared<Samples>(bind_samples(surface, as_span(integers("faces", faces, 0)),
+                                                as_points(doubles("barycentric", barycentric, 3)),
+                                                as_span(optional("ids", ids)),
+                                                as_span(optional("classes", classes))));
+}
+
+std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
+                                      double capacity_weight, double gap_weight, double tolerance,
+                                      int max_evaluations, double max_slide,
+                                      const std::string& method, int threads) {
+  TrackerOptions options{
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method), threads};
+  options.optimizer.max_slide = max_slide;
+  const py::gil_scoped_release released;
+  return std::make_shared<Tracker>(surface, samples, options);
+}
+
+std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& vertices,
+                                         const ContextPtr& context) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const py::gil_scoped_release released;
+  return std::make_shared<Samples>(tracker.advance(as_points(points), context.get()));
+}
+
+py::dict report_dict(const Report& report) {
+  using namespace py::literals;
+  return py::dict("count"_a = report.count, "spacing"_a = report.spacing,
+                  "alpha_min"_a = report.evenness.alpha_min,
+                  "alpha_mean"_a = report.evenness.alpha_mean,
+                  "capacity_spread"_a = report.evenness.capacity_spread, "energy"_a = report.energy,
+                  "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
+                  "converged"_a = report.converged, "seconds"_a = report.seconds,
+                  "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
+                  "slide_max"_a = report.slide_max);
+}
+
+void bind_samples_classes(py::module_& m) {
+  py::class_<Report>(m, "Report", "What was done to get the samples, and how good they are.")
+      .def_readonly("count", &Report::count, "Number of samples.")
+      .def_readonly("spacing", &Report::spacing,
+                    "Hexagonal packing distance, in the units of the vertices.")
+      .def_property_readonly(
+          "alpha_min", [](const Report& r) { return r.evenness.alpha_min; },
+          "Smallest distance between neighbours / local spacing (normalised Poisson-disk radius).")
+      .def_property_readonly(
+          "alpha_mean", [](const Report& r) { return r.evenness.alpha_mean; },
+          "Mean over the samples of distance to the nearest neighbour / local spacing.")
+      .def_property_readonly(
+          "capacity_spread", [](const Report& r) { return r.evenness.capacity_spread; },
+          "Standard deviation / mean of the capacities.")
+      .def_readonly("energy", &Report::energy,
+                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+      .def_readonly("evaluations", &Report::evaluations, "Of the energy and its gradient.")
+      .def_readonly("iterations", &Report::iterations, "Steps taken.")
+      .def_readonly("converged", &Report::converged, "False if the evaluations ran out first.")
+      .def_readonly("seconds", &Report::seconds, "Wall time.")
+      .def_readonly(
+          "energies", &Report::energies,
+          "What was minimised (energy and gap), normalised, at the start and after each iteration.")
+      .def_readonly("slide_mean", &Report::slide_mean,
+                    "Tracker: mean distance from the carried position, in spacings.")
+      .def_readonly("slide_max", &Report::slide_max, "Tracker: the largest such distance.")
+      .def("to_dict", &report_dict, "All of it as a dict that json can write.");
+
+  py::class_<Samples, std::shared_ptr<Samples>>(
+      m, "Samples", R"(Samples on a surface; all arrays are read-only views.
+
+Made by sample() and Tracker.advance(), or from stored bindings:
+
+Args:
+    surface: the Surface they lie on.
+    faces: (n,) int32, indices into its faces.
+    barycentric: (n, 3) float64 >= 0 with rows that sum to 1 within 1e-4 (they are normalised).
+    ids: (n,) int32, unique; None counts up from 0.
+    classes: (n,) int32; None is 0 for all.
+
+Raises:
+    ValueError: naming the first entry out of range, not finite, negative, or the row that does not sum to 1.)")
+      .def(py::init(&make_samples), py::arg("surface"), py::arg("faces"), py::arg("barycentric"),
+           py::kw_only(), py::arg("ids") = py::none(), py::arg("classes") = py::none())
+      .def("__len__", &Samples::size)
+      .def_property_readonly("positions", array_property(&Samples::positions),
+                             "(n, 3) float64, on the surface.")
+      .def_property_readonly(
+          "normals", array_property(&Samples::normals),
+          "(n, 3) float64, unit, interpolated from angle-weighted vertex normals.")
+      .def_property_readonly("faces", array_property(&Samples::faces),
+                             "(n,) int32, indices into the surface's faces.")
+      .def_property_readonly("barycentric", array_property(&Samples::barycentric),
+                             "(n, 3) float64, >= 0, sum 1.")
+      .def_property_readonly("ids", array_property(&Samples::ids),
+                             "(n,) int32, unique; trackers keep them.")
+      .def_property_readonly("classes", array_property(&Samples::classes), "(n,) int32.")
+      .def_readonly("report", &Samples::report, "A Report.");
+}
+
+void bind_samplers(py::module_& m) {
+  m.def("sample", &sample_surface, py::arg("surface"), py::arg("count"), py::kw_only(),
+        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
+        py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
+        py::arg("method") = "trust_region", py::arg("start") = "poisson", py::arg("threads") = 0,
+        py::arg("context") = nullptr,
+        R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
+
+Minimises the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
+plus a soft gap between neighbours, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
+paper's own way. The same arguments give the same bytes, whatever the number of threads.
+
+Args:
+    surface: a Surface.
+    count: number of samples, >= 0.
+    seed: of the start, 0..2**64 - 1.
+    capacity_weight: lambda >= 0; larger is less regular. The paper finds 20..100 useful.
+    gap_weight: kappa >= 0; keeps neighbours apart. 0 is the paper's plain energy.
+    tolerance: relative decrease of the energy at which to stop, >= 0; smaller is more regular.
+    max_evaluations: of the energy, >= 1.
+    method: 'trust_region', or 'line_search' (plain L-BFGS, as in the paper).
+    start: 'poisson' (Poisson-disk set) or 'random' (white noise, as in the paper).
+    threads: 0 for as many as the machine has.
+    context: a Context to watch and cancel it by.
+
+Returns:
+    Samples, with a report.
+
+Raises:
+    ValueError: an option out of range.
+    Cancelled: through the context.)");
+
+  py::class_<Tracker, std::shared_ptr<Tracker>>(m, "Tracker",
+                                                R"(Carries samples over a deforming surface.
+
+They ride the moved vertices by their barycentric coordinates and are then re-optimised until they are as even as in
+the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
+
+Args:
+    surface: the Surface of the first frame.
+    samples: its Samples.
+    capacity_weight, gap_weight, tolerance, method, threads: as for sample().
+    max_evaluations: of the energy, per frame.
+    max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
+        violent frame evenness is caught up over the next ones.
+
+Raises:
+    ValueError: the samples are not of the surface.)")
+      .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
+           py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
+           py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 30,
+           py::arg("max_slide") = 0.45, py::arg("method") = "trust_region", py::arg("threads") = 0)
+      .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
+           py::arg("context") = nullptr,
+           R"(Move to the next frame; the tracker is unchanged if this raises.
+
+Args:
+    vertices: (v, 3) float64, as many as the surface has, in the same order.
+    context: a Context to watch and cancel it by.
+
+Returns:
+    Samples of the new frame; report.slide_mean and slide_max are distances from the carried positions, in spacings.
+
+Raises:
+    SurfaceError: vertices of another number or not finite.
+    Cancelled: through the context.)")
+      .def_property_readonly(
+          "surface", [](const Tracker& t) { return std::make_shared<Surface>(t.surface()); },
+          "The Surface of the current frame.")
+      .def_property_readonly(
+          "samples", [](const Tracker& t) { return std::make_shared<Samples>(t.samples()); },
+          "The Samples of the current frame.");
+}
+
+}  // namespace
+
+void bind_sampling(py::module_& m) {
+  bind_samples_classes(m);
+  bind_samplers(m);
+}
+
+}  // namespace dapple::python

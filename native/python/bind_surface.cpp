@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <dapple/errors.hpp>
+#include <dapple/mesh_file.hpp>
+#include <dapple/projector.hpp>
+#include <dapple/topology.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
+                                      const py::object& density) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const IntArray triangles = integers("faces", faces, 3);
+  const DoubleArray values = density.is_none() ? DoubleArray() : doubles("density", density, 0);
+  if (!density.is_none() && values.size() == 0)
+    throw SurfaceError("density has 0 values for " + std::to_string(points.shape(0)) +
+                       " vertices: one per vertex is needed");
+  const py::gil_scoped_release released;
+  return std::make_shared<Surface>(as_points(points), as_faces(triangles), as_span(values));
+}
+
+py::object density_of(const Surface& surface) {
+  return surface.uniform() ? py::object(py::none()) : py::object(give(surface.density()));
+}
+
+std::shared_ptr<Projection> project_points(const Surface& surface, const py::object& points) {
+  const DoubleArray array = doubles("points", points, 3);
+  const py::gil_scoped_release released;
+  return std::make_shared<Projection>(Projector(surface).project(as_points(array)));
+}
+
+py::tuple read_mesh_arrays(const std::filesystem::path& path) {
+  MeshArrays mesh;
+  {
+    const py::gil_scoped_release released;
+    mesh = read_mesh(path);
+  }
+  return py::make_tuple(give(std::move(mesh.vertices)), give(std::move(mesh.faces)));
+}
+
+void write_mesh_arrays(const std::filesystem::path& path, const py::object& vertices,
+                       const py::object& faces) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const IntArray triangles = integers("faces", faces, 3);
+  const Surface checked(as_points(points), as_faces(triangles));
+  const py::gil_scoped_release released;
+  write_mesh(path, as_points(points), as_faces(triangles));
+}
+
+void bind_surface_class(py::module_& m) {
+  py::class_<Topology>(m, "Topology",
+                       "How the faces of a surface hang together (through OpenMesh).")
+      .def_readonly("components", &Topology::components, "Sets of faces connected over edges.")
+      .def_readonly("border_edges", &Topology::border_edges, "Edges with one face.")
+      .def_readonly("border_loops", &Topology::border_loops,
+                    "Closed chains of border edges; -1 if not manifold.")
+      .def_readonly("nonmanifold_edges", &Topology::nonmanifold_edges,
+                    "Edges with three or more faces.")
+      .def_readonly("manifold", &Topology::manifold,
+                    "Whether every edge and vertex has a disc or half-disc around it.")
+      .def_readonly("closed", &Topology::closed, "Whether it is manifold without border.")
+      .def_readonly("genus", &Topology::genus,
+                    "Handles, summed over the components; -1 if not manifold.");
+
+  py::class_<Surface, std::shared_ptr<Surface>>(m, "Surface",
+                                                R"(Immutable, checked triangles with a density.
+
+Args:
+    vertices: (v, 3) float64, positions in any unit.
+    faces: (m, 3) int32, vertex indices; degenerate, repeated and non-manifold faces are allowed.
+    density: (v,) float64 >= 0, linear on each face; None means 1 everywhere.
+
+Raises:
+    SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
+        a density of another length, or no area (or no density) at all.
+    ValueError: an array of another shape or dtype.)")
+      .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
+           py::arg("density") = py::none())
+      .def_property_readonly(
+          "vertices", [](const Surface& s) { return give(s.vertices()); },
+          "(v, 3) float64, a read-only copy.")
+      .def_property_readonly(
+          "faces", [](const Surface& s) { return give(s.faces()); },
+          "(m, 3) int32, a read-only copy.")
+      .def_property_readonly("density", &density_of,
+                             "(v,) float64, a read-only copy, or None if 1 everywhere.")
+      .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
+      .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
+      .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")
+      .def(
+          "spacing",
+          [](const Surface& s, std::int64_t count) { return s.spacing(checked_count(count)); },
+          py::arg("count"),
+          "Distance between neighbours if count points were packed hexagonally: "
+          "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
+      .def(
+          "deformed",
+          [](const Surface& s, const py::object& vertices) {
+            const DoubleArray points = doubles("vertices", vertices, 3);
+            const py::gil_scoped_release released;
+            return std::make_shared<Surface>(s.deformed(as_points(points)));
+          },
+          py::arg("vertices"),
+          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError.");
+}
+
+void bind_projection(py::module_& m) {
+  py::class_<Projection, std::shared_ptr<Projection>>(m, "Projection",
+                                                      "Closest points of a surface.")
+      .def_property_readonly("positions", array_property(&Projection::positions), "(n, 3) float64.")
+      .def_property_readonly("faces", array_property(&Projection::faces),
+                             "(n,) int32; the lowest index at ties.")
+      .def_property_readonly("barycentric", array_property(&Projection::barycentric),
+                             "(n, 3) float64, >= 0, sum 1.")
+      .def_property_readonly("distances", array_property(&Projection::distances),
+                             "(n,) float64, in the units of the vertices.");
+  m.def("project", &project_points, py::arg("surface"), py::arg("points"),
+        R"(Closest point of the surface for each point, in double precision (through Embree).
+
+Args:
+    surface: a Surface.
+    points: (n, 3) float64.
+
+Returns:
+    Projection.
+
+Raises:
+    ValueError: naming the first point that is not finite.)");
+}
+
+void bind_files(py::module_& m) {
+  m.def("read_mesh", &read_mesh_arrays, py::arg("path"),
+        R"(Read a triangle mesh from .off, .obj, .ply, .stl or .om; polygons are cut into fans.
+
+Returns:
+    vertices (v, 3) float64 and faces (m, 3) int32, with every digit of the file.
+
+Raises:
+    FileError: naming the file and what is wrong with it.)");
+  m.def(
+      "write_mesh", &write_mesh_arrays, py::arg("path"), py::arg("vertices"), py::arg("faces"),
+      R"(Write a triangle mesh in the format of the suffix: .off, .obj, .ply, .stl (single precision) or .om.
+
+Args:
+    path: the file.
+    vertices: (v, 3) float64.
+    faces: (m, 3) int32.
+
+Raises:
+    FileError: it cannot be written so.
+    SurfaceError: the arrays do not form a surface.)");
+}
+
+}  // namespace
+
+void bind_surface(py::module_& m) {
+  bind_surface_class(m);
+  bind_projection(m);
+  bind_files(m);
+}
+
+}  // namespace dapple::python

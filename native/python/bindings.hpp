@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <dapple/context.hpp>
+#include <memory>
+
+#include "arrays.hpp"
+
+namespace dapple::python {
+
+using ContextPtr = std::shared_ptr<Context>;
+
+/// A property that shows an array of the object without copying it.
+template <typename Class, typename Member>
+auto array_property(Member Class::*member) {
+  return [member](const py::object& self) { return view(self, self.cast<const Class&>().*member); };
+}
+
+inline std::size_t checked_count(std::int64_t count) {
+  if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
+    throw ArgumentError("count is " + std::to_string(count) + ": it must be in 0..2147483647");
+  return static_cast<std::size_t>(count);
+}
+
+// Each binds one subject; the order in module.cpp matters, since signatures name the types bound
+// before.
+void bind_surface(py::module_& m);
+void bind_energy(py::module_& m);
+void bind_sampling(py::module_& m);
+
+}  // namespace dapple::python
