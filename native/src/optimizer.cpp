@@ -72,8 +72,8 @@ class Minimizer {
   State evaluate(Sites sites) {
     State state;
     state.sites = std::move(sites);
-    for (const std::int32_t face : state.sites.faces) state.normals.push_back(domain_.normal(face));
     state.energy = evaluate_energy(domain_, state.sites, options_.capacity_weight, context_);
+    for (const std::int32_t face : state.sites.faces) state.normals.push_back(domain_.normal(face));
     add_gap(state);
     ++result_.evaluations;
     return state;
