@@ -34,7 +34,10 @@ PAPER: Final[dict[str, Any]] = {
     "gap_weight": 0.0,
     "tolerance": 1e-5,
 }
-"""Options of sample() for the paper's own way: white noise, plain L-BFGS, no gap (Chen et al. 2012, Algorithm 2)."""
+"""Options of sample() for the paper's own way: white noise, plain L-BFGS, no gap.
+
+Chen et al. 2012, Algorithm 2.
+"""
 
 __all__ = [
     "PAPER",
