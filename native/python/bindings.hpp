@@ -29,5 +29,6 @@ inline std::size_t checked_count(std::int64_t count) {
 void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);
 void bind_sampling(py::module_& m);
+void bind_analysis(py::module_& m);
 
 }  // namespace dapple::python

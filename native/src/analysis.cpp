@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <dapple/analysis.hpp>
+#include <dapple/neighbours.hpp>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace dapple {
 namespace {
@@ -19,6 +22,44 @@ double spread(const RestrictedVoronoi& diagram, double mean) {
   double sum = 0.0;
   for (const Moments& cell : diagram.cells) sum += (cell.capacity - mean) * (cell.capacity - mean);
   return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
+}
+
+/// Neighbours over less of this than their distance touch at a corner, to rounding.
+constexpr double kCorner = 1e-9;
+constexpr std::size_t kFewestNeighbours = 3;  // around a closed cell of straight sides
+
+/// |mean of exp(6 i theta)| over the neighbours of a site; none if it has too few.
+std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t site,
+                               const Vec3& normal) {
+  const Vec3 u = normal.unitOrthogonal();
+  const Vec3 v = normal.cross(u);
+  std::complex<double> sum = 0.0;
+  std::size_t count = 0;
+  for (const CellBoundary& side : diagram.boundary(site)) {
+    if (side.length <= kCorner * side.offset.norm()) continue;
+    sum += std::polar(1.0, 6.0 * std::atan2(side.offset.dot(v), side.offset.dot(u)));
+    ++count;
+  }
+  if (count < kFewestNeighbours) return std::nullopt;
+  return std::abs(sum) / static_cast<double>(count);
+}
+
+/// The neighbour whose cell follows along a ray, and how far along the ray.
+struct Exit {
+  std::int32_t site = -1;
+  double at = 1.0;
+};
+
+Exit leave_cell(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& from,
+                const Vec3& step) {
+  Exit exit;
+  for (const CellBoundary& side : diagram.boundary(site)) {
+    const double speed = step.dot(side.offset);
+    if (speed <= 0.0) continue;
+    const double at = (0.5 * side.offset.squaredNorm() - from.dot(side.offset)) / speed;
+    if (at < exit.at) exit = {side.neighbour, at};
+  }
+  return exit;
 }
 
 }  // namespace
@@ -48,6 +89,43 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   result.alpha_mean = counted > 0 ? sum / static_cast<double>(counted) : 0.0;
   if (counted == 0) result.alpha_min = 0.0;
   return result;
+}
+
+std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
+                                  const RestrictedVoronoi& diagram) {
+  std::vector<bool> result(sites.size(), false);
+  if (sites.size() == 0) return result;
+  const Neighbours tree(sites.positions);
+  std::vector<Neighbour> nearest;
+  const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    if (surface.next_around(h) != h) continue;
+    const Face& corners = surface.corners(h / 3);
+    const Vec3& a = surface.vertex(corners[static_cast<std::size_t>(h % 3)]);
+    const Vec3 step = surface.vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
+    tree.nearest(a, 1, nearest);
+    // Each next site lies farther along the edge than the one before, so the walk ends.
+    for (std::int32_t site = nearest[0].index; site >= 0;) {
+      const auto i = static_cast<std::size_t>(site);
+      result[i] = true;
+      site = leave_cell(diagram, i, a - sites.positions[i], step).site;
+    }
+  }
+  return result;
+}
+
+double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,
+                  const std::vector<bool>& left_out) {
+  double sum = 0.0;
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+    if (!left_out.empty() && left_out[i]) continue;
+    const std::optional<double> order = order_at(diagram, i, normals[i]);
+    if (!order) continue;
+    sum += *order;
+    ++counted;
+  }
+  return counted > 0 ? sum / static_cast<double>(counted) : 0.0;
 }
 
 }  // namespace dapple

@@ -18,4 +18,19 @@ struct Evenness {
 /// Surface::spacing.
 [[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
+/// Per site whether its cell touches a border edge of the surface. The border edges are walked from
+/// cell to cell, so no cell is cut anew; cells are taken as straight distance makes them.
+[[nodiscard]] std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
+                                                const RestrictedVoronoi& diagram);
+
+/// Bond-orientational order psi6 (Halperin and Nelson 1978): the mean over the sites of
+/// |mean over the neighbours of exp(6 i theta)|, where theta is the angle of the neighbour's
+/// direction in the plane of the site's normal. About 0.36 for white noise, 0.42 for dart throwing,
+/// 1 for a hexagonal lattice. Sites with an entry in `left_out` do not count (their hexagon is cut
+/// by a border), nor do sites with fewer than three neighbours; 0 if none counts.
+/// \param normals  unit, per site
+/// \param left_out per site, or empty
+[[nodiscard]] double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,
+                                const std::vector<bool>& left_out = {});
+
 }  // namespace dapple

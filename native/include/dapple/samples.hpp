@@ -11,7 +11,8 @@ struct Report {
   std::size_t count = 0;
   double spacing = 0.0;  ///< hexagonal packing distance, in the surface's units
   Evenness evenness;
-  double energy = 0.0;  ///< normalised, see Energy::normalised
+  double bond_order = 0.0;  ///< psi6, see bond_order(); cells at borders are left out
+  double energy = 0.0;      ///< normalised, see Energy::normalised
   int evaluations = 0;
   int iterations = 0;
   bool converged = true;
@@ -44,5 +45,11 @@ struct Samples {
                                    std::span<const Vec3> barycentric,
                                    std::span<const std::int32_t> ids = {},
                                    std::span<const std::int32_t> classes = {});
+
+/// Measure samples, wherever they come from, at the price of one evaluation: count, spacing,
+/// evenness, bond order and energy; what tells of the making stays at its default.
+/// \param surface the surface they lie on
+[[nodiscard]] Report analyse(const Surface& surface, const Samples& samples,
+                             double capacity_weight = 30.0);
 
 }  // namespace dapple

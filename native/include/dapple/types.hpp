@@ -12,6 +12,9 @@ namespace dapple {
 /// A point or vector in space, in the units of the mesh.
 using Vec3 = Eigen::Vector3d;
 
+/// A point or vector in the plane.
+using Vec2 = Eigen::Vector2d;
+
 /// Three vertex indices of a triangle.
 using Face = std::array<std::int32_t, 3>;
 

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/projector.hpp>
+#include <dapple/spectrum.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+/// One set of points, or several of them in a sequence: what has as many axes as one set is one.
+template <typename Convert>
+auto each_run(const py::object& runs, bool is_one, const Convert& convert) {
+  std::vector<decltype(convert("", runs))> result;
+  if (is_one || !py::isinstance<py::sequence>(runs)) {
+    result.push_back(convert("runs", runs));
+    return result;
+  }
+  for (const py::handle run : runs) {
+    const std::string name = "runs[" + std::to_string(result.size()) + "]";
+    result.push_back(convert(name.c_str(), py::reinterpret_borrow<py::object>(run)));
+  }
+  return result;
+}
+
+/// Whether a sequence holds rows of coordinates, and not sets of them.
+bool holds_rows(const py::object& runs) {
+  if (py::isinstance<py::array>(runs)) return runs.cast<py::array>().ndim() != 3;
+  if (!py::isinstance<py::sequence>(runs) || py::len(runs) == 0) return false;
+  const py::array first = py::array::ensure(runs[py::int_(0)]);
+  if (!first) PyErr_Clear();
+  return first && first.ndim() == 1;
+}
+
+std::vector<Vec2> plane_points(const char* name, const py::object& value) {
+  const DoubleArray array = doubles(name, value, 2);
+  std::vector<Vec2> points;
+  for (py::ssize_t k = 0; k < array.shape(0); ++k)
+    points.emplace_back(array.at(k, 0), array.at(k, 1));
+  return points;
+}
+
+std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs, int half_width, int threads,
+                                         const ContextPtr& context) {
+  const auto sets = each_run(runs, holds_rows(runs), plane_points);
+  const std::vector<std::span<const Vec2>> spans(sets.begin(), sets.end());
+  const SpectrumOptions options{half_width, threads};
+  const py::gil_scoped_release released;
+  return std::make_shared<Spectrum>(spectrum(spans, options, context.get()));
+}
+
+using SamplesPtr = std::shared_ptr<Samples>;
+
+/// Samples as they are; points are bound where the surface is nearest.
+SamplesPtr samples_of(const Surface& surface, const char* name, const py::object& value) {
+  if (py::isinstance<Samples>(value)) return value.cast<SamplesPtr>();
+  const DoubleArray points = doubles(name, value, 3);
+  const py::gil_scoped_release released;
+  const Projection near = Projector(surface).project(as_points(points));
+  return std::make_shared<Samples>(bind_samples(surface, near.faces, near.barycentric));
+}
+
+std::shared_ptr<Report> analyse_samples(const Surface& surface, const py::object& samples,
+                                        double capacity_weight) {
+  const SamplesPtr bound = samples_of(surface, "samples", samples);
+  const py::gil_scoped_release released;
+  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight));
+}
+
+std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
+                                                       const py::object& runs, double radius,
+                                                       int bins, int threads,
+                                                       const ContextPtr& context) {
+  const bool is_one = py::isinstance<Samples>(runs) || holds_rows(runs);
+  const auto sets = each_run(runs, is_one, [&](const char* name, const py::object& run) {
+    return samples_of(surface, name, run);
+  });
+  std::vector<const Samples*> pointers;
+  for (const SamplesPtr& samples : sets) pointers.push_back(samples.get());
+  const SurfaceSpectrumOptions options{radius, bins, threads};
+  const py::gil_scoped_release released;
+  return std::make_shared<SurfaceSpectrum>(
+      surface_spectrum(surface, pointers, options, context.get()));
+}
+
+/// A square array that shows the object's values without copying them.
+template <typename Class>
+auto square_property(std::vector<double> Class::*member) {
+  return [member](const py::object& self) {
+    const std::vector<double>& values = self.cast<const Class&>().*member;
+    const auto side = static_cast<py::ssize_t>(std::lround(std::sqrt(values.size())));
+    return view(self, values.data(), {side, side});
+  };
+}
+
+void bind_spectra(py::module_& m) {
+  py::class_<RadialStatistics, std::shared_ptr<RadialStatistics>>(
+      m, "RadialStatistics", "What a quantity over the plane is like at each distance.")
+      .def_property_readonly("radius", array_property(&RadialStatistics::radius),
+                             "(k,) float64: middle of each annulus.")
+      .def_property_readonly("mean", array_property(&RadialStatistics::mean),
+                             "(k,) float64: mean over the annulus.")
+      .def_property_readonly("anisotropy", array_property(&RadialStatistics::anisotropy),
+                             "(k,) float64: variance / mean^2 over the annulus, in decibels; -inf "
+                             "where nothing varies.");
+
+  py::class_<Spectrum, std::shared_ptr<Spectrum>>(
+      m, "Spectrum", "The spectrum of point sets on the unit torus or square.")
+      .def_readonly("runs", &Spectrum::runs, "Number of point sets.")
+      .def_readonly("half_width", &Spectrum::half_width, "Largest frequency on either axis.")
+      .def_property_readonly("periodogram", square_property(&Spectrum::periodogram),
+                             "(2 half_width + 1, 2 half_width + 1) float64: mean power at [f_y, "
+                             "f_x], 1 for white noise; the middle is f = 0.")
+      .def_readonly("radial", &Spectrum::radial,
+                    "RadialStatistics of the power; white noise has the mean 1 and the anisotropy "
+                    "-10 log10(runs).")
+      .def_readonly("frequency_unit", &Spectrum::frequency_unit,
+                    "sqrt(n): spectra of different n agree in frequency / frequency_unit.");
+
+  py::class_<SurfaceSpectrum, std::shared_ptr<SurfaceSpectrum>>(
+      m, "SurfaceSpectrum", "The spectrum of samples on a surface, from their differentials.")
+      .def_readonly("runs", &SurfaceSpectrum::runs, "Number of sets of samples.")
+      .def_readonly("centres", &SurfaceSpectrum::centres,
+                    "Samples farther than the radius from any border, over all runs.")
+      .def_readonly("radius", &SurfaceSpectrum::radius, "Of the neighbourhood, in spacings.")
+      .def_readonly("bins", &SurfaceSpectrum::bins, "Of the differentials on either axis.")
+      .def_property_readonly("differentials", square_property(&SurfaceSpectrum::differentials),
+                             "(bins, bins) float64 over [-radius, radius]^2, [y, x]: "
+                             "differentials found / expected of white noise; nan beyond the "
+                             "radius.")
+      .def_readonly("radial_differentials", &SurfaceSpectrum::radial_differentials,
+                    "RadialStatistics of the differentials, in spacings.")
+      .def_readonly("half_width", &SurfaceSpectrum::half_width, "Of the power, in steps.")
+      .def_property_readonly("power", square_property(&SurfaceSpectrum::power),
+                             "(2 half_width + 1, 2 half_width + 1) float64: power at [f_y, f_x], "
+                             "1 for white noise.")
+      .def_readonly("radial_power", &SurfaceSpectrum::radial_power,
+                    "RadialStatistics of the power, in sqrt(n / area).")
+      .def_readonly("frequency_step", &SurfaceSpectrum::frequency_step, "In sqrt(n / area).");
+}
+
+}  // namespace
+
+void bind_analysis(py::module_& m) {
+  bind_spectra(m);
+  m.def("analyse", &analyse_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
+        py::arg("capacity_weight") = 30.0,
+        R"(Measure samples, wherever they come from: evenness, pattern and energy.
+
+Args:
+    surface: the Surface they lie on.
+    samples: Samples, or (n, 3) float64 points, which are bound where the surface is nearest.
+    capacity_weight: lambda of the energy.
+
+Returns:
+    Report; what tells of the making stays at its default.
+
+Raises:
+    ValueError: naming the first point that is not finite or face out of range.)");
+  m.def("spectrum", &plane_spectrum, py::arg("runs"), py::kw_only(), py::arg("half_width") = 0,
+        py::arg("threads") = 0, py::arg("context") = ContextPtr(),
+        R"(Power spectrum of points on the unit torus or square, averaged over runs, by direct sums.
+
+Schloemer and Deussen, Accurate Spectral Analysis of Two-Dimensional Point Sets, 2011.
+
+Args:
+    runs: (n, 2) float64 in [0, 1], or a sequence of such arrays.
+    half_width: largest frequency on either axis; 0 is 3 sqrt(n).
+    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
+    context: a Context for progress and cancel.
+
+Returns:
+    Spectrum.
+
+Raises:
+    ValueError: naming the first run without points, or point that is not finite or outside.
+    Cancelled: through the context.)");
+  m.def("surface_spectrum", &differential_spectrum, py::arg("surface"), py::arg("runs"),
+        py::kw_only(), py::arg("radius") = 5.0, py::arg("bins") = 128, py::arg("threads") = 0,
+        py::arg("context") = ContextPtr(),
+        R"(Spectrum of samples on a surface from the differentials between them, averaged over runs.
+
+Wei and Wang, Differential Domain Analysis for Non-Uniform Sampling, 2011, with the approximate
+geodesic distance of Bowers et al., Parallel Poisson Disk Sampling with Spectrum Analysis on
+Surfaces, 2010. Samples nearer to a border than the radius are no centres of differentials.
+
+Args:
+    surface: a Surface.
+    runs: Samples or (n, 3) float64 points on it, or a sequence of such.
+    radius: of the neighbourhood that is looked at, in (local) spacings.
+    bins: of the differentials on either axis; even.
+    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
+    context: a Context for progress and cancel.
+
+Returns:
+    SurfaceSpectrum.
+
+Raises:
+    ValueError: naming the first run with fewer than two samples, point that is not finite or option
+        out of range; or no sample is farther than the radius from the border.
+    Cancelled: through the context.)");
+}
+
+}  // namespace dapple::python
