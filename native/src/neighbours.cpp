@@ -10,8 +10,8 @@ struct Neighbours::Tree {
   struct PointSet {
     std::span<const Vec3> points;
     [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
-    [[nodiscard]] double kdtree_get_pt(std::size_t index, std::size_t axis) const {
-      return points[index][static_cast<Eigen::Index>(axis)];
+    [[nodiscard]] double kdtree_get_pt(std::size_t point, std::size_t axis) const {
+      return points[point][static_cast<Eigen::Index>(axis)];
     }
     template <typename Box>
     bool kdtree_get_bbox(Box&) const {
