@@ -49,7 +49,7 @@ tidy_one() {
   key=$(sha256sum "$1" | cut -d ' ' -f 1)-$2
   [ ! -f "build/tidy/$key" ] || return 0
   clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option "$1" 2>&1 |
-    sed '/^[0-9]* warnings\{0,1\} generated/d' && touch "build/tidy/$key"
+    sed '/^[0-9]* warnings\{0,1\}.* generated/d' && touch "build/tidy/$key"
 }
 export -f tidy_one
 
