@@ -5,10 +5,12 @@
 #include <dapple/neighbours.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <numeric>
+#include <optional>
 
 #include "integrate.hpp"
 #include "parallel.hpp"
 #include "polygon.hpp"
+#include "site_graph.hpp"
 
 namespace dapple {
 namespace {
@@ -40,6 +42,69 @@ struct OrderedSites {
   }
 };
 
+/// Knows which sites are near: from a tree, or from a graph of the sites whose cells touch.
+class SiteIndex {
+ public:
+  /// The arguments must outlive the index. \param graph of the caller's sites, or null
+  SiteIndex(const OrderedSites& sites, const SiteGraph* graph) : sites_(&sites), graph_(graph) {
+    if (!graph) {
+      tree_.emplace(sites.positions);
+      return;
+    }
+    ordered_.resize(sites.original.size());
+    for (std::size_t k = 0; k < ordered_.size(); ++k)
+      ordered_[static_cast<std::size_t>(sites.original[k])] = static_cast<std::int32_t>(k);
+  }
+
+  [[nodiscard]] const Neighbours* tree() const { return tree_ ? &*tree_ : nullptr; }
+  [[nodiscard]] std::span<const SiteGraph::Link> links(std::int32_t site) const {
+    return graph_->of(static_cast<std::size_t>(original(site)));
+  }
+  [[nodiscard]] std::int32_t ordered(std::int32_t original) const {
+    return ordered_[static_cast<std::size_t>(original)];
+  }
+
+  /// Only the way there depends on `from`, a site that is better near.
+  [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const {
+    if (!tree_) return walk(point, from);
+    std::vector<Neighbour> found;
+    tree_->nearest(point, 1, found);
+    return found[0].index;
+  }
+
+ private:
+  [[nodiscard]] std::int32_t original(std::int32_t site) const {
+    return sites_->original[static_cast<std::size_t>(site)];
+  }
+
+  // In a Delaunay triangulation every site but the nearest has a neighbour that is nearer.
+  [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const {
+    double best = squared_distance(point, site);
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const SiteGraph::Link& link : links(site)) {
+        const std::int32_t j = ordered(link.site);
+        const double squared = squared_distance(point, j);
+        if (squared > best || (squared == best && link.site >= original(site))) continue;
+        best = squared;
+        site = j;
+        moved = true;
+        break;
+      }
+    }
+    return site;
+  }
+
+  [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
+    return (sites_->positions[static_cast<std::size_t>(site)] - point).squaredNorm();
+  }
+
+  const OrderedSites* sites_;
+  const SiteGraph* graph_;
+  std::optional<Neighbours> tree_;     // without a graph
+  std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
+};
+
 /// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x
 /// relative to the site.
 struct Bisector {
@@ -52,12 +117,15 @@ struct Bisector {
 /// The bisectors of one site in order of distance, fetched as far as someone asks.
 class Bisectors {
  public:
-  Bisectors(const OrderedSites& sites, const Neighbours& tree) : sites_(&sites), tree_(&tree) {}
+  Bisectors(const OrderedSites& sites, const SiteIndex& index) : sites_(&sites), index_(&index) {}
 
   void reset(std::int32_t site) {
     site_ = site;
     fetched_ = 0;
-    fetch(kFirstNeighbours + 1);
+    if (index_->tree())
+      fetch(kFirstNeighbours + 1);
+    else
+      take_links();
   }
 
   /// Bisector k, or null if there are no more sites.
@@ -69,7 +137,7 @@ class Bisectors {
  private:
   void fetch(std::size_t count) {
     const Vec3& x = sites_->positions[static_cast<std::size_t>(site_)];
-    tree_->nearest(x, count, found_);
+    index_->tree()->nearest(x, count, found_);
     fetched_ = found_.size();
     bisectors_.clear();
     for (const Neighbour& found : found_) {
@@ -78,6 +146,14 @@ class Bisectors {
       bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), found.index});
     }
     settle();
+  }
+
+  void take_links() {
+    bisectors_.clear();
+    for (const auto& [site, d] : index_->links(site_))
+      bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), index_->ordered(site)});
+    settled_ = bisectors_.size();
+    fetched_ = sites_->positions.size();
   }
 
   // Which of several sites at the last distance were found is an accident of the tree: they count
@@ -90,7 +166,7 @@ class Bisectors {
   }
 
   const OrderedSites* sites_;
-  const Neighbours* tree_;
+  const SiteIndex* index_;
   std::int32_t site_ = 0;
   std::size_t fetched_ = 0;
   std::size_t settled_ = 0;
@@ -101,10 +177,10 @@ class Bisectors {
 /// Walks the pieces of one cell after another; one per thread.
 class CellFlood {
  public:
-  CellFlood(const Surface& surface, const OrderedSites& sites, const Neighbours& tree)
+  CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
       : surface_(&surface),
         sites_(&sites),
-        bisectors_(sites, tree),
+        bisectors_(sites, index),
         stamps_(surface.face_count(), 0) {}
 
   /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell: see
@@ -317,12 +393,14 @@ struct Coverage {
 
 class Builder {
  public:
-  Builder(const Surface& surface, const Sites& sites, const Context* context)
+  Builder(const Surface& surface, const Sites& sites, const SiteGraph* graph,
+          const Context* context)
       : surface_(surface),
         sites_(surface, sites),
-        tree_(sites_.positions),
+        index_(sites_, graph),
+        whole_(graph && graph->periodic),
         context_(context),
-        floods_([this] { return CellFlood(surface_, sites_, tree_); }) {}
+        floods_([this] { return CellFlood(surface_, sites_, index_); }) {}
 
   RestrictedVoronoi build() {
     result_.cells.resize(count());
@@ -330,7 +408,7 @@ class Builder {
     std::vector<std::int32_t> all(count());
     std::iota(all.begin(), all.end(), 0);
     integrate(all);
-    if (missing_area()) {
+    if (!whole_ && missing_area()) {
       seeds_ = find_orphans();
       integrate(seeded_sites());
     }
@@ -444,9 +522,7 @@ class Builder {
   /// piece too.
   std::vector<Seed> owners(std::int32_t face) {
     CellFlood& flood = floods_.local();
-    std::vector<Neighbour> nearest;
-    tree_.nearest(surface_.geometry(face).centroid, 1, nearest);
-    std::vector<std::int32_t> known = {nearest[0].index};
+    std::vector<std::int32_t> known = {nearest_to(face)};
     std::vector<Seed> result;
     for (std::size_t k = 0; k < known.size(); ++k) {
       if (!flood.reset(known[k]) && !flood.reset(flood.owner())) continue;
@@ -460,6 +536,12 @@ class Builder {
         if (corner.edge >= 0) add(flood.bisector(corner.edge).site);
     }
     return result;
+  }
+
+  [[nodiscard]] std::int32_t nearest_to(std::int32_t face) const {
+    const auto near = std::lower_bound(sites_.faces.begin(), sites_.faces.end() - 1, face);
+    return index_.nearest(surface_.geometry(face).centroid,
+                          static_cast<std::int32_t>(near - sites_.faces.begin()));
   }
 
   [[nodiscard]] std::vector<std::int32_t> seeded_sites() const {
@@ -487,7 +569,8 @@ class Builder {
 
   const Surface& surface_;
   OrderedSites sites_;
-  Neighbours tree_;
+  SiteIndex index_;
+  bool whole_;  // no cell can have parts that its site does not reach
   const Context* context_;
   tbb::enumerable_thread_specific<CellFlood> floods_;
   std::vector<std::vector<Coverage>> pieces_;  // of the last floods, per chunk
@@ -499,11 +582,16 @@ class Builder {
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                      const Context* context) {
-  return Builder(surface, sites, context).build();
+  return Builder(surface, sites, nullptr, context).build();
+}
+
+RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
+                                     const SiteGraph& graph, const Context* context) {
+  return Builder(surface, sites, &graph, context).build();
 }
 
 std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites) {
-  return Builder(surface, sites, nullptr).polygons();
+  return Builder(surface, sites, nullptr, nullptr).polygons();
 }
 
 }  // namespace dapple
