@@ -30,7 +30,6 @@ bool holds_rows(const py::object& runs) {
   if (py::isinstance<py::array>(runs)) return runs.cast<py::array>().ndim() != 3;
   if (!py::isinstance<py::sequence>(runs) || py::len(runs) == 0) return false;
   const py::array first = py::array::ensure(runs[py::int_(0)]);
-  if (!first) PyErr_Clear();
   return first && first.ndim() == 1;
 }
 

@@ -73,8 +73,11 @@ struct SurfaceSpectrum {
   /// 1 + the Fourier transform of (pair correlation - 1), faded out towards the radius by
   /// cos^2(pi r / (2 radius)); white noise is 1, f = 0 is left at what the transform gives.
   std::vector<double> power;
-  RadialStatistics radial_power;  ///< over annuli as wide as a step
-  double frequency_step = 0.0;    ///< in sqrt(n / A), the unit of Spectrum's f / sqrt(n)
+  /// Over annuli as wide as a step. Estimates at near frequencies depend on each other, so white
+  /// noise has no level of anisotropy to compare with, and where the mean is close to 0 what is
+  /// left of the estimates' error makes the anisotropy large.
+  RadialStatistics radial_power;
+  double frequency_step = 0.0;  ///< in sqrt(n / A), the unit of Spectrum's f / sqrt(n)
 };
 
 /// \param runs samples of the same surface
