@@ -26,21 +26,9 @@ missing_packages() {
     <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort)
 }
 
-as_root() {
-  if [ "$(id -u)" -eq 0 ]; then
-    "$@"
-  elif command -v sudo >/dev/null; then
-    sudo "$@"
-  else
-    fail "packages are missing (${missing[*]}) and there is neither root nor sudo to install them"
-  fi
-}
-
-install_packages() {
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get -q update &&
-    as_root env DEBIAN_FRONTEND=noninteractive \
-      apt-get -q -y install --no-install-recommends "${missing[@]}"
-}
+# Waits for another package manager that may be at work.
+apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@"; }
+install_packages() { apt update && apt install -y --no-install-recommends "${missing[@]}"; }
 
 create_venv() {
   /usr/bin/python3 -m venv --clear "$venv" &&
@@ -62,6 +50,11 @@ flock -n 9 || { echo '== waiting for another set-up of this folder'; flock 9; }
 mapfile -t missing < <(missing_packages)
 if [ "${#missing[@]}" -gt 0 ]; then
   echo "   missing packages: ${missing[*]}"
+  sudo=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || fail 'they can be installed by root or with sudo only'
+    sudo=(sudo)
+  fi
   stage 'system packages' install_packages
 fi
 
