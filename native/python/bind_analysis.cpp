@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
 
@@ -76,8 +77,9 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
   const auto sets = each_run(runs, is_one, [&](const char* name, const py::object& run) {
     return samples_of(surface, name, run);
   });
-  std::vector<const Samples*> pointers;
-  for (const SamplesPtr& samples : sets) pointers.push_back(samples.get());
+  std::vector<const Samples*> pointers(sets.size());
+  std::transform(sets.begin(), sets.end(), pointers.begin(),
+                 [](const SamplesPtr& samples) { return samples.get(); });
   const SurfaceSpectrumOptions options{radius, bins, threads};
   const py::gil_scoped_release released;
   return std::make_shared<SurfaceSpectrum>(

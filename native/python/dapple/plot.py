@@ -38,13 +38,13 @@ def points(positions: ArrayLike | Samples, *, title: str = "") -> "Figure":
         ValueError: for an array of another shape.
         ImportError: matplotlib is not installed.
     """
-    samples = positions if isinstance(positions, Samples) else None
-    array = np.asarray(samples.positions if samples else positions)
+    classes = positions.classes if isinstance(positions, Samples) else None
+    array = np.asarray(positions.positions if isinstance(positions, Samples) else positions)
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise ValueError(f"positions has the shape {array.shape}: (n, 2) or (n, 3) is needed")
     figure, axes = _figure(SQUARE, title)
-    many = samples is not None and len(np.unique(samples.classes)) > 1
-    colours: dict[str, Any] = {"c": samples.classes, "cmap": "tab10"} if many else {"color": INK}
+    many = classes is not None and len(np.unique(classes)) > 1
+    colours: dict[str, Any] = {"c": classes, "cmap": "tab10"} if many else {"color": INK}
     size = float(np.clip(4000.0 / max(len(array), 1), 0.5, 30.0))
     axes[0].scatter(array[:, 0], array[:, 1], s=size, linewidths=0, **colours)
     axes[0].set(aspect="equal", xlabel="x", ylabel="y")
