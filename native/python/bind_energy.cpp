@@ -10,14 +10,17 @@ namespace dapple::python {
 namespace {
 
 std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& positions,
-                                  const py::object& faces, double capacity_weight) {
+                                  const py::object& faces, double capacity_weight,
+                                  const std::string& cells) {
   const DoubleArray points = doubles("positions", positions, 3);
   const IntArray held = integers("faces", faces, 0);
   const auto p = as_points(points);
   const auto f = as_span(held);
+  const Cells chosen = cells_named(cells);
   const py::gil_scoped_release released;
-  return std::make_shared<Energy>(
-      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}}, capacity_weight));
+  return std::make_shared<Energy>(evaluate_energy(surface,
+                                                  Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
+                                                  capacity_weight, nullptr, chosen));
 }
 
 /// One number of every cell.
@@ -25,6 +28,7 @@ template <typename Member>
 auto cell_property(Member Moments::*member) {
   return [member](const Energy& energy) {
     std::vector<double> values;
+    values.reserve(energy.diagram.cells.size());
     for (const Moments& cell : energy.diagram.cells) values.push_back(cell.*member);
     return give(std::move(values));
   };
@@ -51,7 +55,7 @@ void bind_energy(py::module_& m) {
                              "(n, 3) float64: dE/dx in space, not yet tangential.");
 
   m.def("energy", &energy_at, py::arg("surface"), py::arg("positions"), py::arg("faces"),
-        py::kw_only(), py::arg("capacity_weight") = 30.0,
+        py::kw_only(), py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
         R"(Evaluate the energy and its gradient over the restricted Voronoi diagram.
 
 E = sum of the integrals of density^2 |x - x_i|^2 + capacity_weight * sum of the squared capacities
@@ -62,6 +66,7 @@ Args:
     positions: (n, 3) float64, on the surface.
     faces: (n,) int32, the faces that hold them.
     capacity_weight: lambda >= 0; the paper finds 20..100 useful.
+    cells: 'connected' or 'euclidean', as for sample().
 
 Returns:
     Energy.

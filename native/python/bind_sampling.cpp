@@ -39,10 +39,12 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t cou
                                         std::uint64_t seed, double capacity_weight,
                                         double gap_weight, double tolerance, int max_evaluations,
                                         const std::string& method, const std::string& start,
-                                        int threads, const ContextPtr& context) {
+                                        const std::string& cells, int threads,
+                                        const ContextPtr& context) {
   SampleOptions options;
   options.seed = seed;
   options.start = start_named(start);
+  options.cells = cells_named(cells);
   options.optimizer =
       optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
   options.threads = threads;
@@ -66,9 +68,13 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
 std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
                                       double capacity_weight, double gap_weight, double tolerance,
                                       int max_evaluations, double max_slide,
-                                      const std::string& method, int threads) {
-  TrackerOptions options{
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method), threads};
+                                      const std::string& method, const std::string& cells,
+                                      int threads) {
+  TrackerOptions options;
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+  options.cells = cells_named(cells);
+  options.threads = threads;
   options.optimizer.max_slide = max_slide;
   const py::gil_scoped_release released;
   return std::make_shared<Tracker>(surface, samples, options);
@@ -161,8 +167,8 @@ void bind_samplers(py::module_& m) {
   m.def("sample", &sample_surface, py::arg("surface"), py::arg("count"), py::kw_only(),
         py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
         py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
-        py::arg("method") = "trust_region", py::arg("start") = "poisson", py::arg("threads") = 0,
-        py::arg("context") = nullptr,
+        py::arg("method") = "trust_region", py::arg("start") = "poisson",
+        py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
 
 Minimises the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
@@ -179,6 +185,8 @@ Args:
     max_evaluations: of the energy, >= 1.
     method: 'trust_region', or 'line_search' (plain L-BFGS, as in the paper).
     start: 'poisson' (Poisson-disk set) or 'random' (white noise, as in the paper).
+    cells: 'connected' (cells follow the surface: what a site cannot reach along it goes to one that can), or
+        'euclidean' (to the nearest in space, as in the paper).
     threads: 0 for as many as the machine has.
     context: a Context to watch and cancel it by.
 
@@ -198,7 +206,7 @@ the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
 Args:
     surface: the Surface of the first frame.
     samples: its Samples.
-    capacity_weight, gap_weight, tolerance, method, threads: as for sample().
+    capacity_weight, gap_weight, tolerance, method, cells, threads: as for sample().
     max_evaluations: of the energy, per frame.
     max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
         violent frame evenness is caught up over the next ones.
@@ -208,7 +216,8 @@ Raises:
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
            py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
            py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 30,
-           py::arg("max_slide") = 0.45, py::arg("method") = "trust_region", py::arg("threads") = 0)
+           py::arg("max_slide") = 0.45, py::arg("method") = "trust_region",
+           py::arg("cells") = "connected", py::arg("threads") = 0)
       .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the tracker is unchanged if this raises.

@@ -4,6 +4,8 @@
 #include <pybind11/pybind11.h>
 
 #include <dapple/context.hpp>
+#include <dapple/errors.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <memory>
 
 #include "arrays.hpp"
@@ -22,6 +24,13 @@ inline std::size_t checked_count(std::int64_t count) {
   if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
     throw ArgumentError("count is " + std::to_string(count) + ": it must be in 0..2147483647");
   return static_cast<std::size_t>(count);
+}
+
+/// \throw ArgumentError for another name
+inline Cells cells_named(const std::string& name) {
+  if (name == "connected") return Cells::kConnected;
+  if (name == "euclidean") return Cells::kEuclidean;
+  throw ArgumentError("cells is '" + name + "': it must be 'connected' or 'euclidean'");
 }
 
 // Each binds one subject; the order in module.cpp matters, since signatures name the types bound

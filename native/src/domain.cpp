@@ -4,6 +4,7 @@
 #include <dapple/domain.hpp>
 #include <numbers>
 
+#include "local_projection.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -14,12 +15,13 @@ double Domain::spacing(std::size_t count) const {
 }
 
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
-  return restricted_voronoi(surface_, sites, context);
+  return restricted_voronoi(surface_, sites, context, cells_);
 }
 
 Sites SurfaceDomain::project(std::span<const Vec3> points,
                              std::span<const std::int32_t> hints) const {
   Projection found = projector_.project(points, hints);
+  if (!hints.empty()) LocalProjection(surface_).mend(points, hints, found);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 

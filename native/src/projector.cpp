@@ -36,7 +36,7 @@ struct Device {
 }  // namespace
 
 struct Projector::Scene {
-  explicit Scene(const Surface& s);
+  Scene(const Surface& s, bool support_only);
   ~Scene() { rtcReleaseScene(handle); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -45,6 +45,7 @@ struct Projector::Scene {
   void attach_triangles();
 
   Surface surface;
+  std::vector<std::int32_t> faces;  // ordered faces that Embree knows, by its index
   Device device;
   RTCScene handle;
   Vec3 centre;
@@ -56,6 +57,7 @@ namespace {
 /// The best candidate so far for one query point.
 struct Query {
   const Surface* surface;
+  const std::vector<std::int32_t>* faces;
   double scale;
   Vec3 point;
   double squared_distance = std::numeric_limits<double>::infinity();
@@ -83,7 +85,7 @@ struct Query {
 
 bool visit(RTCPointQueryFunctionArguments* arguments) {
   Query& query = *static_cast<Query*>(arguments->userPtr);
-  query.consider(static_cast<std::int32_t>(arguments->primID));
+  query.consider((*query.faces)[arguments->primID]);
   const float radius = query.radius();
   if (!(radius < arguments->query->radius)) return false;
   arguments->query->radius = radius;
@@ -92,7 +94,10 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
 
 }  // namespace
 
-Projector::Scene::Scene(const Surface& s) : surface(s), handle(rtcNewScene(device.handle)) {
+Projector::Scene::Scene(const Surface& s, bool support_only)
+    : surface(s), handle(rtcNewScene(device.handle)) {
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
+    if (!support_only || surface.geometry(f).moments.capacity > 0.0) faces.push_back(f);
   Vec3 low = surface.vertex(0);
   Vec3 high = low;
   for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
@@ -115,22 +120,34 @@ void Projector::Scene::attach_triangles() {
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
   }
-  auto* index = static_cast<unsigned*>(
-      rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(unsigned), surface.face_count()));
-  for (std::size_t f = 0; f < surface.face_count(); ++f)
+  auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), faces.size()));
+  for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
-      index[3 * f + k] = static_cast<unsigned>(surface.corners(static_cast<std::int32_t>(f))[k]);
+      index[3 * f + k] = static_cast<unsigned>(surface.corners(faces[f])[k]);
   rtcSetGeometryPointQueryFunction(triangles, visit);
   rtcCommitGeometry(triangles);
   rtcAttachGeometry(handle, triangles);
   rtcReleaseGeometry(triangles);
 }
 
-Projector::Projector(const Surface& surface) : scene_(std::make_unique<Scene>(surface)) {}
+Projector::Projector(const Surface& surface, bool support_only)
+    : scene_(std::make_unique<Scene>(surface, support_only)) {}
 Projector::~Projector() = default;
 Projector::Projector(Projector&&) noexcept = default;
 Projector& Projector::operator=(Projector&&) noexcept = default;
+
+namespace {
+
+/// Any face will do to begin with, as long as Embree knows it.
+template <typename Scene>
+std::int32_t first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
+  if (hints.empty()) return scene.faces[0];
+  const std::int32_t face = scene.surface.ordered_face(hints[k]);
+  return std::binary_search(scene.faces.begin(), scene.faces.end(), face) ? face : scene.faces[0];
+}
+
+}  // namespace
 
 Projection Projector::project(std::span<const Vec3> points,
                               std::span<const std::int32_t> hints) const {
@@ -144,8 +161,8 @@ Projection Projector::project(std::span<const Vec3> points,
                     std::vector<Vec3>(count), std::vector<double>(count)};
   parallel_chunks(count, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      Query query{&scene_->surface, scene_->scale, points[k]};
-      query.consider(hints.empty() ? 0 : scene_->surface.ordered_face(hints[k]));
+      Query query{&scene_->surface, &scene_->faces, scene_->scale, points[k]};
+      query.consider(first_guess(*scene_, hints, k));
       const Vec3 unit = scene_->to_unit(points[k]);
       RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
       RTCPointQueryContext context;

@@ -10,6 +10,7 @@
 #include "integrate.hpp"
 #include "parallel.hpp"
 #include "polygon.hpp"
+#include "shared_faces.hpp"
 #include "site_graph.hpp"
 
 namespace dapple {
@@ -128,6 +129,20 @@ class Bisectors {
       take_links();
   }
 
+  /// Only with some other sites, sorted; all of them are known at once.
+  void reset_among(std::int32_t site, std::span<const std::int32_t> others) {
+    site_ = site;
+    fetched_ = sites_->positions.size();
+    bisectors_.clear();
+    for (const std::int32_t other : others)
+      if (other != site) add(other);
+    std::stable_sort(bisectors_.begin(), bisectors_.end(),
+                     [](const Bisector& a, const Bisector& b) {
+                       return a.squared_distance < b.squared_distance;
+                     });
+    settled_ = bisectors_.size();
+  }
+
   /// Bisector k, or null if there are no more sites.
   const Bisector* at(std::size_t k) {
     while (k >= settled_ && fetched_ < sites_->positions.size()) fetch(2 * fetched_);
@@ -136,16 +151,20 @@ class Bisectors {
 
  private:
   void fetch(std::size_t count) {
-    const Vec3& x = sites_->positions[static_cast<std::size_t>(site_)];
-    index_->tree()->nearest(x, count, found_);
+    index_->tree()->nearest(sites_->positions[static_cast<std::size_t>(site_)], count, found_);
     fetched_ = found_.size();
     bisectors_.clear();
-    for (const Neighbour& found : found_) {
-      if (found.index == site_) continue;
-      const Vec3 d = sites_->positions[static_cast<std::size_t>(found.index)] - x;
-      bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), found.index});
-    }
+    for (const Neighbour& found : found_)
+      if (found.index != site_) add(found.index);
     settle();
+  }
+
+  void add(std::int32_t other) {
+    const auto position = [&](std::int32_t k) {
+      return sites_->positions[static_cast<std::size_t>(k)];
+    };
+    const Vec3 d = position(other) - position(site_);
+    bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), other});
   }
 
   void take_links() {
@@ -193,6 +212,12 @@ class CellFlood {
       if (original(b->site) < original(owner_)) owner_ = b->site;
     }
     return owner_ == site_;
+  }
+
+  /// Turn to a site that competes with `others` only.
+  void reset_among(std::int32_t site, std::span<const std::int32_t> others) {
+    site_ = owner_ = site;
+    bisectors_.reset_among(site, others);
   }
 
   [[nodiscard]] std::int32_t owner() const { return owner_; }
@@ -308,17 +333,23 @@ class CellIntegrals {
 
   [[nodiscard]] const Moments& moments() const { return moments_; }
 
-  /// Append the boundaries with the caller's site indices; returns how many.
-  std::size_t append_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out) const {
-    std::size_t count = 0;
+  /// Move on to other bisectors: merge what was found with those used so far into `out`, by site.
+  void flush_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out) {
     for (std::size_t k = 0; k < boundary_.size(); ++k) {
       if (boundary_[k].length <= 0.0) continue;
       const Bisector& bisector = flood_->bisector(static_cast<std::int32_t>(k));
-      out.push_back({sites.original[static_cast<std::size_t>(bisector.site)], boundary_[k].flux,
-                     bisector.normal, boundary_[k].length});
-      ++count;
+      const std::int32_t j = sites.original[static_cast<std::size_t>(bisector.site)];
+      const auto known = std::find_if(out.begin(), out.end(), [&](const CellBoundary& side) {
+        return side.neighbour == j && side.offset == bisector.normal;
+      });
+      if (known == out.end()) {
+        out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length});
+      } else {
+        known->flux += boundary_[k].flux;
+        known->length += boundary_[k].length;
+      }
     }
-    return count;
+    boundary_.clear();
   }
 
  private:
@@ -378,27 +409,15 @@ class CellIntegrals {
   double at_site_ = 1.0;
 };
 
-/// A face from which a site's flood must start besides the one that holds it.
-struct Seed {
-  std::int32_t site;  // ordered
-  std::int32_t face;  // ordered
-  auto operator<=>(const Seed&) const = default;
-};
-
-/// A piece found by a flood.
-struct Coverage {
-  std::int32_t face;
-  double area;
-};
-
 class Builder {
  public:
-  Builder(const Surface& surface, const Sites& sites, const SiteGraph* graph,
+  Builder(const Surface& surface, const Sites& sites, const SiteGraph* graph, Cells cells,
           const Context* context)
       : surface_(surface),
         sites_(surface, sites),
         index_(sites_, graph),
         whole_(graph && graph->periodic),
+        connected_(cells == Cells::kConnected),
         context_(context),
         floods_([this] { return CellFlood(surface_, sites_, index_); }) {}
 
@@ -409,8 +428,7 @@ class Builder {
     std::iota(all.begin(), all.end(), 0);
     integrate(all);
     if (!whole_ && missing_area()) {
-      seeds_ = find_orphans();
-      integrate(seeded_sites());
+      give_away_orphans();
     }
     pieces_.clear();
     return std::move(result_);
@@ -431,15 +449,46 @@ class Builder {
  private:
   [[nodiscard]] std::size_t count() const { return sites_.positions.size(); }
 
-  /// The faces to flood a cell from.
-  std::vector<std::int32_t> starts(std::int32_t site) const {
-    std::vector<std::int32_t> faces = {sites_.faces[static_cast<std::size_t>(site)]};
-    for (auto it = std::lower_bound(seeds_.begin(), seeds_.end(), Seed{site, -1});
-         it != seeds_.end(); ++it) {
-      if (it->site != site) break;
-      faces.push_back(it->face);
+  /// A site's shares of orphans, as a range of shares_.
+  [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const {
+    const auto first = std::lower_bound(shares_.begin(), shares_.end(), Share{site, -1});
+    const auto last = std::lower_bound(first, shares_.end(), Share{site + 1, -1});
+    return {first, last};
+  }
+
+  /// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change
+  /// of bisectors. Orphans with owners are divided among these; what floods found there is void.
+  template <typename Visit, typename Flush>
+  void for_each_piece(CellFlood& flood, std::int32_t site, const Visit& visit, const Flush& flush) {
+    if (!flood.reset(site)) return;
+    flood.flood(starts(site), [&](std::int32_t face, bool whole) {
+      if (!is_divided(face)) visit(face, whole);
+    });
+    flush();
+    if (!connected_) return;
+    for (const Share& share : shares_of(site)) {
+      flood.reset_among(site, owners_of(share.face));
+      const bool whole = flood.clip(share.face);
+      if (flood.polygon().empty()) continue;
+      visit(share.face, whole);
+      flush();
     }
+  }
+
+  /// The faces to flood a Euclidean cell from; a connected one is flooded from its site alone.
+  [[nodiscard]] std::vector<std::int32_t> starts(std::int32_t site) const {
+    std::vector<std::int32_t> faces = {sites_.faces[static_cast<std::size_t>(site)]};
+    if (!connected_)
+      for (const Share& share : shares_of(site)) faces.push_back(share.face);
     return faces;
+  }
+
+  [[nodiscard]] bool is_divided(std::int32_t face) const {
+    return connected_ && !divided_.empty() && !owners_of(face).empty();
+  }
+  [[nodiscard]] std::span<const std::int32_t> owners_of(std::int32_t face) const {
+    const auto f = static_cast<std::size_t>(face);
+    return std::span(owners_).subspan(divided_[f], divided_[f + 1] - divided_[f]);
   }
 
   void integrate(std::span<const std::int32_t> sites) {
@@ -464,17 +513,20 @@ class Builder {
                        std::vector<Coverage>& pieces) {
     CellFlood& flood = floods_.local();
     CellIntegrals integrals(surface_, flood);
+    std::vector<CellBoundary> boundary;
     for (const std::int32_t s : sites) {
       integrals.reset();
-      row(s) = {boundaries.size(), 0};
-      if (flood.reset(s)) {
-        flood.flood(starts(s), [&](std::int32_t face, bool whole) {
-          const double before = integrals.moments().area;
-          integrals.add(face, whole);
-          pieces.push_back({face, integrals.moments().area - before});
-        });
-        row(s).count = integrals.append_boundary(sites_, boundaries);
-      }
+      boundary.clear();
+      for_each_piece(
+          flood, s,
+          [&](std::int32_t face, bool whole) {
+            const double before = integrals.moments().area;
+            integrals.add(face, whole);
+            pieces.push_back({s, face, integrals.moments().area - before});
+          },
+          [&] { integrals.flush_boundary(sites_, boundary); });
+      row(s) = {boundaries.size(), boundary.size()};
+      boundaries.insert(boundaries.end(), boundary.begin(), boundary.end());
       result_.cells[original(s)] = integrals.moments();
     }
   }
@@ -490,40 +542,78 @@ class Builder {
     return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
   }
 
-  /// The area of each face that the floods have reached, summed in the order of the sites.
-  [[nodiscard]] std::vector<double> covered_area() const {
-    std::vector<double> covered(surface_.face_count(), 0.0);
-    for (const auto& chunk : pieces_)
-      for (const Coverage& piece : chunk)
-        covered[static_cast<std::size_t>(piece.face)] += piece.area;
-    return covered;
+  /// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
+  /// that this changes again.
+  void give_away_orphans() {
+    std::vector<Coverage> pieces;
+    for (const auto& chunk : pieces_) pieces.insert(pieces.end(), chunk.begin(), chunk.end());
+    std::vector<std::int32_t> orphans = find_orphans(surface_, pieces);
+    std::vector<std::int32_t> changed;
+    if (connected_) {
+      for (const Coverage& piece : pieces)
+        if (std::binary_search(orphans.begin(), orphans.end(), piece.face))
+          changed.push_back(piece.site);
+      shares_ = share_orphans(surface_, pieces, orphans,
+                              [this](std::int32_t face, const std::vector<std::int32_t>& sites) {
+                                return winners(face, sites);
+                              });
+      orphans = without_owner(orphans);
+    }
+    add_nearest_owners(orphans);
+    index_owners();
+    for (const Share& share : shares_) changed.push_back(share.site);
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    integrate(changed);
   }
 
-  /// For every face that the floods left uncovered: all sites whose (Euclidean) cells meet it.
-  std::vector<Seed> find_orphans() {
-    const std::vector<double> covered = covered_area();
-    std::vector<std::int32_t> orphans;
-    for (std::size_t f = 0; f < covered.size(); ++f) {
-      const double area = surface_.geometry(static_cast<std::int32_t>(f)).moments.area;
-      if (area - covered[f] > 1e-9 * area) orphans.push_back(static_cast<std::int32_t>(f));
+  /// Of the candidates, those that own something of the face when only they compete.
+  std::vector<std::int32_t> winners(std::int32_t face,
+                                    const std::vector<std::int32_t>& candidates) {
+    CellFlood& flood = floods_.local();
+    std::vector<std::int32_t> result;
+    for (const std::int32_t site : candidates) {
+      flood.reset_among(site, candidates);
+      flood.clip(face);
+      if (!flood.polygon().empty()) result.push_back(site);
     }
-    std::vector<std::vector<Seed>> found(orphans.size());
-    parallel_chunks(orphans.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    return result;
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> without_owner(std::vector<std::int32_t> faces) const {
+    std::vector<bool> owned(surface_.face_count(), false);
+    for (const Share& share : shares_) owned[static_cast<std::size_t>(share.face)] = true;
+    std::erase_if(faces, [&](std::int32_t face) { return owned[static_cast<std::size_t>(face)]; });
+    return faces;
+  }
+
+  /// Euclidean cells, and components without any site: the sites nearest in space.
+  void add_nearest_owners(std::span<const std::int32_t> faces) {
+    std::vector<std::vector<Share>> found(faces.size());
+    parallel_chunks(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       if (context_) context_->check();
-      for (std::size_t k = begin; k < end; ++k) found[k] = owners(orphans[k]);
+      for (std::size_t k = begin; k < end; ++k) found[k] = nearest_owners(faces[k]);
     });
-    std::vector<Seed> seeds;
-    for (const auto& part : found) seeds.insert(seeds.end(), part.begin(), part.end());
-    std::sort(seeds.begin(), seeds.end());
-    return seeds;
+    for (const auto& part : found) shares_.insert(shares_.end(), part.begin(), part.end());
+    std::sort(shares_.begin(), shares_.end());
+  }
+
+  void index_owners() {
+    divided_.assign(surface_.face_count() + 1, 0);
+    for (const Share& share : shares_) ++divided_[static_cast<std::size_t>(share.face) + 1];
+    std::partial_sum(divided_.begin(), divided_.end(), divided_.begin());
+    owners_.resize(shares_.size());
+    std::vector<std::size_t> next(divided_.begin(), divided_.end() - 1);
+    for (const Share& share : shares_)  // sorted by site, and so is each row
+      owners_[next[static_cast<std::size_t>(share.face)]++] = share.site;
   }
 
   /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
   /// piece too.
-  std::vector<Seed> owners(std::int32_t face) {
+  std::vector<Share> nearest_owners(std::int32_t face) {
     CellFlood& flood = floods_.local();
     std::vector<std::int32_t> known = {nearest_to(face)};
-    std::vector<Seed> result;
+    std::vector<Share> result;
     for (std::size_t k = 0; k < known.size(); ++k) {
       if (!flood.reset(known[k]) && !flood.reset(flood.owner())) continue;
       flood.clip(face);
@@ -544,54 +634,53 @@ class Builder {
                           static_cast<std::int32_t>(near - sites_.faces.begin()));
   }
 
-  [[nodiscard]] std::vector<std::int32_t> seeded_sites() const {
-    std::vector<std::int32_t> sites;
-    for (const Seed& seed : seeds_)
-      if (sites.empty() || sites.back() != seed.site) sites.push_back(seed.site);
-    return sites;
-  }
-
   void collect(std::int32_t site, std::vector<CellPolygon>& out) {
     CellFlood& flood = floods_.local();
-    if (!flood.reset(site)) return;
-    flood.flood(starts(site), [&](std::int32_t face, bool) {
-      CellPolygon piece{
-          static_cast<std::int32_t>(original(site)), surface_.original_face(face), {}, {}};
-      for (const Polygon::Corner& corner : flood.polygon().corners()) {
-        piece.points.push_back(corner.x + flood.position());
-        piece.edges.push_back(corner.edge < 0 ? corner.edge
-                                              : static_cast<std::int32_t>(
-                                                    original(flood.bisector(corner.edge).site)));
-      }
-      out.push_back(std::move(piece));
-    });
+    for_each_piece(
+        flood, site,
+        [&](std::int32_t face, bool) {
+          CellPolygon piece{
+              static_cast<std::int32_t>(original(site)), surface_.original_face(face), {}, {}};
+          for (const Polygon::Corner& corner : flood.polygon().corners()) {
+            piece.points.push_back(corner.x + flood.position());
+            piece.edges.push_back(corner.edge < 0 ? corner.edge
+                                                  : static_cast<std::int32_t>(original(
+                                                        flood.bisector(corner.edge).site)));
+          }
+          out.push_back(std::move(piece));
+        },
+        [] {});
   }
 
   const Surface& surface_;
   OrderedSites sites_;
   SiteIndex index_;
-  bool whole_;  // no cell can have parts that its site does not reach
+  bool whole_;      // no cell can have parts that its site does not reach
+  bool connected_;  // cells follow the surface
   const Context* context_;
   tbb::enumerable_thread_specific<CellFlood> floods_;
   std::vector<std::vector<Coverage>> pieces_;  // of the last floods, per chunk
-  std::vector<Seed> seeds_;                    // sorted
+  std::vector<Share> shares_;                  // of orphans; sorted by site
+  std::vector<std::size_t> divided_;           // per face, one more: rows of owners_
+  std::vector<std::int32_t> owners_;           // of divided faces
   RestrictedVoronoi result_;
 };
 
 }  // namespace
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                     const Context* context) {
-  return Builder(surface, sites, nullptr, context).build();
+                                     const Context* context, Cells cells) {
+  return Builder(surface, sites, nullptr, cells, context).build();
 }
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                      const SiteGraph& graph, const Context* context) {
-  return Builder(surface, sites, &graph, context).build();
+  return Builder(surface, sites, &graph, Cells::kEuclidean, context).build();
 }
 
-std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites) {
-  return Builder(surface, sites, nullptr, nullptr).polygons();
+std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites,
+                                                     Cells cells) {
+  return Builder(surface, sites, nullptr, cells, nullptr).polygons();
 }
 
 }  // namespace dapple

@@ -22,6 +22,7 @@ Sites make_start(const Surface& surface, std::size_t count, const SampleOptions&
 SampleOptions paper_options() {
   SampleOptions options;
   options.start = Start::kRandom;
+  options.cells = Cells::kEuclidean;
   options.optimizer.method = Method::kLineSearch;
   options.optimizer.gap_weight = 0.0;
   options.optimizer.tolerance = 1e-5;
@@ -35,7 +36,8 @@ Samples sample(const Surface& surface, std::size_t count, const SampleOptions& o
   check_at_least("threads", options.threads, 0);
   Samples samples = with_threads(options.threads, [&] {
     const Sites start = make_start(surface, count, options, context);
-    return to_samples(surface, optimize(SurfaceDomain(surface), start, options.optimizer, context));
+    return to_samples(surface, optimize(SurfaceDomain(surface, options.cells), start,
+                                        options.optimizer, context));
   });
   samples.report.seconds = clock.seconds();
   if (context) context->advance(1.0);

@@ -65,6 +65,32 @@ std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
   return next;
 }
 
+/// Number the sets of faces connected over edges, in the order of their first faces.
+void find_components(SurfaceConnectivity& mesh) {
+  mesh.component.assign(mesh.faces.size(), -1);
+  std::vector<std::int32_t> pending;
+  const auto push = [&](std::int32_t face) {
+    std::int32_t& component = mesh.component[static_cast<std::size_t>(face)];
+    if (component >= 0) return;
+    component = mesh.components;
+    pending.push_back(face);
+  };
+  const auto next = [&](std::int32_t h) {
+    return mesh.next_around_edge[static_cast<std::size_t>(h)];
+  };
+  for (std::size_t start = 0; start < mesh.faces.size(); ++start) {
+    if (mesh.component[start] >= 0) continue;
+    push(static_cast<std::int32_t>(start));
+    while (!pending.empty()) {
+      const std::int32_t face = pending.back();
+      pending.pop_back();
+      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
+        for (std::int32_t g = next(h); g != h; g = next(g)) push(g / 3);
+    }
+    ++mesh.components;
+  }
+}
+
 std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
   std::vector<std::int32_t> inverse(order.size());
   for (std::size_t k = 0; k < order.size(); ++k)
@@ -95,6 +121,7 @@ std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertice
     result->faces.push_back({ordered(0), ordered(1), ordered(2)});
   }
   result->next_around_edge = link_edges(result->faces);
+  find_components(*result);
   return result;
 }
 

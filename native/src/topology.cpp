@@ -1,34 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/topology.hpp>
-#include <numeric>
 
 #include "openmesh.hpp"
 
 namespace dapple {
 namespace {
-
-std::int32_t count_components(const Surface& surface) {
-  std::vector<bool> seen(surface.face_count(), false);
-  std::vector<std::int32_t> pending;
-  std::int32_t components = 0;
-  const auto push = [&](std::int32_t face) {
-    if (seen[static_cast<std::size_t>(face)]) return;
-    seen[static_cast<std::size_t>(face)] = true;
-    pending.push_back(face);
-  };
-  for (std::size_t start = 0; start < seen.size(); ++start) {
-    if (!seen[start]) ++components;
-    push(static_cast<std::int32_t>(start));
-    while (!pending.empty()) {
-      const std::int32_t face = pending.back();
-      pending.pop_back();
-      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
-        for (std::int32_t g = surface.next_around(h); g != h; g = surface.next_around(g))
-          push(g / 3);
-    }
-  }
-  return components;
-}
 
 /// Count edges by how many faces meet at them; each is looked at from its lowest half-edge. True if
 /// no two faces are turned against each other, that is, run along their common edge in the same
@@ -86,7 +62,7 @@ std::int32_t count_border_loops(const HalfEdgeMesh& mesh) {
 
 Topology topology(const Surface& surface) {
   Topology result;
-  result.components = count_components(surface);
+  result.components = surface.components();
   const bool consistent = count_edges(surface, result);
   result.border_loops = -1;
   HalfEdgeMesh mesh;

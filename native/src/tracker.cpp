@@ -37,8 +37,9 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options)
   samples_.report = samples.report;
   with_threads(options_.threads, [&] {
     const Sites sites{samples_.positions, samples_.faces, {}};
-    target_energy_ =
-        evaluate_energy(surface_, sites, options_.optimizer.capacity_weight).normalised;
+    target_energy_ = evaluate_energy(surface_, sites, options_.optimizer.capacity_weight, nullptr,
+                                     options_.cells)
+                         .normalised;
   });
 }
 
@@ -52,8 +53,8 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     OptimizerOptions options = options_.optimizer;
     options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
     OptimizerResult found =
-        optimize(SurfaceDomain(surface), {carried.positions, carried.faces, carried.barycentric},
-                 options, context);
+        optimize(SurfaceDomain(surface, options_.cells),
+                 {carried.positions, carried.faces, carried.barycentric}, options, context);
     Samples samples = to_samples(surface, std::move(found), samples_.ids, samples_.classes);
     measure_slide(samples, carried);
     samples.report.seconds = clock.seconds();

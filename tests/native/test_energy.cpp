@@ -29,13 +29,16 @@ std::array<Vec3, 2> tangents(const Shape& shape, std::int32_t face) {
   return {u, (v - v.dot(u) * u).normalized()};
 }
 
-double slope(const Surface& surface, Sites sites, std::size_t k, const Vec3& direction,
-             double step) {
+double slope(const Surface& surface, Sites sites, std::size_t k, const Vec3& direction, double step,
+             Cells cells) {
+  const auto energy = [&] {
+    return evaluate_energy(surface, sites, kLambda, nullptr, cells).total;
+  };
   const Vec3 middle = sites.positions[k];
   sites.positions[k] = middle + step * direction;
-  const double after = evaluate_energy(surface, sites, kLambda).total;
+  const double after = energy();
   sites.positions[k] = middle - step * direction;
-  return (after - evaluate_energy(surface, sites, kLambda).total) / (2.0 * step);
+  return (after - energy()) / (2.0 * step);
 }
 
 double largest_component(const std::vector<Vec3>& gradient) {
@@ -61,18 +64,19 @@ double nearest_distance(const Sites& sites, std::size_t k) {
 /// of the spacing, 1e-4 of that distance; rounding stays below 1e-7), and the sites keep off the
 /// edges of their faces.
 void expect_gradient_is_slope(const Shape& shape, std::size_t sites_count, std::size_t count,
-                              std::uint64_t seed) {
+                              std::uint64_t seed, Cells cells = Cells::kEuclidean) {
   Random random(seed);
   const Surface surface = shape.surface();
   const Sites sites = random_sites(shape, sites_count, random, true);
-  const std::vector<Vec3> gradient = evaluate_energy(surface, sites, kLambda).gradient;
+  const std::vector<Vec3> gradient =
+      evaluate_energy(surface, sites, kLambda, nullptr, cells).gradient;
   const double scale = largest_component(gradient);
   ASSERT_GT(scale, 0.0);
   for (std::size_t k = 0; k < std::min(count, sites_count); ++k) {
     const double step =
         std::min(1e-5 * surface.spacing(sites_count), 1e-4 * nearest_distance(sites, k));
     for (const Vec3& direction : tangents(shape, sites.faces[k]))
-      EXPECT_NEAR(slope(surface, sites, k, direction, step), gradient[k].dot(direction),
+      EXPECT_NEAR(slope(surface, sites, k, direction, step, cells), gradient[k].dot(direction),
                   1e-6 * scale)
           << shape.name << ", site " << k << ", seed " << seed;
   }
@@ -101,6 +105,19 @@ TEST(Gradient, IsTheSlopeWithMoreSitesThanFaces) {
 }
 TEST(Gradient, IsTheSlopeOnManyComponents) {
   expect_gradient_is_slope(many_components(30), 40, 40, 10);
+}
+
+// Cells that follow the surface jump where a face changes owners; between such changes the gradient
+// is exact.
+TEST(Gradient, IsTheSlopeOfConnectedCellsOnTwoSheets) {
+  expect_gradient_is_slope(two_sheets(4, 0.05), 40, 40, 11, Cells::kConnected);
+}
+TEST(Gradient, IsTheSlopeOfConnectedCellsAtANonManifoldEdge) {
+  expect_gradient_is_slope(fin(4), 40, 40, 12, Cells::kConnected);
+}
+TEST(Gradient, IsTheSlopeOfConnectedCellsOnTheCrank) {
+  DAPPLE_NEEDS_MESH("crank");
+  expect_gradient_is_slope(shared_mesh("crank"), 500, 40, 13, Cells::kConnected);
 }
 
 TEST(Gradient, IsTheSlopeOnRandomMeshes) {

@@ -34,10 +34,12 @@ class Domain {
   virtual void check(const Sites& sites) const = 0;
 };
 
-/// A surface with its projector.
+/// A surface with its projector. Sites stay where there is density, and a step does not carry them
+/// to another sheet.
 class SurfaceDomain final : public Domain {
  public:
-  explicit SurfaceDomain(const Surface& surface) : surface_(surface), projector_(surface) {}
+  explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected)
+      : surface_(surface), projector_(surface, /*support_only=*/true), cells_(cells) {}
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points,
@@ -51,6 +53,7 @@ class SurfaceDomain final : public Domain {
  private:
   Surface surface_;
   Projector projector_;
+  Cells cells_;
 };
 
 }  // namespace dapple

@@ -20,7 +20,8 @@ struct Projection {
 /// not depend on Embree's tree.
 class Projector {
  public:
-  explicit Projector(const Surface& surface);
+  /// \param support_only leave out faces without density (or area): nothing is to end there
+  explicit Projector(const Surface& surface, bool support_only = false);
   ~Projector();
   Projector(Projector&&) noexcept;
   Projector& operator=(Projector&&) noexcept;

@@ -45,17 +45,27 @@ struct CellPolygon {
       edges;  ///< what edge k (points k, k+1) lies on: site j >= 0, or face edge -1-corner
 };
 
+/// Whose a part of a cell is that its site does not reach along the surface, because straight
+/// distance goes through walls: the other side of a sheet, a touching finger, a body under a cloth.
+enum class Cells {
+  kConnected,  ///< a site's that it is connected to along the surface: cells follow the surface
+  kEuclidean,  ///< the nearest site's in space, as in the paper
+};
+
 /// Compute all cells, one at a time and in parallel: from the face that holds the site, flood over
 /// the mesh, clipping each face by the bisectors with the site's neighbours in order of distance
 /// until the next one is farther than twice the farthest corner of what is left (the security
-/// radius). Parts of a cell that the flood does not reach (straight distance goes through walls)
-/// are found by their missing area and flooded from a face of their own, so that every unit of area
-/// belongs to exactly one site. \pre the sites lie on their faces \throw Cancelled
+/// radius). Faces that the floods leave uncovered are then given away by the rule of `cells`, so
+/// that every unit of area belongs to exactly one site.
+/// \pre the sites lie on their faces
+/// \throw Cancelled
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                                   const Context* context = nullptr);
+                                                   const Context* context = nullptr,
+                                                   Cells cells = Cells::kEuclidean);
 
 /// The same cells as polygons, sorted by site; memory grows with the number of pieces.
 [[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface,
-                                                                   const Sites& sites);
+                                                                   const Sites& sites,
+                                                                   Cells cells = Cells::kEuclidean);
 
 }  // namespace dapple

@@ -15,11 +15,12 @@ enum class Start {
 struct SampleOptions {
   std::uint64_t seed = 0;
   Start start = Start::kPoisson;
-  OptimizerOptions optimizer;
+  OptimizerOptions optimizer = {};
+  Cells cells = Cells::kConnected;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// The paper's own way: white noise, plain L-BFGS, no gap.
+/// The paper's own way: white noise, plain L-BFGS, no gap, Euclidean cells.
 [[nodiscard]] SampleOptions paper_options();
 
 /// Exactly `count` samples of a surface, evenly spaced and unpatterned, following its density.

@@ -31,6 +31,8 @@ struct SurfaceConnectivity {
   std::vector<std::int32_t> ordered_face;      // caller's -> ordered
   std::vector<std::int32_t> original_vertex;   // ordered -> caller's
   std::vector<std::int32_t> next_around_edge;  // per half-edge, see Surface::next_around
+  std::vector<std::int32_t> component;         // per ordered face; connected over edges
+  std::int32_t components = 0;
 };
 
 /// Positions, density and what follows from them; arrays in the surface's own order.
@@ -103,6 +105,11 @@ class Surface {
   }
   [[nodiscard]] const FaceGeometry& geometry(std::int32_t ordered) const {
     return geometry_->faces[static_cast<std::size_t>(ordered)];
+  }
+  /// Sets of faces connected over edges; `component(ordered face)` is in 0..components() - 1.
+  [[nodiscard]] std::int32_t components() const { return connectivity_->components; }
+  [[nodiscard]] std::int32_t component(std::int32_t ordered) const {
+    return connectivity_->component[static_cast<std::size_t>(ordered)];
   }
   /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from):
   /// the other side of an inner edge, itself on a border, the next of a ring where three or more

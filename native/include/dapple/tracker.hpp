@@ -10,6 +10,7 @@ struct TrackerOptions {
   /// Within one frame no sample slides by half a spacing: after a violent frame evenness is caught
   /// up over the next ones, instead of by a jump.
   OptimizerOptions optimizer = {.max_evaluations = 30, .max_slide = 0.45};
+  Cells cells = Cells::kConnected;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

@@ -38,6 +38,7 @@ PAPER: Final[dict[str, Any]] = {
     "start": "random",
     "method": "line_search",
     "gap_weight": 0.0,
+    "cells": "euclidean",
     "tolerance": 1e-5,
 }
 """Options of sample() for the paper's own way: white noise, plain L-BFGS, no gap.

@@ -194,6 +194,7 @@ class Tracker:
         max_evaluations: int = 30,
         max_slide: float = 0.45,
         method: Literal["trust_region", "line_search"] = "trust_region",
+        cells: Literal["connected", "euclidean"] = "connected",
         threads: int = 0,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -213,11 +214,17 @@ def sample(
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
     context: Context | None = None,
 ) -> Samples: ...
 def energy(
-    surface: Surface, positions: ArrayLike, faces: ArrayLike, *, capacity_weight: float = 30.0
+    surface: Surface,
+    positions: ArrayLike,
+    faces: ArrayLike,
+    *,
+    capacity_weight: float = 30.0,
+    cells: Literal["connected", "euclidean"] = "connected",
 ) -> Energy: ...
 def analyse(
     surface: Surface, samples: Samples | ArrayLike, *, capacity_weight: float = 30.0

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "local_projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "parallel.hpp"
+#include "triangle.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kTurned = 0.5;  // cosine: a hit turned further than this is looked at
+
+/// The nearest point found so far, on an ordered face.
+struct Hit {
+  double squared_distance;
+  std::int32_t face;
+  Vec3 barycentric;
+};
+
+class Walk {
+ public:
+  Walk(const Surface& surface, const Vec3& point) : surface_(surface), point_(point) {}
+
+  /// The nearest point among the faces connected to `start` within the ball that touches it.
+  Hit from(std::int32_t start) {
+    Hit best = closest(start);
+    const double ball = best.squared_distance;
+    visit(start);
+    while (!pending_.empty()) {
+      const std::int32_t face = pending_.back();
+      pending_.pop_back();
+      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
+        if (squared_distance_to_edge(h) > ball) continue;
+        for (std::int32_t g = surface_.next_around(h); g != h; g = surface_.next_around(g))
+          if (visit(g / 3) && surface_.geometry(g / 3).moments.capacity > 0.0)
+            best = better(best, closest(g / 3));
+      }
+    }
+    return best;
+  }
+
+ private:
+  bool visit(std::int32_t face) {
+    if (!seen_.insert(face).second) return false;
+    pending_.push_back(face);
+    return true;
+  }
+
+  [[nodiscard]] Hit closest(std::int32_t face) const {
+    const auto [a, b, c] = surface_.corners(face);
+    const Vec3 weights =
+        closest_barycentric(point_, surface_.vertex(a), surface_.vertex(b), surface_.vertex(c));
+    const Vec3 found = surface_.point(surface_.original_face(face), weights);
+    return {(found - point_).squaredNorm(), face, weights};
+  }
+
+  // Ties go to the lowest face of the caller, as in the projector.
+  [[nodiscard]] Hit better(const Hit& a, const Hit& b) const {
+    if (a.squared_distance != b.squared_distance)
+      return a.squared_distance < b.squared_distance ? a : b;
+    return surface_.original_face(a.face) < surface_.original_face(b.face) ? a : b;
+  }
+
+  [[nodiscard]] double squared_distance_to_edge(std::int32_t half_edge) const {
+    const Face& corners = surface_.corners(half_edge / 3);
+    const auto k = static_cast<std::size_t>(half_edge % 3);
+    const Vec3& a = surface_.vertex(corners[k]);
+    const Vec3 along = surface_.vertex(corners[(k + 1) % 3]) - a;
+    const double length = along.squaredNorm();
+    const double t = length > 0.0 ? std::clamp((point_ - a).dot(along) / length, 0.0, 1.0) : 0.0;
+    return (a + t * along - point_).squaredNorm();
+  }
+
+  const Surface& surface_;
+  const Vec3& point_;
+  std::unordered_set<std::int32_t> seen_;
+  std::vector<std::int32_t> pending_;
+};
+
+bool suspicious(const Surface& surface, std::int32_t from, std::int32_t hit) {
+  if (from == hit) return false;
+  if (surface.component(from) != surface.component(hit)) return true;
+  return surface.geometry(from).normal.dot(surface.geometry(hit).normal) < kTurned;
+}
+
+}  // namespace
+
+void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
+                           Projection& hits) const {
+  parallel_chunks(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::int32_t start = surface_->ordered_face(from[k]);
+      if (!suspicious(*surface_, start, surface_->ordered_face(hits.faces[k]))) continue;
+      const Hit hit = Walk(*surface_, points[k]).from(start);
+      hits.faces[k] = surface_->original_face(hit.face);
+      hits.barycentric[k] = hit.barycentric;
+      hits.positions[k] = surface_->point(hits.faces[k], hit.barycentric);
+      hits.distances[k] = std::sqrt(hit.squared_distance);
+    }
+  });
+}
+
+}  // namespace dapple

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <dapple/analysis.hpp>
+#include <dapple/domain.hpp>
+#include <dapple/energy.hpp>
+#include <dapple/sampler.hpp>
+#include <iostream>
+#include <numeric>
+
+#include "invariants.hpp"
+#include "shared_data.hpp"
+
+namespace dapple::test {
+namespace {
+
+double total_area(const RestrictedVoronoi& diagram) {
+  return std::accumulate(diagram.cells.begin(), diagram.cells.end(), 0.0,
+                         [](double sum, const Moments& cell) { return sum + cell.area; });
+}
+
+class ConnectedCells : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, ConnectedCells, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(ConnectedCells, ShareOutTheSurface) {
+  const Surface surface = GetParam().surface();
+  for (const std::size_t count : {1u, 2u, 7u, 60u, 400u}) {
+    Random random(count);
+    const Sites sites = random_sites(GetParam(), count, random, true);
+    const RestrictedVoronoi diagram =
+        restricted_voronoi(surface, sites, nullptr, Cells::kConnected);
+    EXPECT_NEAR(total_area(diagram), surface.area(), 1e-10 * surface.area()) << count << " sites";
+  }
+}
+
+/// A component that holds a site belongs to sites of its own.
+TEST_P(ConnectedCells, StayOnTheirComponents) {
+  const Surface surface = GetParam().surface();
+  Random random(5);
+  const Sites sites = random_sites(GetParam(), 60, random, true);
+  const auto component = [&](std::int32_t face) {
+    return surface.component(surface.ordered_face(face));
+  };
+  std::vector<bool> inhabited(static_cast<std::size_t>(surface.components()), false);
+  for (const std::int32_t face : sites.faces)
+    inhabited[static_cast<std::size_t>(component(face))] = true;
+  for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites, Cells::kConnected)) {
+    if (!inhabited[static_cast<std::size_t>(component(piece.face))]) continue;
+    EXPECT_EQ(component(piece.face), component(sites.faces[static_cast<std::size_t>(piece.site)]))
+        << "site " << piece.site << ", face " << piece.face;
+  }
+}
+
+TEST(ConnectedCells, AreEuclideanWhereNothingIsInTheWay) {
+  const Shape shape = blob(3);
+  Random random(3);
+  const Sites sites = random_sites(shape, 200, random, true);
+  const Surface surface = shape.surface();
+  const Energy a = evaluate_energy(surface, sites, 30.0, nullptr, Cells::kConnected);
+  const Energy b = evaluate_energy(surface, sites, 30.0, nullptr, Cells::kEuclidean);
+  EXPECT_EQ(a.total, b.total);
+}
+
+/// Two sheets much nearer to each other than the spacing: a Euclidean cell reaches through.
+TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
+  const Surface surface = two_sheets(20, 0.005).surface();
+  const Samples samples = sample(surface, 300);
+  const auto upper = std::count_if(samples.positions.begin(), samples.positions.end(),
+                                   [](const Vec3& p) { return p.z() > 0.0025; });
+  EXPECT_NEAR(static_cast<double>(upper), 150.0, 1.5);
+  EXPECT_LT(samples.report.evenness.capacity_spread, 0.01);
+  EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
+}
+
+TEST(ConnectedCells, AreEvenOnThinWalls) {
+  for (const auto& [name, limit] : {std::pair("lilium", 0.03), std::pair("crank", 0.05)}) {
+    DAPPLE_NEEDS_MESH(name);
+    const Report report = sample(shared_mesh(name).surface(), 2000).report;
+    std::cout << name << ": capacity spread " << report.evenness.capacity_spread << ", "
+              << report.evaluations << " evaluations\n";
+    EXPECT_LT(report.evenness.capacity_spread, limit) << name;
+  }
+}
+
+TEST(ConnectedCells, AreTheSameForAnyNumberOfThreads) {
+  const Surface surface = two_sheets(12, 0.005).surface();
+  const Samples one = sample(surface, 150, {.threads = 1});
+  const Samples two = sample(surface, 150, {.threads = 2});
+  EXPECT_EQ(one.positions, two.positions);
+}
+
+/// A step through the wall, nearer to the other sheet than to its own.
+TEST(SurfaceDomain, DoesNotHopToAnotherSheet) {
+  const Surface surface = two_sheets(8, 0.05).surface();
+  const SurfaceDomain domain(surface);
+  const Projection start = Projector(surface).project(std::vector<Vec3>{{0.4, 0.4, 0.0}});
+  ASSERT_EQ(start.positions[0].z(), 0.0);
+  const Sites moved = domain.project(std::vector<Vec3>{{0.42, 0.4, 0.04}}, start.faces);
+  EXPECT_NEAR(moved.positions[0].z(), 0.0, 1e-15);
+  EXPECT_NEAR(moved.positions[0].x(), 0.42, 1e-12);
+}
+
+TEST(SurfaceDomain, KeepsSitesWhereThereIsDensity) {
+  const Shape shape = with_density(grid(16), [](const Vec3& p) { return p.x() < 0.5 ? 0.0 : 1.0; });
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, 200);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const FaceGeometry& face = surface.geometry(surface.ordered_face(samples.faces[k]));
+    EXPECT_GT(face.moments.capacity, 0.0) << "sample " << k << " at " << samples.positions[k].x();
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
