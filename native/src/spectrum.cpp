@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <atomic>
+#include <complex>
 #include <dapple/spectrum.hpp>
 #include <numbers>
 
@@ -45,56 +46,52 @@ int chosen_half_width(const SpectrumOptions& options, double unit) {
 /// The angle of exp(-2 pi i cycles), from the fraction of a cycle: whole ones cost digits.
 double angle(double cycles) { return -2.0 * std::numbers::pi * (cycles - std::floor(cycles)); }
 
-/// Unit complex numbers of all points, turned from one frequency to the next.
+/// exp(-2 pi i (x p_x + y p_y)) of a few points p at once, turned from one x to the next; as many
+/// as stay in registers.
 class Phases {
  public:
-  Phases(std::span<const Vec2> points, int from, int y)
-      : real_(size(points)),
-        imaginary_(size(points)),
-        turn_real_(size(points)),
-        turn_imaginary_(size(points)) {
-    for (Eigen::Index k = 0; k < real_.size(); ++k) {
-      const Vec2& p = points[static_cast<std::size_t>(k)];
-      const double start = angle(from * p.x()) + angle(y * p.y());
-      real_[k] = std::cos(start);
-      imaginary_[k] = std::sin(start);
-      turn_real_[k] = std::cos(angle(p.x()));
-      turn_imaginary_[k] = std::sin(angle(p.x()));
+  Phases(std::span<const Vec2> points, int x, int y) {
+    for (std::size_t k = 0; k < std::min(points.size(), kPoints); ++k) {
+      const auto lane = static_cast<Eigen::Index>(k);
+      const double start = angle(x * points[k].x()) + angle(y * points[k].y());
+      real_[lane] = std::cos(start);
+      imaginary_[lane] = std::sin(start);
+      turn_real_[lane] = std::cos(angle(points[k].x()));
+      turn_imaginary_[lane] = std::sin(angle(points[k].x()));
     }
   }
 
-  /// |sum|^2 / n
-  [[nodiscard]] double power() const {
-    const double a = real_.sum();
-    const double b = imaginary_.sum();
-    return (a * a + b * b) / static_cast<double>(real_.size());
-  }
+  [[nodiscard]] std::complex<double> sum() const { return {real_.sum(), imaginary_.sum()}; }
 
   void next() {
-    turned_ = real_ * turn_real_ - imaginary_ * turn_imaginary_;
+    const Lanes turned = real_ * turn_real_ - imaginary_ * turn_imaginary_;
     imaginary_ = real_ * turn_imaginary_ + imaginary_ * turn_real_;
-    real_.swap(turned_);
+    real_ = turned;
   }
+
+  static constexpr std::size_t kPoints = 8;
 
  private:
-  static Eigen::Index size(std::span<const Vec2> points) {
-    return static_cast<Eigen::Index>(points.size());
-  }
-
-  Eigen::ArrayXd real_, imaginary_, turn_real_, turn_imaginary_, turned_;
+  using Lanes = Eigen::Array<double, kPoints, 1>;
+  Lanes real_ = Lanes::Zero();
+  Lanes imaginary_ = Lanes::Zero();
+  Lanes turn_real_ = Lanes::Zero();
+  Lanes turn_imaginary_ = Lanes::Zero();
 };
 
-/// The mean over the runs of the powers at (-half_width..half_width, y).
-void fill_row(std::span<const std::span<const Vec2>> runs, int half_width, int y,
-              std::span<double> row) {
-  const double share = 1.0 / static_cast<double>(runs.size());
-  for (const auto& points : runs) {
-    Phases phases(points, -half_width, y);
-    for (double& power : row) {
-      power += share * phases.power();
+/// Add `share` of the powers of one run at (-half_width..half_width, y).
+void add_row(std::span<const Vec2> points, int half_width, int y, double share,
+             std::span<double> row) {
+  std::vector<std::complex<double>> sums(row.size());
+  for (std::size_t k = 0; k < points.size(); k += Phases::kPoints) {
+    Phases phases(points.subspan(k), -half_width, y);
+    for (std::complex<double>& sum : sums) {
+      sum += phases.sum();
       phases.next();
     }
   }
+  for (std::size_t x = 0; x < row.size(); ++x)
+    row[x] += share * std::norm(sums[x]) / static_cast<double>(points.size());
 }
 
 /// Powers at f and -f are equal: fill the first half from the second, in the same digits.
@@ -111,8 +108,9 @@ std::vector<double> periodogram(std::span<const std::span<const Vec2>> runs, int
   std::atomic<std::size_t> done = 0;
   parallel_chunks(half + 1, 1, [&](std::size_t y, std::size_t) {
     if (context) context->check();
-    fill_row(runs, half_width, static_cast<int>(y),
-             std::span(powers).subspan((half + y) * width, width));
+    const std::span<double> row = std::span(powers).subspan((half + y) * width, width);
+    for (const auto& points : runs)
+      add_row(points, half_width, static_cast<int>(y), 1.0 / static_cast<double>(runs.size()), row);
     if (context) context->advance(static_cast<double>(++done) / static_cast<double>(half + 1));
   });
   mirror(powers);
