@@ -11,6 +11,7 @@ REPORT = {
     "alpha_min": float,
     "alpha_mean": float,
     "capacity_spread": float,
+    "bond_order": float,
     "energy": float,
     "evaluations": int,
     "iterations": int,
