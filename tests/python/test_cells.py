@@ -11,7 +11,7 @@ from shapes import grid
 def sheets():
     """Two unit sheets, much nearer to each other than the samples will be."""
     vertices, faces = grid(20)
-    both = np.concatenate([vertices, vertices + [0.0, 0.0, 0.005]])
+    both = np.concatenate([vertices, vertices + np.array([0.0, 0.0, 0.005])])
     return dapple.Surface(both, np.concatenate([faces, faces + len(vertices)]))
 
 
