@@ -63,10 +63,11 @@ SamplesPtr samples_of(const Surface& surface, const char* name, const py::object
 }
 
 std::shared_ptr<Report> analyse_samples(const Surface& surface, const py::object& samples,
-                                        double capacity_weight) {
+                                        double capacity_weight, const std::string& cells) {
+  const Cells chosen = cells_named(cells);
   const SamplesPtr bound = samples_of(surface, "samples", samples);
   const py::gil_scoped_release released;
-  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight));
+  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight, chosen));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -147,13 +148,14 @@ void bind_spectra(py::module_& m) {
 void bind_analysis(py::module_& m) {
   bind_spectra(m);
   m.def("analyse", &analyse_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
-        py::arg("capacity_weight") = 30.0,
+        py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
         R"(Measure samples, wherever they come from: evenness, pattern and energy.
 
 Args:
     surface: the Surface they lie on.
     samples: Samples, or (n, 3) float64 points, which are bound where the surface is nearest.
     capacity_weight: lambda of the energy.
+    cells: 'connected' or 'euclidean', as for sample().
 
 Returns:
     Report; what tells of the making stays at its default.

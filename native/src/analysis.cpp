@@ -62,6 +62,40 @@ Exit leave_cell(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& 
   return exit;
 }
 
+/// The sites of each component of the surface: those whose cells can meet its borders.
+class ComponentSites {
+ public:
+  ComponentSites(const Surface& surface, const Sites& sites)
+      : all_(sites.positions), parts_(static_cast<std::size_t>(surface.components())) {
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+      const std::int32_t component = surface.component(surface.ordered_face(sites.faces[k]));
+      Part& part = parts_[static_cast<std::size_t>(component)];
+      part.sites.push_back(static_cast<std::int32_t>(k));
+      part.positions.push_back(sites.positions[k]);
+    }
+    for (Part& part : parts_)
+      if (!part.sites.empty()) part.tree = std::make_unique<Neighbours>(part.positions);
+  }
+
+  /// The nearest site of a component, or of all where it has none.
+  [[nodiscard]] std::int32_t nearest(std::int32_t component, const Vec3& point) {
+    const Part& part = parts_[static_cast<std::size_t>(component)];
+    (part.tree ? *part.tree : all_).nearest(point, 1, found_);
+    const std::int32_t index = found_[0].index;
+    return part.tree ? part.sites[static_cast<std::size_t>(index)] : index;
+  }
+
+ private:
+  struct Part {
+    std::vector<std::int32_t> sites;
+    std::vector<Vec3> positions;
+    std::unique_ptr<Neighbours> tree;
+  };
+  Neighbours all_;
+  std::vector<Part> parts_;
+  std::vector<Neighbour> found_;
+};
+
 }  // namespace
 
 Evenness measure_evenness(const RestrictedVoronoi& diagram) {
@@ -95,17 +129,15 @@ std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
                                   const RestrictedVoronoi& diagram) {
   std::vector<bool> result(sites.size(), false);
   if (sites.size() == 0) return result;
-  const Neighbours tree(sites.positions);
-  std::vector<Neighbour> nearest;
+  ComponentSites tree(surface, sites);
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
   for (std::int32_t h = 0; h < half_edges; ++h) {
     if (surface.next_around(h) != h) continue;
     const Face& corners = surface.corners(h / 3);
     const Vec3& a = surface.vertex(corners[static_cast<std::size_t>(h % 3)]);
     const Vec3 step = surface.vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
-    tree.nearest(a, 1, nearest);
     // Each next site lies farther along the edge than the one before, so the walk ends.
-    for (std::int32_t site = nearest[0].index; site >= 0;) {
+    for (std::int32_t site = tree.nearest(surface.component(h / 3), a); site >= 0;) {
       const auto i = static_cast<std::size_t>(site);
       result[i] = true;
       site = leave_cell(diagram, i, a - sites.positions[i], step).site;

@@ -28,14 +28,15 @@ Samples to_samples(const Surface& surface, OptimizerResult&& found,
   return samples;
 }
 
-Report analyse(const Surface& surface, const Samples& samples, double capacity_weight) {
+Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,
+               Cells cells) {
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
   Report report;
   report.count = samples.size();
   report.spacing = surface.spacing(samples.size());
   report.evaluations = 1;
-  measure(surface, evaluate_energy(surface, sites, capacity_weight), sites, samples.normals,
-          report);
+  measure(surface, evaluate_energy(surface, sites, capacity_weight, nullptr, cells), sites,
+          samples.normals, report);
   return report;
 }
 

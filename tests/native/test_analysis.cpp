@@ -121,26 +121,33 @@ TEST(BondOrder, IsFiniteForTroubledSites) {
   }
 }
 
-/// The pieces of the cells tell the same: those with an edge on a border of the surface.
+/// What the pieces of the cells tell: those with an edge on a border of the surface.
+std::vector<bool> with_a_piece_on_the_border(const Surface& surface, const Sites& sites,
+                                             Cells cells) {
+  std::vector<bool> result(sites.size(), false);
+  for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites, cells))
+    for (std::size_t k = 0; k < piece.points.size(); ++k) {
+      if (piece.edges[k] >= 0) continue;
+      const std::int32_t h = 3 * surface.ordered_face(piece.face) - 1 - piece.edges[k];
+      const Vec3 side = piece.points[(k + 1) % piece.points.size()] - piece.points[k];
+      if (surface.next_around(h) == h && side.norm() > 1e-9)
+        result[static_cast<std::size_t>(piece.site)] = true;
+    }
+  return result;
+}
+
 TEST(CellsOnBorder, AreThoseWithAPieceThere) {
   Random random(14);
-  for (const Shape& shape : {grid(4), tube(24, 6), moebius(40), torus(20, 10)}) {
-    const Surface surface = shape.surface();
+  for (const Shape& shape : {grid(4), tube(24, 6), moebius(40), torus(20, 10), two_sheets(6, 0.02)})
     for (const std::size_t count : {1u, 5u, 60u, 300u}) {
+      const Surface surface = shape.surface();
       const Sites sites = random_sites(shape, count, random);
-      std::vector<bool> expected(count, false);
-      for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites))
-        for (std::size_t k = 0; k < piece.points.size(); ++k) {
-          if (piece.edges[k] >= 0) continue;
-          const std::int32_t h = 3 * surface.ordered_face(piece.face) - 1 - piece.edges[k];
-          const Vec3 side = piece.points[(k + 1) % piece.points.size()] - piece.points[k];
-          if (surface.next_around(h) == h && side.norm() > 1e-9)
-            expected[static_cast<std::size_t>(piece.site)] = true;
-        }
-      EXPECT_EQ(cells_on_border(surface, sites, restricted_voronoi(surface, sites)), expected)
+      const RestrictedVoronoi diagram =
+          restricted_voronoi(surface, sites, nullptr, Cells::kConnected);
+      EXPECT_EQ(cells_on_border(surface, sites, diagram),
+                with_a_piece_on_the_border(surface, sites, Cells::kConnected))
           << shape.name << ' ' << count;
     }
-  }
 }
 
 /// In the plane the nearest site is always one whose cell touches.

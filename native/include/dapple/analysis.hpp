@@ -19,7 +19,7 @@ struct Evenness {
 [[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
 /// Per site whether its cell touches a border edge of the surface. The border edges are walked from
-/// cell to cell, so no cell is cut anew; cells are taken as straight distance makes them.
+/// cell to cell, from the nearest site of the edge's component on, so no cell is cut anew.
 [[nodiscard]] std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
                                                 const RestrictedVoronoi& diagram);
 

@@ -50,6 +50,6 @@ struct Samples {
 /// evenness, bond order and energy; what tells of the making stays at its default.
 /// \param surface the surface they lie on
 [[nodiscard]] Report analyse(const Surface& surface, const Samples& samples,
-                             double capacity_weight = 30.0);
+                             double capacity_weight = 30.0, Cells cells = Cells::kConnected);
 
 }  // namespace dapple

@@ -227,7 +227,11 @@ def energy(
     cells: Literal["connected", "euclidean"] = "connected",
 ) -> Energy: ...
 def analyse(
-    surface: Surface, samples: Samples | ArrayLike, *, capacity_weight: float = 30.0
+    surface: Surface,
+    samples: Samples | ArrayLike,
+    *,
+    capacity_weight: float = 30.0,
+    cells: Literal["connected", "euclidean"] = "connected",
 ) -> Report: ...
 def spectrum(
     runs: ArrayLike | Sequence[ArrayLike],
