@@ -93,7 +93,7 @@ def joined(near: np.ndarray, triangles: np.ndarray, start: np.ndarray, goal: np.
     reached[start] = True
     before = 0
     while before < np.count_nonzero(reached):
-        before = np.count_nonzero(reached)
+        before = int(np.count_nonzero(reached))
         reached[part[reached[part].any(axis=1)]] = True
     return bool(reached[goal].any())
 

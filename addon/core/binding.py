@@ -47,7 +47,7 @@ def faces_with_corners(corners: Ints, faces: Ints) -> Ints:
     wanted, have = np.sort(corners, axis=1), np.sort(faces, axis=1)
     _, label = np.unique(np.concatenate([have, wanted]), axis=0, return_inverse=True)
     label = label.reshape(-1)
-    table = np.full(label.max(initial=-1) + 1, -1, dtype=np.int32)
+    table = np.full(int(np.max(label, initial=-1)) + 1, -1, dtype=np.int32)
     table[label[: len(have)][::-1]] = np.arange(len(have), dtype=np.int32)[::-1]
     return table[label[len(have) :]]
 
