@@ -674,8 +674,8 @@ RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
 }
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                     const SiteGraph& graph, const Context* context) {
-  return Builder(surface, sites, &graph, Cells::kEuclidean, context).build();
+                                     const SiteGraph& graph, const Context* context, Cells cells) {
+  return Builder(surface, sites, &graph, cells, context).build();
 }
 
 std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites,

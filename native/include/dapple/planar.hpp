@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/domain.hpp>
+#include <dapple/sampler.hpp>
+
+namespace dapple {
+
+/// Values in rows and columns, row 0 at the bottom (y = 0); `values[row * columns + column]`.
+struct Image {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<double> values;
+};
+
+/// A piece of the plane z = 0, or the torus. Its density is linear on triangles.
+class FlatDomain : public Domain {
+ public:
+  [[nodiscard]] Vec3 normal(std::int32_t) const override { return Vec3::UnitZ(); }
+
+  /// Points of the domain as sites.
+  /// \throw ArgumentError naming the first point that is not finite or outside
+  [[nodiscard]] virtual Sites sites(std::span<const Vec2> points) const = 0;
+
+  /// The point as the domain's caller knows it.
+  [[nodiscard]] virtual Vec2 canonical(const Vec3& position) const = 0;
+
+  /// The same domain with another rule for what a notch or a hole cuts off from its site.
+  [[nodiscard]] virtual std::unique_ptr<FlatDomain> with_cells(Cells cells) const = 0;
+
+  /// Per site, whether its cell ends at the domain's border.
+  [[nodiscard]] virtual std::vector<bool> on_border(const Sites& sites,
+                                                    const RestrictedVoronoi& diagram) const = 0;
+
+  /// Where an optimisation begins. \throw Cancelled
+  [[nodiscard]] virtual Sites start(Start kind, std::size_t count, std::uint64_t seed,
+                                    const Context* context) const = 0;
+};
+
+/// A rectangle, a polygon with holes, or an image over a rectangle. Cells come from CGAL's Delaunay
+/// triangulation of the sites, which knows the neighbours of each, and are cut out of the triangles
+/// that make up the domain.
+class PlanarDomain final : public FlatDomain {
+ public:
+  /// [0, width] x [0, height]. \throw ArgumentError unless both are finite and > 0
+  [[nodiscard]] static PlanarDomain rectangle(double width, double height);
+
+  /// The same with a density: the image's values at the centres of its pixels, linear on triangles
+  /// between them, constant over the half pixel along the border.
+  /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
+  [[nodiscard]] static PlanarDomain image(double width, double height, const Image& density);
+
+  /// A polygon without its holes; the direction of the rings does not matter.
+  /// \throw ArgumentError naming the first point that is not finite or repeats another, edge that
+  /// crosses or touches another, ring of fewer than 3 points, hole that is not inside
+  [[nodiscard]] static PlanarDomain polygon(const std::vector<Vec2>& outline,
+                                            std::span<const std::vector<Vec2>> holes = {});
+
+  /// The same domain as a flat mesh.
+  [[nodiscard]] const Surface& surface() const { return surface_; }
+
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] double area() const override { return surface_.area(); }
+  [[nodiscard]] double mass() const override { return surface_.mass(); }
+  [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
+  void check(const Sites& sites) const override;
+  [[nodiscard]] Sites sites(std::span<const Vec2> points) const override;
+  [[nodiscard]] Vec2 canonical(const Vec3& position) const override { return position.head<2>(); }
+  [[nodiscard]] std::unique_ptr<FlatDomain> with_cells(Cells cells) const override;
+  [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
+                                            const RestrictedVoronoi& diagram) const override;
+  [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
+                            const Context* context) const override;
+
+ private:
+  explicit PlanarDomain(Surface surface);
+
+  Surface surface_;
+  std::shared_ptr<const Projector> projector_;  // onto the density's support
+  Cells cells_ = Cells::kConnected;
+};
+
+/// The unit square with opposite sides joined. Cells come from CGAL's periodic Delaunay
+/// triangulation; while the sites are too few for one of a single sheet, from the plane one of the
+/// sites and their eight nearest images.
+///
+/// Any point of the plane stands for its place in the square, and the gradient belongs to the point
+/// as it is: while optimising, positions are not wrapped, so that differences of positions are
+/// steps. A site is its position alone; its face only says where the density is looked up.
+class TorusDomain final : public FlatDomain {
+ public:
+  TorusDomain();  ///< density 1
+
+  /// The image's values at the centres of its pixels, linear on triangles between them, going on
+  /// periodically.
+  /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
+  explicit TorusDomain(const Image& density);
+
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  /// All points are of the torus: finds their faces.
+  [[nodiscard]] Sites project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] double area() const override { return 1.0; }
+  [[nodiscard]] double mass() const override { return period_.mass(); }
+  [[nodiscard]] bool uniform() const override { return period_.uniform(); }
+  void check(const Sites& sites) const override;
+  [[nodiscard]] Sites sites(std::span<const Vec2> points) const override;
+  [[nodiscard]] Vec2 canonical(const Vec3& position) const override;  ///< in [0, 1)^2
+  [[nodiscard]] std::unique_ptr<FlatDomain> with_cells(Cells cells) const override;
+  [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
+                                            const RestrictedVoronoi& diagram) const override;
+  [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
+                            const Context* context) const override;
+
+ private:
+  [[nodiscard]] std::int32_t face_at(const Vec2& wrapped) const;
+
+  Eigen::Array2i pixels_;  // columns and rows; 0 without a density
+  Eigen::Array2i before_;  // pixels of the cover left of and below the square's first
+  Eigen::Array2i quads_;   // of the cover
+  Surface period_;         // once around
+  Surface cover_;          // so much of the plane that it holds every cell of a site in the square
+};
+
+/// Samples of a flat domain.
+struct PlanarSamples {
+  std::vector<Vec2> positions;  ///< on the torus in [0, 1)^2
+  Report report;
+};
+
+/// Exactly `count` samples, evenly spaced and unpatterned, following the density (paper, Algorithm
+/// 1). \throw ArgumentError for options out of range; Cancelled
+[[nodiscard]] PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
+                                          const SampleOptions& options = {},
+                                          Context* context = nullptr);
+
+}  // namespace dapple
