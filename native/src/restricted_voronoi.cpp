@@ -136,10 +136,10 @@ class Bisectors {
     bisectors_.clear();
     for (const std::int32_t other : others)
       if (other != site) add(other);
-    std::stable_sort(bisectors_.begin(), bisectors_.end(),
-                     [](const Bisector& a, const Bisector& b) {
-                       return a.squared_distance < b.squared_distance;
-                     });
+    std::sort(bisectors_.begin(), bisectors_.end(), [](const Bisector& a, const Bisector& b) {
+      return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                      : a.site < b.site;
+    });
     settled_ = bisectors_.size();
   }
 
