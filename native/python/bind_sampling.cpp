@@ -8,32 +8,10 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "options.hpp"
 
 namespace dapple::python {
 namespace {
-
-Method method_named(const std::string& name) {
-  if (name == "trust_region") return Method::kTrustRegion;
-  if (name == "line_search") return Method::kLineSearch;
-  throw ArgumentError("method is '" + name + "': it must be 'trust_region' or 'line_search'");
-}
-
-OptimizerOptions optimizer_options(double capacity_weight, double gap_weight, double tolerance,
-                                   int max_evaluations, const std::string& method) {
-  OptimizerOptions options;
-  options.method = method_named(method);
-  options.capacity_weight = capacity_weight;
-  options.gap_weight = gap_weight;
-  options.tolerance = tolerance;
-  options.max_evaluations = max_evaluations;
-  return options;
-}
-
-Start start_named(const std::string& name) {
-  if (name == "poisson") return Start::kPoisson;
-  if (name == "random") return Start::kRandom;
-  throw ArgumentError("start is '" + name + "': it must be 'poisson' or 'random'");
-}
 
 std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t count,
                                         std::uint64_t seed, double capacity_weight,

@@ -38,6 +38,7 @@ inline Cells cells_named(const std::string& name) {
 void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);
 void bind_sampling(py::module_& m);
+void bind_planar(py::module_& m);
 void bind_analysis(py::module_& m);
 
 }  // namespace dapple::python

@@ -39,6 +39,7 @@ PYBIND11_MODULE(_native, m) {
   bind_surface(m);
   bind_energy(m);
   bind_sampling(m);
+  bind_planar(m);
   bind_analysis(m);
 }
 

@@ -112,6 +112,30 @@ class Samples:
     @property
     def report(self) -> Report: ...
 
+class FlatDomain:
+    @property
+    def area(self) -> float: ...
+    @property
+    def mass(self) -> float: ...
+    def spacing(self, count: int) -> float: ...
+
+class Plane(FlatDomain):
+    def __init__(self, width: float, height: float, density: ArrayLike | None = None) -> None: ...
+    @staticmethod
+    def polygon(outline: ArrayLike, holes: Sequence[ArrayLike] = ()) -> Plane: ...
+    @property
+    def surface(self) -> Surface: ...
+
+class Torus(FlatDomain):
+    def __init__(self, density: ArrayLike | None = None) -> None: ...
+
+class PlanarSamples:
+    def __len__(self) -> int: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def report(self) -> Report: ...
+
 class Energy:
     @property
     def total(self) -> float: ...
@@ -252,3 +276,25 @@ def surface_spectrum(
 def project(surface: Surface, points: ArrayLike) -> Projection: ...
 def read_mesh(path: str | os.PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 def write_mesh(path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike) -> None: ...
+def sample_planar(
+    domain: FlatDomain,
+    count: int,
+    *,
+    seed: int = 0,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 1.0,
+    tolerance: float = 1e-5,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    context: Context | None = None,
+) -> PlanarSamples: ...
+def energy_planar(
+    domain: FlatDomain,
+    positions: ArrayLike,
+    *,
+    capacity_weight: float = 30.0,
+    cells: Literal["connected", "euclidean"] = "connected",
+) -> Energy: ...

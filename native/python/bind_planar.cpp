@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/planar.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "options.hpp"
+
+namespace dapple::python {
+namespace {
+
+using DomainPtr = std::shared_ptr<FlatDomain>;
+
+std::vector<Vec2> plane_points(const char* name, const py::object& value) {
+  const DoubleArray array = doubles(name, value, 2);
+  static_assert(sizeof(Vec2) == 2 * sizeof(double));
+  const auto* first = reinterpret_cast<const Vec2*>(array.data());
+  return {first, first + array.shape(0)};
+}
+
+Image image_of(const py::object& value) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 2)
+    throw ArgumentError("density " +
+                        (array ? "has the shape " + shape_text(array) : "is not an array") +
+                        ": (rows, columns) is needed");
+  const DoubleArray values = doubles("density", value, array.shape(1));
+  return {static_cast<std::size_t>(values.shape(0)),
+          static_cast<std::size_t>(values.shape(1)),
+          {values.data(), values.data() + values.size()}};
+}
+
+std::shared_ptr<PlanarDomain> make_plane(double width, double height, const py::object& density) {
+  return std::make_shared<PlanarDomain>(
+      density.is_none() ? PlanarDomain::rectangle(width, height)
+                        : PlanarDomain::image(width, height, image_of(density)));
+}
+
+std::shared_ptr<PlanarDomain> make_polygon(const py::object& outline, const py::sequence& holes) {
+  std::vector<std::vector<Vec2>> rings;
+  for (std::size_t k = 0; k < holes.size(); ++k) {
+    const std::string name = "holes[" + std::to_string(k) + "]";
+    rings.push_back(plane_points(name.c_str(), py::object(holes[k])));
+  }
+  return std::make_shared<PlanarDomain>(
+      PlanarDomain::polygon(plane_points("outline", outline), rings));
+}
+
+std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
+  return density.is_none() ? std::make_shared<TorusDomain>()
+                           : std::make_shared<TorusDomain>(image_of(density));
+}
+
+std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, std::int64_t count,
+                                             std::uint64_t seed, double capacity_weight,
+                                             double gap_weight, double tolerance,
+                                             int max_evaluations, const std::string& method,
+                                             const std::string& start, const std::string& cells,
+                                             int threads, const ContextPtr& context) {
+  SampleOptions options;
+  options.seed = seed;
+  options.start = start_named(start);
+  options.cells = cells_named(cells);
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+  options.threads = threads;
+  const std::size_t checked = checked_count(count);
+  const py::gil_scoped_release released;
+  return std::make_shared<PlanarSamples>(sample_planar(domain, checked, options, context.get()));
+}
+
+std::shared_ptr<Energy> energy_of(const FlatDomain& domain, const py::object& positions,
+                                  double capacity_weight, const std::string& cells) {
+  const std::vector<Vec2> points = plane_points("positions", positions);
+  const Cells chosen = cells_named(cells);
+  const py::gil_scoped_release released;
+  return std::make_shared<Energy>(
+      evaluate_energy(*domain.with_cells(chosen), domain.sites(points), capacity_weight));
+}
+
+py::array positions_of(const py::object& self) {
+  const std::vector<Vec2>& points = self.cast<const PlanarSamples&>().positions;
+  return view(self, points.empty() ? nullptr : points[0].data(),
+              {static_cast<py::ssize_t>(points.size()), 2});
+}
+
+void bind_domains(py::module_& m) {
+  py::class_<FlatDomain, DomainPtr>(m, "FlatDomain", "A Plane or a Torus.")
+      .def_property_readonly("area", &FlatDomain::area, "In squared units of the coordinates.")
+      .def_property_readonly("mass", &FlatDomain::mass, "Integral of the density.")
+      .def(
+          "spacing",
+          [](const FlatDomain& d, std::int64_t count) { return d.spacing(checked_count(count)); },
+          py::arg("count"),
+          "Distance between neighbours if count points were packed hexagonally: "
+          "sqrt(2 area / (sqrt(3) count)).");
+
+  py::class_<PlanarDomain, FlatDomain, std::shared_ptr<PlanarDomain>>(m, "Plane",
+                                                                      R"(A piece of the plane.
+
+Plane(width, height) is the rectangle [0, width] x [0, height]; see also Plane.polygon.
+
+Args:
+    width, height: finite, > 0.
+    density: (rows, columns) float64 >= 0, or None for 1 everywhere: an image over the rectangle, its row 0 at y = 0. The
+        values hold at the centres of the pixels; between them the density is linear on triangles, beyond them constant.
+
+Raises:
+    ValueError: naming the argument out of range, or the first value that is not finite or negative.)")
+      .def(py::init(&make_plane), py::arg("width"), py::arg("height"),
+           py::arg("density") = py::none())
+      .def_static("polygon", &make_polygon, py::arg("outline"), py::arg("holes") = py::tuple(),
+                  R"(A polygon with holes, of density 1.
+
+Args:
+    outline: (k, 2) float64, the corners in order, either way round.
+    holes: a sequence of such arrays, inside the outline and apart from each other.
+
+Returns:
+    Plane.
+
+Raises:
+    ValueError: naming the first point that is not finite or repeats another, the edge that crosses or touches another,
+        the ring of fewer than 3 points, the hole that is not inside.)")
+      .def_property_readonly(
+          "surface", [](const PlanarDomain& d) { return std::make_shared<Surface>(d.surface()); },
+          "The same domain as a flat Surface, z = 0.");
+
+  py::class_<TorusDomain, FlatDomain, std::shared_ptr<TorusDomain>>(
+      m, "Torus",
+      R"(The unit square, its opposite sides joined.
+
+Args:
+    density: (rows, columns) float64 >= 0, or None for 1 everywhere: an image over the square that goes on periodically,
+        its row 0 at y = 0. The values hold at the centres of the pixels; between them the density is linear on triangles.
+
+Raises:
+    ValueError: naming the first value that is not finite or negative.)")
+      .def(py::init(&make_torus), py::arg("density") = py::none());
+}
+
+void bind_planar_verbs(py::module_& m) {
+  py::class_<PlanarSamples, std::shared_ptr<PlanarSamples>>(m, "PlanarSamples",
+                                                            "Samples of a Plane or a Torus.")
+      .def("__len__", [](const PlanarSamples& s) { return s.positions.size(); })
+      .def_property_readonly("positions", &positions_of,
+                             "(n, 2) float64, a read-only view; on a Torus in [0, 1).")
+      .def_readonly("report", &PlanarSamples::report, "A Report.");
+
+  m.def(
+      "sample_planar", &sample_domain, py::arg("domain"), py::arg("count"), py::kw_only(),
+      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
+      py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
+      py::arg("method") = "trust_region", py::arg("start") = "poisson",
+      py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
+      R"(Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.
+
+As sample() does on a Surface, on Delaunay triangulations of the plane or the torus (Chen et al. 2012, Algorithm 1);
+sample_planar(..., **dapple.PAPER) is the paper's own way.
+
+Args:
+    domain: a Plane or a Torus.
+    count: number of samples, >= 0.
+    seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+
+Returns:
+    PlanarSamples, with a report.
+
+Raises:
+    ValueError: an option out of range.
+    Cancelled: through the context.)");
+
+  m.def("energy_planar", &energy_of, py::arg("domain"), py::arg("positions"), py::kw_only(),
+        py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
+        R"(The energy at given sites of a Plane or Torus, and its gradient: see energy().
+
+Args:
+    domain: a Plane or a Torus.
+    positions: (n, 2) float64, in the domain; on a Torus any, standing for their places in the square.
+    capacity_weight: lambda >= 0.
+    cells: 'connected' or 'euclidean', as for sample().
+
+Returns:
+    Energy; its gradient has z = 0.
+
+Raises:
+    ValueError: naming the first position that is not finite or outside.)");
+}
+
+}  // namespace
+
+void bind_planar(py::module_& m) {
+  bind_domains(m);
+  bind_planar_verbs(m);
+}
+
+}  // namespace dapple::python
