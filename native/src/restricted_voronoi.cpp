@@ -136,10 +136,7 @@ class Bisectors {
     bisectors_.clear();
     for (const std::int32_t other : others)
       if (other != site) add(other);
-    std::sort(bisectors_.begin(), bisectors_.end(), [](const Bisector& a, const Bisector& b) {
-      return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
-                                                      : a.site < b.site;
-    });
+    sort();
     settled_ = bisectors_.size();
   }
 
@@ -156,7 +153,34 @@ class Bisectors {
     bisectors_.clear();
     for (const Neighbour& found : found_)
       if (found.index != site_) add(found.index);
+    sort();
     settle();
+  }
+
+  void sort() {
+    const auto original = [&](const Bisector& b) {
+      return sites_->original[static_cast<std::size_t>(b.site)];
+    };
+    std::sort(bisectors_.begin(), bisectors_.end(), [&](const Bisector& a, const Bisector& b) {
+      return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                      : original(a) < original(b);
+    });
+    drop_twins();
+  }
+
+  // Of coincident sites the first of the caller's owns the cell. The others share its plane; where
+  // rounding lets theirs cut once more, the boundary would bear the name of an empty cell.
+  void drop_twins() {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < bisectors_.size(); ++k) {
+      const Bisector& b = bisectors_[k];
+      bool twin = false;
+      for (std::size_t p = kept; p > 0 && bisectors_[p - 1].squared_distance == b.squared_distance;
+           --p)
+        twin = twin || (b.squared_distance > 0.0 && bisectors_[p - 1].normal == b.normal);
+      if (!twin) bisectors_[kept++] = b;
+    }
+    bisectors_.resize(kept);
   }
 
   void add(std::int32_t other) {

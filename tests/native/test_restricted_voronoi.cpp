@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <dapple/projector.hpp>
 #include <dapple/restricted_voronoi.hpp>
 
 #include "brute_force.hpp"
@@ -182,6 +183,32 @@ TEST(RestrictedVoronoi, GivesAllToTheFirstOfCoincidentSites) {
     EXPECT_EQ(found.cells[twin].area, 0.0);
     EXPECT_TRUE(found.boundary(twin).empty());
   }
+}
+
+/// Twins on different faces around a vertex come in another order along the surface: what borders
+/// on them must border on the first, not on one whose cell is empty.
+TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbour) {
+  const Shape shape = grid(4);
+  const Surface surface = shape.surface();
+  const Projection others =
+      Projector(surface).project(std::vector<Vec3>{{0.1, 0.2, 0}, {0.9, 0.3, 0}, {0.4, 0.9, 0}});
+  const Vec3 corner(0.5, 0.5, 0.0);
+  std::vector<std::int32_t> around;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    for (const std::int32_t v : shape.faces[f])
+      if (shape.vertices[static_cast<std::size_t>(v)] == corner)
+        around.push_back(static_cast<std::int32_t>(f));
+  ASSERT_GE(around.size(), 4u);
+  for (const std::int32_t a : around)
+    for (const std::int32_t b : around) {
+      Sites sites{{corner, corner}, {a, b}};
+      sites.positions.insert(sites.positions.end(), others.positions.begin(),
+                             others.positions.end());
+      sites.faces.insert(sites.faces.end(), others.faces.begin(), others.faces.end());
+      const RestrictedVoronoi diagram = restricted_voronoi(surface, sites);
+      EXPECT_EQ(diagram.cells[1].area, 0.0);
+      for (const CellBoundary& side : diagram.boundaries) EXPECT_NE(side.neighbour, 1);
+    }
 }
 
 TEST(RestrictedVoronoi, KeepsManyCoincidentSitesApartFromTheRest) {
