@@ -131,6 +131,13 @@ void add_arcs(const Torus& torus, std::vector<Arc>& arcs) {
     }
 }
 
+/// The offset of one of the nine tiles, in rows of three around the middle one.
+Vec3 shift_of(std::int32_t tile) {
+  const std::int32_t column = tile % 3 - 1;
+  const std::int32_t row = tile / 3 - 1;
+  return {double(column), double(row), 0.0};
+}
+
 /// The neighbours of sites in the unit square from a plane triangulation of the square and the
 /// eight images around it: more there need not be, since a site's own images hold its cell within
 /// half a period of it.
@@ -141,7 +148,7 @@ void add_arcs_of_images(std::span<const Vec3> x, std::span<const std::int32_t> s
   Plane::Face_handle near;
   for (std::int32_t tile = 0; tile < kTiles; ++tile)
     for (std::size_t k = 0; k < sites.size(); ++k) {
-      const Vec3 shift(tile % 3 - 1, tile / 3 - 1, 0.0);
+      const Vec3 shift = shift_of(tile);
       const auto vertex =
           plane.insert(in_plane(x[static_cast<std::size_t>(sites[k])] + shift), near);
       vertex->info() = static_cast<std::int32_t>(k) * kTiles + tile;
@@ -151,7 +158,7 @@ void add_arcs_of_images(std::span<const Vec3> x, std::span<const std::int32_t> s
     if (from % kTiles != kMiddle) return;
     const std::int32_t i = sites[static_cast<std::size_t>(from / kTiles)];
     const std::int32_t j = sites[static_cast<std::size_t>(to / kTiles)];
-    const Vec3 shift(to % kTiles % 3 - 1, to % kTiles / 3 - 1, 0.0);
+    const Vec3 shift = shift_of(to % kTiles);
     const Vec3 offset = x[static_cast<std::size_t>(j)] + shift - x[static_cast<std::size_t>(i)];
     arcs.push_back({i, {j, Vec3(offset.x(), offset.y(), 0.0)}});
   };

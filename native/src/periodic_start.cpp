@@ -133,6 +133,7 @@ std::vector<Vec3> periodic_poisson_start(const Surface& period, std::size_t coun
     }
   }
   std::vector<Vec3> positions;
+  positions.reserve(darts.size());
   for (const Dart& dart : darts) positions.push_back(dart.position);
   return positions;
 }

@@ -76,7 +76,7 @@ class RingMesh {
     mark_from(mesh_.infinite_face());
     std::vector<Face> faces;
     for (const auto face : mesh_.finite_face_handles()) {
-      if (!face->info().value()) continue;
+      if (!face->info().value_or(false)) continue;
       const auto corner = [&](int k) { return face->vertex(k)->info(); };
       faces.push_back({corner(0), corner(1), corner(2)});
     }
@@ -102,7 +102,7 @@ class RingMesh {
       for (int k = 0; k < 3; ++k) {
         const auto next = face->neighbor(k);
         if (next->info().has_value()) continue;
-        next->info() = face->info().value() != face->is_constrained(k);
+        next->info() = face->info().value_or(false) != face->is_constrained(k);
         pending.push_back(next);
       }
     }
