@@ -160,8 +160,8 @@ def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
         f"{later['alpha_mean']:.3f} over all",
         f"capacity spread  {first['capacity_spread']:.4f} on the first frame, "
         f"{later['capacity_spread']:.4f} on the worst",
-        f"first frame      {first['evaluations']:.0f} iterations, {first['milliseconds']:.0f} ms",
-        f"later frames     {later['evaluations']:.0f} iterations, "
+        f"first frame      {first['evaluations']:.0f} evaluations, {first['milliseconds']:.0f} ms",
+        f"later frames     {later['evaluations']:.0f} evaluations, "
         f"{later['milliseconds']:.0f} ms each",
         f"kept             {percent(steady['kept'])} "
         "(same id, moved less than half a spacing on the surface)",
