@@ -19,13 +19,8 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t cou
                                         const std::string& method, const std::string& start,
                                         const std::string& cells, int threads,
                                         const ContextPtr& context) {
-  SampleOptions options;
-  options.seed = seed;
-  options.start = start_named(start);
-  options.cells = cells_named(cells);
-  options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
-  options.threads = threads;
+  const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+                                               max_evaluations, method, start, cells, threads);
   const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample(surface, checked, options, context.get()));

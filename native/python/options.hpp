@@ -5,6 +5,8 @@
 #include <dapple/sampler.hpp>
 #include <string>
 
+#include "bindings.hpp"
+
 namespace dapple::python {
 
 /// \throw ArgumentError for another name
@@ -31,6 +33,21 @@ inline Start start_named(const std::string& name) {
   if (name == "poisson") return Start::kPoisson;
   if (name == "random") return Start::kRandom;
   throw ArgumentError("start is '" + name + "': it must be 'poisson' or 'random'");
+}
+
+/// The options that every sampler takes, on a surface or in the plane.
+inline SampleOptions sample_options(std::uint64_t seed, double capacity_weight, double gap_weight,
+                                    double tolerance, int max_evaluations,
+                                    const std::string& method, const std::string& start,
+                                    const std::string& cells, int threads) {
+  SampleOptions options;
+  options.seed = seed;
+  options.start = start_named(start);
+  options.cells = cells_named(cells);
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+  options.threads = threads;
+  return options;
 }
 
 }  // namespace dapple::python
