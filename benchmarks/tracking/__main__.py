@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Judges samples on deforming bodies and holds the figures against the goals."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+
+import dapple
+
+from benchmarks.tracking import report
+from benchmarks.tracking.animations import FACES, GENERATED, LENGTH, Animation, load
+from benchmarks.tracking.blender_points import replaced
+from benchmarks.tracking.contenders import CONTENDERS
+from benchmarks.tracking.metrics import STEADY, Run, play
+
+SHARED = ["elephant", "greenman"]
+SHARED_SITES = {"greenman": 700}  # 356 faces: twice as many sites as faces
+QUICK = ["bend", "arm"]
+
+
+def main() -> None:
+    options = _options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    runs: list[Run] = []
+    blender: dict[str, dict[str, list[float]]] = {}
+    for animation in _animations(options):
+        sites = min(options.sites, SHARED_SITES.get(animation.name, options.sites))
+        _introduce(animation, sites)
+        if options.pictures:
+            report.draw_frames(animation, options.out / f"{animation.name}.png")
+        runs += _play_all(animation, sites, options)
+        if options.blender:
+            found = replaced(animation, sites, min(animation.period, len(animation.frames)))
+            blender |= {animation.name: found} if found else {}
+    print(
+        "\n" + report.table(runs), "\n\nFrames that miss a goal:\n", report.misses(runs), sep="\n"
+    )
+    if blender:
+        print("\nDistribute Points on Faces, Poisson:\n", report.replaced_table(blender), sep="\n")
+    report.draw_curves(runs, options.out / "curves.png")
+    if options.json:
+        stored = {"sites": options.sites, "runs": [asdict(run) for run in runs], "blender": blender}
+        options.json.write_text(json.dumps(stored, indent=1))
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="benchmarks/tracking/run.sh",
+        description=__doc__,
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    known = [*GENERATED, *SHARED]
+    parser.add_argument("--animations", nargs="+", choices=known, default=known, metavar="NAME")
+    parser.add_argument("--contenders", nargs="+", choices=list(CONTENDERS), metavar="NAME")
+    parser.add_argument("--frames", type=int, default=LENGTH, help="of a generated loop")
+    parser.add_argument("--faces", type=int, default=FACES, help="of a generated body, about")
+    parser.add_argument("--sites", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--drift",
+        nargs="*",
+        choices=known,
+        default=["bend", "walk"],
+        metavar="NAME",
+        help=f"animations that are looped for {STEADY} frames, without riding",
+    )
+    parser.add_argument("--blender", action="store_true", help="also Blender's own scatter node")
+    parser.add_argument("--pictures", action="store_true", help="draw frames of each animation")
+    parser.add_argument("--quick", action="store_true", help="two short animations, 500 sites")
+    parser.add_argument("--shared", type=Path, help="folder with meshes/anim_*: real animations")
+    parser.add_argument("--json", type=Path, help="write every frame's figures there")
+    parser.add_argument("--out", type=Path, default=Path("build/tracking"), help="of pictures")
+    options = parser.parse_args()
+    options.contenders = options.contenders or list(CONTENDERS)
+    if options.quick:
+        options.animations, options.drift = QUICK, []
+        options.frames, options.faces, options.sites = 24, 3000, 500
+    if min(options.frames, options.faces, options.sites) < 1:
+        parser.error("--frames, --faces and --sites must be at least 1")
+    return options
+
+
+def _animations(options: argparse.Namespace) -> Iterator[Animation]:
+    for name in options.animations:
+        if name in GENERATED:
+            yield GENERATED[name](options.frames, options.faces)
+            continue
+        found = load(options.shared, name) if options.shared else None
+        if found:
+            yield found
+        else:
+            print(f"{name}: skipped, --shared does not give it")
+
+
+def _introduce(animation: Animation, sites: int) -> None:
+    motion = animation.largest_motion
+    print(
+        f"{animation.name}: {len(animation.faces)} faces, {len(animation.frames)} frames, "
+        f"{sites} sites; a vertex moves {100 * motion:.1f} % of the size in a frame at most"
+        + (": fast" if motion > 0.02 else ""),
+        flush=True,
+    )
+
+
+def _play_all(animation: Animation, sites: int, options: argparse.Namespace) -> list[Run]:
+    surface = dapple.Surface(animation.frames[0], animation.faces)
+    start = dapple.sample(surface, sites, seed=options.seed, threads=1)
+    advances = animation.period
+    runs = [play(animation, start, name, advances) for name in options.contenders]
+    if animation.name in options.drift:
+        lasting = [name for name in options.contenders if name != "ride"]
+        runs += [play(animation, start, name, STEADY) for name in lasting]
+    return runs
+
+
+if __name__ == "__main__":
+    main()

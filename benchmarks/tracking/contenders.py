@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways to carry samples to the next frame, all with the same face."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import dapple
+import numpy as np
+
+from benchmarks.tracking.implicit import Array
+from benchmarks.tracking.paper import minimise
+
+
+@dataclass(frozen=True)
+class Step:
+    """The samples of a frame, and what they cost."""
+
+    surface: dapple.Surface
+    samples: dapple.Samples
+    evaluations: int  # of the energy
+
+
+class Contender(Protocol):
+    """Goes from frame to frame."""
+
+    def advance(self, vertices: Array) -> Step: ...
+
+
+class Ride:
+    """The samples stay on their faces: nothing is optimised."""
+
+    def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
+        self.surface, self.samples = surface, samples
+
+    def advance(self, vertices: Array) -> Step:
+        self.surface = self.surface.deformed(vertices)
+        self.samples = carried(self.surface, self.samples)
+        return Step(self.surface, self.samples, 0)
+
+
+class Paper:
+    """The paper's way (5.4): each frame is minimised to the tolerance by plain L-BFGS, warm."""
+
+    def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
+        self.surface, self.samples = surface, samples
+
+    def advance(self, vertices: Array) -> Step:
+        self.surface = self.surface.deformed(vertices)
+        start = carried(self.surface, self.samples)
+        faces, barycentric, evaluations = minimise(self.surface, start.positions, start.faces)
+        self.samples = dapple.Samples(self.surface, faces, barycentric, ids=start.ids)
+        return Step(self.surface, self.samples, evaluations)
+
+
+class Dapple:
+    """dapple.Tracker as it comes."""
+
+    def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
+        self._tracker = dapple.Tracker(surface, samples, threads=1)
+
+    def advance(self, vertices: Array) -> Step:
+        samples = self._tracker.advance(vertices)
+        return Step(self._tracker.surface, samples, samples.report.evaluations)
+
+
+CONTENDERS: dict[str, Callable[[dapple.Surface, dapple.Samples], Contender]] = {
+    "ride": Ride,
+    "paper": Paper,
+    "dapple": Dapple,
+}
+
+
+def carried(surface: dapple.Surface, samples: dapple.Samples) -> dapple.Samples:
+    """The samples on the same places of their faces, on another frame's surface."""
+    return dapple.Samples(surface, samples.faces, samples.barycentric, ids=np.asarray(samples.ids))
