@@ -13,20 +13,62 @@
 namespace dapple::python {
 namespace {
 
+/// \throw ArgumentError for another name
+DensityAt place_named(const std::string& name) {
+  if (name == "vertices") return DensityAt::kVertices;
+  if (name == "faces") return DensityAt::kFaces;
+  if (name == "corners") return DensityAt::kCorners;
+  throw ArgumentError("density_at is '" + name + "': it must be 'vertices', 'faces' or 'corners'");
+}
+
+const char* place_name(const Surface& surface) {
+  switch (surface.density_at()) {
+    case DensityAt::kFaces:
+      return "faces";
+    case DensityAt::kCorners:
+      return "corners";
+    case DensityAt::kVertices:
+      break;
+  }
+  return "vertices";
+}
+
+/// The argument `density` and where its values are; `view` is what the library takes.
+struct DensityArgument {
+  DensityArgument(const py::object& density, const std::string& density_at)
+      : at(place_named(density_at)) {
+    if (density.is_none()) return;
+    values = doubles("density", density, at == DensityAt::kCorners ? 3 : 0);
+    if (values.size() == 0)
+      throw SurfaceError("density has 0 values: values at the " + density_at + " are needed");
+  }
+  [[nodiscard]] Density view() const { return {at, as_span(values)}; }
+
+  DensityAt at;
+  DoubleArray values;
+};
+
 std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
-                                      const py::object& density) {
+                                      const py::object& density, const std::string& density_at) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
-  const DoubleArray values = density.is_none() ? DoubleArray() : doubles("density", density, 0);
-  if (!density.is_none() && values.size() == 0)
-    throw SurfaceError("density has 0 values for " + std::to_string(points.shape(0)) +
-                       " vertices: one per vertex is needed");
+  const DensityArgument values(density, density_at);
   const py::gil_scoped_release released;
-  return std::make_shared<Surface>(as_points(points), as_faces(triangles), as_span(values));
+  return std::make_shared<Surface>(as_points(points), as_faces(triangles), values.view());
+}
+
+std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
+                                      const std::string& density_at) {
+  const DensityArgument values(density, density_at);
+  const py::gil_scoped_release released;
+  return std::make_shared<Surface>(surface.with_density(values.view()));
 }
 
 py::object density_of(const Surface& surface) {
-  return surface.uniform() ? py::object(py::none()) : py::object(give(surface.density()));
+  if (surface.uniform()) return py::none();
+  py::array values = give(surface.density());
+  if (surface.density_at() != DensityAt::kCorners) return values;
+  return values.attr("reshape")(-1, 3);
 }
 
 std::shared_ptr<Projection> project_points(const Surface& surface, const py::object& points) {
@@ -74,14 +116,16 @@ void bind_surface_class(py::module_& m) {
 Args:
     vertices: (v, 3) float64, positions in any unit.
     faces: (m, 3) int32, vertex indices; degenerate, repeated and non-manifold faces are allowed.
-    density: (v,) float64 >= 0, linear on each face; None means 1 everywhere.
+    density: float64 >= 0, linear on each face; None means 1 everywhere.
+    density_at: where its values are: 'vertices', shape (v,): continuous; 'faces', (m,): constant on each face;
+        'corners', (m, 3), row f for the corners 0, 1, 2 of face f: it may jump between faces.
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
         a density of another length, or no area (or no density) at all.
-    ValueError: an array of another shape or dtype.)")
+    ValueError: an array of another shape or dtype, or another name.)")
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
-           py::arg("density") = py::none())
+           py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices")
       .def_property_readonly(
           "vertices", [](const Surface& s) { return give(s.vertices()); },
           "(v, 3) float64, a read-only copy.")
@@ -89,7 +133,10 @@ Raises:
           "faces", [](const Surface& s) { return give(s.faces()); },
           "(m, 3) int32, a read-only copy.")
       .def_property_readonly("density", &density_of,
-                             "(v,) float64, a read-only copy, or None if 1 everywhere.")
+                             "(v,) float64 at vertices, (m,) at faces, (m, 3) at corners: a "
+                             "read-only copy, or None if 1 everywhere.")
+      .def_property_readonly("density_at", &place_name,
+                             "Where the density is given: 'vertices', 'faces' or 'corners'.")
       .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
       .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
       .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")
@@ -107,7 +154,11 @@ Raises:
             return std::make_shared<Surface>(s.deformed(as_points(points)));
           },
           py::arg("vertices"),
-          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError.");
+          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError.")
+      .def("with_density", &with_density, py::arg("density"), py::kw_only(),
+           py::arg("density_at") = "vertices",
+           "The same vertices and faces with another density, as in the constructor; None means 1 "
+           "everywhere. Raises SurfaceError.");
 }
 
 void bind_projection(py::module_& m) {

@@ -99,9 +99,7 @@ class Throws {
       used_ = 0;
     }
     const std::size_t k = used_++;
-    const auto [a, b, c] = period_->corners(period_->ordered_face(batch_.faces[k]));
-    const Vec3 values(period_->vertex_density(a), period_->vertex_density(b),
-                      period_->vertex_density(c));
+    const Vec3 values = period_->densities(period_->ordered_face(batch_.faces[k]));
     return {batch_.positions[k], 1.0 / std::sqrt(batch_.barycentric[k].dot(values))};
   }
 

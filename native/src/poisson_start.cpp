@@ -92,9 +92,7 @@ class DartBoard {
   // Uniform on the face, then accepted in proportion to the density: at least a third is, since it
   // is linear.
   Dart draw_on(std::int32_t face, Random& random) const {
-    const auto [a, b, c] = surface_->corners(face);
-    const Vec3 values(surface_->vertex_density(a), surface_->vertex_density(b),
-                      surface_->vertex_density(c));
+    const Vec3 values = surface_->densities(face);
     while (true) {
       const double root = std::sqrt(random.uniform());
       const double along = random.uniform();

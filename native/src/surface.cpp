@@ -26,14 +26,40 @@ void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
                            std::to_string(static_cast<long long>(vertex_count) - 1));
 }
 
-void check_density(std::span<const double> density, std::size_t vertex_count) {
-  if (density.empty()) return;
-  if (density.size() != vertex_count)
-    throw SurfaceError("density has " + std::to_string(density.size()) + " values for " +
-                       std::to_string(vertex_count) + " vertices: one per vertex is needed");
-  for (std::size_t k = 0; k < density.size(); ++k)
-    if (!std::isfinite(density[k]) || density[k] < 0.0)
-      throw SurfaceError(entry("density", k) + " is " + number(density[k]) +
+/// How many values a density has, and how the message says so.
+struct DensityRule {
+  std::size_t count;
+  const char* where;
+  const char* rule;
+};
+
+DensityRule density_rule(DensityAt at, std::size_t vertex_count, std::size_t face_count) {
+  switch (at) {
+    case DensityAt::kFaces:
+      return {face_count, "faces", "one per face is needed"};
+    case DensityAt::kCorners:
+      return {3 * face_count, "corners", "three per face are needed"};
+    case DensityAt::kVertices:
+      break;
+  }
+  return {vertex_count, "vertices", "one per vertex is needed"};
+}
+
+std::string density_entry(DensityAt at, std::size_t index) {
+  return at == DensityAt::kCorners
+             ? "density[" + std::to_string(index / 3) + ", " + std::to_string(index % 3) + "]"
+             : entry("density", index);
+}
+
+void check_density(const Density& density, std::size_t vertex_count, std::size_t face_count) {
+  if (density.values.empty()) return;
+  const auto [count, where, rule] = density_rule(density.at, vertex_count, face_count);
+  if (density.values.size() != count)
+    throw SurfaceError("density has " + std::to_string(density.values.size()) + " values for " +
+                       std::to_string(count) + " " + where + ": " + rule);
+  for (std::size_t k = 0; k < count; ++k)
+    if (!std::isfinite(density.values[k]) || density.values[k] < 0.0)
+      throw SurfaceError(density_entry(density.at, k) + " is " + number(density.values[k]) +
                          ": it must be finite and >= 0");
 }
 
@@ -125,21 +151,45 @@ std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertice
   return result;
 }
 
+// `order` lists the caller's indices of groups of `width` values, in the surface's own order.
+
 template <typename T>
-std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> order) {
+std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> order,
+                      std::size_t width = 1) {
   std::vector<T> result;
-  result.reserve(values.empty() ? 0 : order.size());
+  result.reserve(values.size());
   if (!values.empty())
-    for (const std::int32_t k : order) result.push_back(values[static_cast<std::size_t>(k)]);
+    for (const std::int32_t group : order)
+      for (std::size_t k = 0; k < width; ++k)
+        result.push_back(values[width * static_cast<std::size_t>(group) + k]);
   return result;
 }
 
 template <typename T>
-std::vector<T> scatter(std::span<const T> values, std::span<const std::int32_t> order) {
+std::vector<T> scatter(std::span<const T> values, std::span<const std::int32_t> order,
+                       std::size_t width = 1) {
   std::vector<T> result(values.size());
   for (std::size_t k = 0; k < values.size(); ++k)
-    result[static_cast<std::size_t>(order[k])] = values[k];
+    result[width * static_cast<std::size_t>(order[k / width]) + k % width] = values[k];
   return result;
+}
+
+const std::vector<std::int32_t>& density_order(const SurfaceConnectivity& mesh, DensityAt at) {
+  return at == DensityAt::kVertices ? mesh.original_vertex : mesh.original_face;
+}
+
+std::size_t density_width(DensityAt at) { return at == DensityAt::kCorners ? 3 : 1; }
+
+std::shared_ptr<const SurfaceDensity> ordered(const SurfaceConnectivity& mesh,
+                                              const Density& density) {
+  return std::make_shared<SurfaceDensity>(SurfaceDensity{
+      density.at,
+      gather(density.values, density_order(mesh, density.at), density_width(density.at))});
+}
+
+std::shared_ptr<const std::vector<Vec3>> ordered(const SurfaceConnectivity& mesh,
+                                                 std::span<const Vec3> vertices) {
+  return std::make_shared<const std::vector<Vec3>>(gather(vertices, mesh.original_vertex));
 }
 
 /// Geometry of the triangle x with the density f at its corners.
@@ -174,34 +224,6 @@ void check_total(const SurfaceGeometry& geometry) {
     throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
 }
 
-std::shared_ptr<const SurfaceGeometry> measure(const SurfaceConnectivity& connectivity,
-                                               std::vector<Vec3> vertices,
-                                               std::vector<double> density) {
-  auto result = std::make_shared<SurfaceGeometry>();
-  const bool uniform = density.empty();
-  result->vertices = std::move(vertices);
-  result->density = std::move(density);
-  result->faces.resize(connectivity.faces.size());
-  parallel_chunks(result->faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      std::array<Vec3, 3> x;
-      Vec3 values = Vec3::Ones();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto v = static_cast<std::size_t>(connectivity.faces[f][k]);
-        x[k] = result->vertices[v];
-        if (!uniform) values[static_cast<Eigen::Index>(k)] = result->density[v];
-      }
-      result->faces[f] = measure_face(x, values, uniform);
-    }
-  });
-  for (const FaceGeometry& face : result->faces) {
-    result->area += face.moments.area;
-    result->mass += face.moments.capacity;
-  }
-  check_total(*result);
-  return result;
-}
-
 double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - apex;
   const Vec3 v = b - apex;
@@ -211,19 +233,19 @@ double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
 }  // namespace
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
-                 std::span<const double> density) {
+                 std::span<const double> density)
+    : Surface(vertices, faces, Density{DensityAt::kVertices, density}) {}
+
+Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
+                 const Density& density) {
   check_finite<SurfaceError>("vertices", vertices);
   check_faces(faces, vertices.size());
-  check_density(density, vertices.size());
+  check_density(density, vertices.size(), faces.size());
   connectivity_ = connect(vertices, faces);
-  geometry_ = measure(*connectivity_, gather(vertices, connectivity_->original_vertex),
-                      gather(density, connectivity_->original_vertex));
+  vertices_ = ordered(*connectivity_, vertices);
+  density_ = ordered(*connectivity_, density);
+  measure();
 }
-
-Surface::Surface(std::shared_ptr<const SurfaceConnectivity> connectivity,
-                 std::vector<Vec3> vertices, std::vector<double> density)
-    : connectivity_(std::move(connectivity)),
-      geometry_(measure(*connectivity_, std::move(vertices), std::move(density))) {}
 
 Surface Surface::deformed(std::span<const Vec3> vertices) const {
   if (vertices.size() != vertex_count())
@@ -231,15 +253,58 @@ Surface Surface::deformed(std::span<const Vec3> vertices) const {
                        " rows; the surface has " + std::to_string(vertex_count()) +
                        " vertices, and deforming keeps their number");
   check_finite<SurfaceError>("vertices", vertices);
-  return {connectivity_, gather(vertices, connectivity_->original_vertex), geometry_->density};
+  Surface result = *this;
+  result.vertices_ = ordered(*connectivity_, vertices);
+  result.measure();
+  return result;
+}
+
+Surface Surface::with_density(const Density& density) const {
+  check_density(density, vertex_count(), face_count());
+  Surface result = *this;
+  result.density_ = ordered(*connectivity_, density);
+  result.measure();
+  return result;
+}
+
+void Surface::measure() {
+  auto result = std::make_shared<SurfaceGeometry>();
+  result->faces.resize(face_count());
+  parallel_chunks(result->faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto face = static_cast<std::int32_t>(f);
+      const auto [a, b, c] = corners(face);
+      result->faces[f] =
+          measure_face({vertex(a), vertex(b), vertex(c)}, densities(face), uniform());
+    }
+  });
+  for (const FaceGeometry& face : result->faces) {
+    result->area += face.moments.area;
+    result->mass += face.moments.capacity;
+  }
+  check_total(*result);
+  geometry_ = std::move(result);
+}
+
+Vec3 Surface::densities(std::int32_t ordered) const {
+  const std::vector<double>& values = density_->values;
+  if (values.empty()) return Vec3::Ones();
+  const auto f = static_cast<std::size_t>(ordered);
+  if (density_->at == DensityAt::kFaces) return Vec3::Constant(values[f]);
+  if (density_->at == DensityAt::kCorners)
+    return {values[3 * f], values[3 * f + 1], values[3 * f + 2]};
+  const auto value = [&](std::int32_t v) { return values[static_cast<std::size_t>(v)]; };
+  const auto [a, b, c] = corners(ordered);
+  return {value(a), value(b), value(c)};
 }
 
 std::vector<Vec3> Surface::vertices() const {
-  return scatter<Vec3>(geometry_->vertices, connectivity_->original_vertex);
+  return scatter<Vec3>(*vertices_, connectivity_->original_vertex);
 }
 
 std::vector<double> Surface::density() const {
-  return scatter<double>(geometry_->density, connectivity_->original_vertex);
+  return scatter<double>(density_->values, density_order(*connectivity_, density_->at),
+                         density_width(density_->at));
 }
 
 std::vector<Face> Surface::faces() const {

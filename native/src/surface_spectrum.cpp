@@ -113,11 +113,8 @@ class Differentials {
   [[nodiscard]] double local_spacing(std::size_t sample) const {
     const double uniform = surface_.spacing(samples_.size());
     if (surface_.uniform()) return uniform;
-    const Face& corners = surface_.corners(surface_.ordered_face(samples_.faces[sample]));
-    double density = 0.0;
-    for (std::size_t k = 0; k < 3; ++k)
-      density += samples_.barycentric[sample][static_cast<Eigen::Index>(k)] *
-                 surface_.vertex_density(corners[k]);
+    const double density = samples_.barycentric[sample].dot(
+        surface_.densities(surface_.ordered_face(samples_.faces[sample])));
     return uniform * std::sqrt(surface_.mass() / surface_.area() / density);
   }
 

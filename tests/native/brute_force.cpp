@@ -25,8 +25,8 @@ class LinearDensity {
     for (std::size_t c = 0; c < 3; ++c) {
       const auto v = static_cast<std::size_t>(shape.faces[face][c]);
       corner_[c] = shape.vertices[v];
-      value_[c] = shape.density.empty() ? 1.0 : shape.density[v];
     }
+    value_ = shape.densities(static_cast<std::int32_t>(face));
     normal_ = (corner_[1] - corner_[0]).cross(corner_[2] - corner_[0]);
   }
 
@@ -37,14 +37,14 @@ class LinearDensity {
     double sum = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3 part = (corner_[(c + 1) % 3] - p).cross(corner_[(c + 2) % 3] - p);
-      sum += value_[c] * part.dot(normal_);
+      sum += value_[static_cast<Eigen::Index>(c)] * part.dot(normal_);
     }
     return sum / normal_.squaredNorm();
   }
 
  private:
   std::array<Vec3, 3> corner_;
-  std::array<double, 3> value_{};
+  Vec3 value_;
   Vec3 normal_;
 };
 

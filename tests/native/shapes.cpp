@@ -139,6 +139,10 @@ std::vector<Shape> make_all_shapes() {
     shapes.push_back(named(with_density(*at, wave), at->name + "Dense"));
   }
   shapes.push_back(named(with_density(grid(6), only_above), "GridHalfEmpty"));
+  shapes.push_back(named(with_face_density(grid(6), only_above), "GridEmptyFaces"));
+  shapes.push_back(named(with_face_density(blob(2), wave), "BlobFaces"));
+  shapes.push_back(named(with_corner_density(fin(4), wave), "FinCorners"));
+  shapes.push_back(named(with_corner_density(zero_area_faces(), wave), "ZeroAreaFacesCorners"));
   return shapes;
 }
 
@@ -226,12 +230,20 @@ double Shape::area() const {
 double Shape::mass() const {
   if (density.empty()) return area();
   double sum = 0.0;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    double corners = 0.0;
-    for (const std::int32_t v : faces[f]) corners += density[static_cast<std::size_t>(v)];
-    sum += face_area(as_index(f)) * corners / 3.0;
-  }
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    sum += face_area(as_index(f)) * densities(as_index(f)).mean();
   return sum;
+}
+
+Vec3 Shape::densities(std::int32_t face) const {
+  if (density.empty()) return Vec3::Ones();
+  const auto f = static_cast<std::size_t>(face);
+  Vec3 result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t at[] = {static_cast<std::size_t>(faces[f][c]), f, 3 * f + c};
+    result[static_cast<Eigen::Index>(c)] = density[at[static_cast<std::size_t>(density_at)]];
+  }
+  return result;
 }
 
 void PrintTo(const Shape& shape, std::ostream* out) { *out << shape.name; }
@@ -239,6 +251,24 @@ void PrintTo(const Shape& shape, std::ostream* out) { *out << shape.name; }
 Shape with_density(Shape shape, const DensityFunction& density) {
   shape.density.resize(shape.vertices.size());
   std::transform(shape.vertices.begin(), shape.vertices.end(), shape.density.begin(), density);
+  return shape;
+}
+
+Shape with_face_density(Shape shape, const DensityFunction& density) {
+  shape.density_at = DensityAt::kFaces;
+  shape.density.clear();
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    shape.density.push_back(density(shape.point(as_index(f), Vec3::Constant(1.0 / 3.0))));
+  return shape;
+}
+
+Shape with_corner_density(Shape shape, const DensityFunction& density) {
+  shape.density_at = DensityAt::kCorners;
+  shape.density.clear();
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    for (const std::int32_t v : shape.faces[f])
+      shape.density.push_back(density(shape.vertices[static_cast<std::size_t>(v)]) *
+                              static_cast<double>(1 + f % 3));
   return shape;
 }
 
@@ -442,7 +472,13 @@ Shape random_shape(Random& random) {
     default:
       shape = random_hat(random);
   }
-  if (random.below(2) == 0) shape.density = random.densities(shape.vertices.size());
+  if (random.below(2) == 0) {
+    const std::size_t counts[] = {shape.vertices.size(), shape.faces.size(),
+                                  3 * shape.faces.size()};
+    const auto at = static_cast<std::size_t>(random.below(3));
+    shape.density_at = static_cast<DensityAt>(at);
+    shape.density = random.densities(counts[at]);
+  }
   if (shape.mass() <= 0.0) shape.density.clear();
   return shape;
 }

@@ -37,8 +37,12 @@ struct Shape {
   std::vector<Vec3> vertices;
   std::vector<Face> faces;
   std::vector<double> density = {};
+  DensityAt density_at = DensityAt::kVertices;
 
-  [[nodiscard]] Surface surface() const { return Surface(vertices, faces, density); }
+  [[nodiscard]] Surface surface() const {
+    return Surface(vertices, faces, Density{density_at, density});
+  }
+  [[nodiscard]] Vec3 densities(std::int32_t face) const;  // at its corners
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
   [[nodiscard]] double face_area(std::int32_t face) const;
   [[nodiscard]] double area() const;
@@ -51,6 +55,10 @@ void PrintTo(const Shape& shape, std::ostream* out);
 using DensityFunction = std::function<double(const Vec3&)>;
 
 [[nodiscard]] Shape with_density(Shape shape, const DensityFunction& density);
+/// The function at the middles of the faces.
+[[nodiscard]] Shape with_face_density(Shape shape, const DensityFunction& density);
+/// The function at the corners times (1 + face % 3): it jumps at most edges.
+[[nodiscard]] Shape with_corner_density(Shape shape, const DensityFunction& density);
 [[nodiscard]] Shape mapped(Shape shape, const std::function<Vec3(const Vec3&)>& map);
 [[nodiscard]] Shape joined(const Shape& a, const Shape& b);
 

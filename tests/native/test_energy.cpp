@@ -96,6 +96,10 @@ TEST(Gradient, IsTheSlopeOnCreasesUnderADensity) {
 TEST(Gradient, IsTheSlopeOnAPlaneUnderADensity) {
   expect_gradient_is_slope(with_density(grid(8), ramp), 40, 40, 6);
 }
+TEST(Gradient, IsTheSlopeWhereTheDensityJumpsBetweenFaces) {
+  expect_gradient_is_slope(with_face_density(blob(3), ramp), 60, 60, 14);
+  expect_gradient_is_slope(with_corner_density(grid(8), ramp), 40, 40, 15);
+}
 TEST(Gradient, IsTheSlopeThroughThinWalls) {
   expect_gradient_is_slope(two_sheets(4, 0.05), 40, 40, 7);
 }

@@ -70,6 +70,16 @@ TEST(Sampler, DependsOnTheSeed) {
   EXPECT_FALSE(same_bytes(sample(surface, 50), sample(surface, 50, other)));
 }
 
+/// Faces without density, all over the surface: what is outside has its share, nothing is inside.
+TEST(Sampler, KeepsOffFacesWithoutDensity) {
+  Shape shape = with_face_density(blob(4), [](const Vec3&) { return 1.0; });
+  for (std::size_t f = 0; f < shape.faces.size(); f += 7) shape.density[f] = 0.0;
+  const Samples samples = sample(shape.surface(), 500);
+  for (const std::int32_t f : samples.faces)
+    ASSERT_EQ(shape.density[static_cast<std::size_t>(f)], 1.0) << "face " << f;
+  EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
+}
+
 // ---- evenness, as bands over several seeds ----
 
 struct Band {

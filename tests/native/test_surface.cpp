@@ -33,6 +33,7 @@ TEST_P(SurfaceOf, ReturnsTheArraysItWasGiven) {
   const Surface surface = GetParam().surface();
   EXPECT_EQ(surface.faces(), GetParam().faces);
   EXPECT_EQ(surface.density(), GetParam().density);
+  EXPECT_EQ(surface.density_at(), GetParam().density_at);
   EXPECT_TRUE(same_bytes(surface.vertices(), GetParam().vertices));
 }
 
@@ -79,12 +80,34 @@ TEST_P(SurfaceOf, DeformsAsIfBuiltAnew) {
   const Shape& shape = GetParam();
   const std::vector<Vec3> moved = deformed(shape.vertices, 1.3);
   const Surface carried = shape.surface().deformed(moved);
-  const Surface fresh(moved, shape.faces, shape.density);
+  const Surface fresh(moved, shape.faces, Density{shape.density_at, shape.density});
   EXPECT_TRUE(same_bytes(carried.vertices(), moved));
   EXPECT_EQ(carried.faces(), shape.faces);
   EXPECT_EQ(carried.density(), shape.density);
+  EXPECT_EQ(carried.density_at(), shape.density_at);
   EXPECT_NEAR(carried.area(), fresh.area(), 1e-14 * fresh.area());
   EXPECT_NEAR(carried.mass(), fresh.mass(), 1e-14 * fresh.mass());
+}
+
+TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
+  const Shape& shape = GetParam();
+  const Surface other = with_face_density(shape, [](const Vec3& p) { return p.norm(); }).surface();
+  const Surface same = other.with_density({shape.density_at, shape.density});
+  const Surface fresh = shape.surface();
+  EXPECT_EQ(same.density(), shape.density);
+  EXPECT_EQ(same.uniform(), fresh.uniform());
+  EXPECT_EQ(same.mass(), fresh.mass());
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f) {
+    ASSERT_EQ(same.densities(f), fresh.densities(f));
+    ASSERT_EQ(same.geometry(f).moments.second, fresh.geometry(f).moments.second);
+  }
+}
+
+TEST_P(SurfaceOf, KnowsTheDensityAtTheCornersOfItsFaces) {
+  const Shape& shape = GetParam();
+  const Surface surface = shape.surface();
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f)
+    ASSERT_EQ(surface.densities(surface.ordered_face(f)), shape.densities(f));
 }
 
 TEST_P(SurfaceOf, GivesUnitNormalsEverywhere) {
@@ -172,6 +195,29 @@ TEST(Surface, RefusesDensityOfAnotherLength) {
   Shape shape = grid(2);
   shape.density.assign(8, 1.0);
   expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density", "8", "9"});
+}
+
+TEST(Surface, NamesTheFirstBadDensityOfAFaceOrCorner) {
+  const Shape shape = grid(2);
+  std::vector<double> values(24, 1.0);
+  values[17] = values[20] = -0.5;
+  expect_message<SurfaceError>(
+      [&] { (void)shape.surface().with_density({DensityAt::kCorners, values}); },
+      {"density[5, 2]", "-0.5"});
+  values.assign(8, 1.0);
+  values[3] = values[4] = kNan;
+  expect_message<SurfaceError>(
+      [&] { Surface(shape.vertices, shape.faces, Density{DensityAt::kFaces, values}); },
+      {"density[3]", "nan"});
+}
+
+TEST(Surface, RefusesDensityOfAnotherLengthAtFacesOrCorners) {
+  const Surface surface = grid(2).surface();
+  const std::vector<double> nine(9, 1.0);
+  expect_message<SurfaceError>([&] { (void)surface.with_density({DensityAt::kFaces, nine}); },
+                               {"density", "9", "8 faces"});
+  expect_message<SurfaceError>([&] { (void)surface.with_density({DensityAt::kCorners, nine}); },
+                               {"density", "9", "24 corners"});
 }
 
 TEST(Surface, RefusesZeroDensityEverywhere) {

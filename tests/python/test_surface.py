@@ -83,6 +83,65 @@ def test_deforms(mesh, dense):
     assert carried.mass == pytest.approx(fresh.mass, rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("place", "shape"), [("vertices", (25,)), ("faces", (32,)), ("corners", (32, 3))]
+)
+def test_takes_a_density_at(place, shape):
+    vertices, faces = grid(4)
+    density = np.random.default_rng(1).random(shape)
+    surface = dapple.Surface(vertices, faces, density, density_at=place)
+    check_array(surface.density, np.float64, shape)
+    np.testing.assert_array_equal(surface.density, density)
+    assert surface.density_at == place
+    corners = {"vertices": lambda: density[faces], "faces": lambda: density[:, None]}
+    expected = corners.get(place, lambda: density)().mean(axis=1).sum() / 32
+    assert surface.mass == pytest.approx(expected, rel=1e-13)
+    other = surface.deformed(2 * vertices)
+    assert other.density_at == place
+    assert other.mass == pytest.approx(4 * expected, rel=1e-13)
+
+
+def test_exchanges_its_density(surface):
+    steps = (np.arange(len(surface.faces)) % 3).astype(float)
+    stepped = surface.with_density(steps, density_at="faces")
+    np.testing.assert_array_equal(stepped.density, steps)
+    np.testing.assert_array_equal(stepped.vertices, surface.vertices)
+    assert surface.density is None
+    plain = stepped.with_density(None)
+    assert plain.density is None
+    assert plain.mass == surface.mass
+
+
+def test_ends_only_on_faces_with_density(surface):
+    """Three sectors of the torus with the densities 0, 1 and 2."""
+    middles = surface.vertices[surface.faces].mean(axis=1)
+    angle = np.arctan2(middles[:, 1], middles[:, 0]) % (2 * np.pi)
+    steps = np.floor(angle * 1.5 / np.pi)
+    samples = dapple.sample(surface.with_density(steps, density_at="faces"), 300)
+    assert steps[samples.faces].min() == 1
+    assert np.count_nonzero(steps[samples.faces] == 2) == pytest.approx(200, abs=4)
+
+
+@pytest.mark.parametrize(
+    ("place", "density", "match"),
+    [
+        ("faces", np.ones(25), "density.*25.*32 faces"),
+        ("corners", np.ones(96), r"density.*\(96,\)"),
+        ("corners", np.ones((25, 3)), "density.*75.*96 corners"),
+        ("corners", np.ones((0, 3)), "density"),
+        ("corners", np.where(np.arange(96) == 17, -2, 1).reshape(32, 3), r"density\[5, 2\].*-2"),
+        ("faces", np.zeros(32), "density"),
+        ("edges", np.ones(56), "density_at.*edges.*corners"),
+    ],
+)
+def test_refuses_a_density_at(place, density, match):
+    vertices, faces = grid(4)
+    with pytest.raises(ValueError, match=match):
+        dapple.Surface(vertices, faces, density, density_at=place)
+    with pytest.raises(ValueError, match=match):
+        dapple.Surface(vertices, faces).with_density(density, density_at=place)
+
+
 def test_topology(surface):
     topology = surface.topology
     assert (topology.components, topology.genus, topology.closed) == (1, 1, True)

@@ -24,6 +24,19 @@ struct FaceGeometry {
   Moments moments;  ///< of the whole face, relative to its centroid
 };
 
+/// Where values of a density are given; on each face it is linear.
+enum class DensityAt {
+  kVertices,  ///< one per vertex: continuous over the surface
+  kFaces,     ///< one per face: constant on it
+  kCorners,   ///< three per face, of its corners 0, 1, 2: it may jump between faces
+};
+
+/// A wanted density as a caller gives it, in the caller's order; no values mean 1 everywhere.
+struct Density {
+  DensityAt at = DensityAt::kVertices;
+  std::span<const double> values = {};
+};
+
 /// How the faces hang together, shared by all surfaces deformed from one.
 struct SurfaceConnectivity {
   std::vector<Face> faces;                     // ordered faces of ordered vertices
@@ -35,10 +48,14 @@ struct SurfaceConnectivity {
   std::int32_t components = 0;
 };
 
-/// Positions, density and what follows from them; arrays in the surface's own order.
+/// The density in the surface's own order.
+struct SurfaceDensity {
+  DensityAt at = DensityAt::kVertices;
+  std::vector<double> values;  // empty if uniform
+};
+
+/// What follows from positions and density; in the surface's own order.
 struct SurfaceGeometry {
-  std::vector<Vec3> vertices;
-  std::vector<double> density;  // empty if uniform
   std::vector<FaceGeometry> faces;
   double area = 0.0;
   double mass = 0.0;
@@ -59,22 +76,30 @@ class Surface {
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
           std::span<const double> density = {});
 
+  /// The same with a density at vertices, faces or corners (as many values >= 0 as there are).
+  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density);
+
   /// The same faces and density over moved vertices (as many, in the same order).
   /// \throw SurfaceError as the constructor
   [[nodiscard]] Surface deformed(std::span<const Vec3> vertices) const;
 
-  [[nodiscard]] std::size_t vertex_count() const { return geometry_->vertices.size(); }
-  [[nodiscard]] std::size_t face_count() const { return geometry_->faces.size(); }
+  /// The same faces and vertices, shared, with another density.
+  /// \throw SurfaceError as the constructor
+  [[nodiscard]] Surface with_density(const Density& density) const;
+
+  [[nodiscard]] std::size_t vertex_count() const { return vertices_->size(); }
+  [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
   [[nodiscard]] double area() const { return geometry_->area; }
   [[nodiscard]] double mass() const {
     return geometry_->mass;
   }  ///< integral of the density over the surface
-  [[nodiscard]] bool uniform() const { return geometry_->density.empty(); }
+  [[nodiscard]] bool uniform() const { return density_->values.empty(); }
+  [[nodiscard]] DensityAt density_at() const { return density_->at; }
 
   /// Copies in the caller's order.
   [[nodiscard]] std::vector<Vec3> vertices() const;
   [[nodiscard]] std::vector<Face> faces() const;
-  [[nodiscard]] std::vector<double> density() const;  ///< empty if uniform
+  [[nodiscard]] std::vector<double> density() const;  ///< as given; empty if uniform
 
   /// The point of the caller's face `face` with barycentric coordinates `weights`.
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
@@ -98,11 +123,10 @@ class Surface {
     return connectivity_->faces[static_cast<std::size_t>(ordered)];
   }
   [[nodiscard]] const Vec3& vertex(std::int32_t ordered) const {
-    return geometry_->vertices[static_cast<std::size_t>(ordered)];
+    return (*vertices_)[static_cast<std::size_t>(ordered)];
   }
-  [[nodiscard]] double vertex_density(std::int32_t ordered) const {
-    return uniform() ? 1.0 : geometry_->density[static_cast<std::size_t>(ordered)];
-  }
+  /// The density at the corners of an ordered face; it is linear in between.
+  [[nodiscard]] Vec3 densities(std::int32_t ordered) const;
   [[nodiscard]] const FaceGeometry& geometry(std::int32_t ordered) const {
     return geometry_->faces[static_cast<std::size_t>(ordered)];
   }
@@ -119,10 +143,11 @@ class Surface {
   }
 
  private:
-  Surface(std::shared_ptr<const SurfaceConnectivity> connectivity, std::vector<Vec3> vertices,
-          std::vector<double> density);
+  void measure();
 
   std::shared_ptr<const SurfaceConnectivity> connectivity_;
+  std::shared_ptr<const std::vector<Vec3>> vertices_;
+  std::shared_ptr<const SurfaceDensity> density_;
   std::shared_ptr<const SurfaceGeometry> geometry_;
 };
 

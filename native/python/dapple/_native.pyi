@@ -38,7 +38,12 @@ class Topology:
 
 class Surface:
     def __init__(
-        self, vertices: ArrayLike, faces: ArrayLike, density: ArrayLike | None = None
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        density: ArrayLike | None = None,
+        *,
+        density_at: Literal["vertices", "faces", "corners"] = "vertices",
     ) -> None: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
@@ -47,6 +52,8 @@ class Surface:
     @property
     def density(self) -> NDArray[np.float64] | None: ...
     @property
+    def density_at(self) -> Literal["vertices", "faces", "corners"]: ...
+    @property
     def area(self) -> float: ...
     @property
     def mass(self) -> float: ...
@@ -54,6 +61,12 @@ class Surface:
     def topology(self) -> Topology: ...
     def spacing(self, count: int) -> float: ...
     def deformed(self, vertices: ArrayLike) -> Surface: ...
+    def with_density(
+        self,
+        density: ArrayLike | None,
+        *,
+        density_at: Literal["vertices", "faces", "corners"] = "vertices",
+    ) -> Surface: ...
 
 class Report:
     @property
