@@ -41,6 +41,12 @@ def main() -> None:
     )
     if blender:
         print("\nDistribute Points on Faces, Poisson:\n", report.replaced_table(blender), sep="\n")
+
+
+def _store(
+    runs: list[Run], blender: dict[str, dict[str, list[float]]], options: argparse.Namespace
+) -> None:
+    """After each animation, so that a run that is ended early leaves what it has."""
     report.draw_curves(runs, options.out / "curves.png")
     if options.json:
         stored = {"sites": options.sites, "runs": [asdict(run) for run in runs], "blender": blender}
@@ -54,8 +60,21 @@ def _options() -> argparse.Namespace:
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     known = [*GENERATED, *SHARED]
-    parser.add_argument("--animations", nargs="+", choices=known, default=known, metavar="NAME")
-    parser.add_argument("--contenders", nargs="+", choices=list(CONTENDERS), metavar="NAME")
+    parser.add_argument(
+        "--animations",
+        nargs="+",
+        choices=known,
+        default=known,
+        metavar="NAME",
+        help="of " + ", ".join(known),
+    )
+    parser.add_argument(
+        "--contenders",
+        nargs="+",
+        choices=list(CONTENDERS),
+        metavar="NAME",
+        help="of " + ", ".join(CONTENDERS),
+    )
     parser.add_argument("--frames", type=int, default=LENGTH, help="of a generated loop")
     parser.add_argument("--faces", type=int, default=FACES, help="of a generated body, about")
     parser.add_argument("--sites", type=int, default=2000)
