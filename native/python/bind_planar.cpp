@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
-#include <dapple/planar.hpp>
+#include <dapple/planar_sampler.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -19,6 +19,8 @@ std::vector<Vec2> plane_points(const char* name, const py::object& value) {
   return {first, first + array.shape(0)};
 }
 
+}  // namespace
+
 Image image_of(const py::object& value) {
   const py::array array = py::array::ensure(value);
   if (!array || array.ndim() != 2)
@@ -30,6 +32,8 @@ Image image_of(const py::object& value) {
           static_cast<std::size_t>(values.shape(1)),
           {values.data(), values.data() + values.size()}};
 }
+
+namespace {
 
 std::shared_ptr<PlanarDomain> make_plane(double width, double height, const py::object& density) {
   return std::make_shared<PlanarDomain>(
@@ -141,6 +145,7 @@ void bind_planar_verbs(py::module_& m) {
       .def("__len__", [](const PlanarSamples& s) { return s.positions.size(); })
       .def_property_readonly("positions", &positions_of,
                              "(n, 2) float64, a read-only view; on a Torus in [0, 1).")
+      .def_property_readonly("classes", array_property(&PlanarSamples::classes), "(n,) int32.")
       .def_readonly("report", &PlanarSamples::report, "A Report.");
 
   m.def(

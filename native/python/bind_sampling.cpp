@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "classes.hpp"
 #include "options.hpp"
 
 namespace dapple::python {
@@ -17,10 +18,12 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t cou
                                         std::uint64_t seed, double capacity_weight,
                                         double gap_weight, double tolerance, int max_evaluations,
                                         const std::string& method, const std::string& start,
-                                        const std::string& cells, int threads,
+                                        const std::string& cells,
+                                        const std::shared_ptr<Samples>& locked, int threads,
                                         const ContextPtr& context) {
-  const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
-                                               max_evaluations, method, start, cells, threads);
+  SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+                                         max_evaluations, method, start, cells, threads);
+  if (locked) options.locked = {locked->positions, locked->faces, locked->barycentric};
   const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample(surface, checked, options, context.get()));
@@ -42,15 +45,18 @@ std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& sam
                                       double capacity_weight, double gap_weight, double tolerance,
                                       int max_evaluations, double max_slide,
                                       const std::string& method, const std::string& cells,
-                                      int threads) {
+                                      const py::object& classes, double union_weight, int threads) {
   TrackerOptions options;
   options.optimizer =
       optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
   options.cells = cells_named(cells);
   options.threads = threads;
   options.optimizer.max_slide = max_slide;
+  options.union_weight = union_weight;
+  std::vector<SampleClass> wanted;
+  if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
   const py::gil_scoped_release released;
-  return std::make_shared<Tracker>(surface, samples, options);
+  return std::make_shared<Tracker>(surface, samples, options, std::move(wanted));
 }
 
 std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& vertices,
@@ -60,38 +66,64 @@ std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& ver
   return std::make_shared<Samples>(tracker.advance(as_points(points), context.get()));
 }
 
-py::dict report_dict(const Report& report) {
+py::dict quality_dict(const Quality& quality) {
   using namespace py::literals;
-  return py::dict(
-      "count"_a = report.count, "spacing"_a = report.spacing,
-      "alpha_min"_a = report.evenness.alpha_min, "alpha_mean"_a = report.evenness.alpha_mean,
-      "capacity_spread"_a = report.evenness.capacity_spread, "bond_order"_a = report.bond_order,
-      "energy"_a = report.energy, "evaluations"_a = report.evaluations,
-      "iterations"_a = report.iterations, "converged"_a = report.converged,
-      "seconds"_a = report.seconds, "energies"_a = report.energies,
-      "slide_mean"_a = report.slide_mean, "slide_max"_a = report.slide_max);
+  return py::dict("count"_a = quality.count, "spacing"_a = quality.spacing,
+                  "alpha_min"_a = quality.evenness.alpha_min,
+                  "alpha_mean"_a = quality.evenness.alpha_mean,
+                  "capacity_spread"_a = quality.evenness.capacity_spread,
+                  "bond_order"_a = quality.bond_order, "energy"_a = quality.energy);
 }
 
-void bind_samples_classes(py::module_& m) {
-  py::class_<Report, std::shared_ptr<Report>>(
-      m, "Report", "What was done to get the samples, and how good they are.")
-      .def_readonly("count", &Report::count, "Number of samples.")
-      .def_readonly("spacing", &Report::spacing,
+py::dict report_dict(const Report& report) {
+  using namespace py::literals;
+  py::list classes;
+  for (const Quality& quality : report.classes) classes.append(quality_dict(quality));
+  py::dict result = quality_dict(report);
+  result.attr("update")(
+      py::dict("classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
+               "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
+               "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
+               "converged"_a = report.converged, "seconds"_a = report.seconds,
+               "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
+               "slide_max"_a = report.slide_max));
+  return result;
+}
+
+void bind_reports(py::module_& m) {
+  py::class_<Quality, std::shared_ptr<Quality>>(m, "Quality", "How even a set of samples is.")
+      .def_readonly("count", &Quality::count, "Number of samples.")
+      .def_readonly("spacing", &Quality::spacing,
                     "Hexagonal packing distance, in the units of the vertices.")
       .def_property_readonly(
-          "alpha_min", [](const Report& r) { return r.evenness.alpha_min; },
+          "alpha_min", [](const Quality& q) { return q.evenness.alpha_min; },
           "Smallest distance between neighbours / local spacing (normalised Poisson-disk radius).")
       .def_property_readonly(
-          "alpha_mean", [](const Report& r) { return r.evenness.alpha_mean; },
+          "alpha_mean", [](const Quality& q) { return q.evenness.alpha_mean; },
           "Mean over the samples of distance to the nearest neighbour / local spacing.")
       .def_property_readonly(
-          "capacity_spread", [](const Report& r) { return r.evenness.capacity_spread; },
+          "capacity_spread", [](const Quality& q) { return q.evenness.capacity_spread; },
           "Standard deviation / mean of the capacities.")
-      .def_readonly("bond_order", &Report::bond_order,
+      .def_readonly("bond_order", &Quality::bond_order,
                     "psi6, how like a hexagonal lattice: white noise 0.36, dart throwing 0.42, "
                     "hexagons 1. Cells at borders are left out.")
-      .def_readonly("energy", &Report::energy,
-                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+      .def_readonly("energy", &Quality::energy,
+                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.");
+
+  py::class_<Report, Quality, std::shared_ptr<Report>>(
+      m, "Report",
+      "What was done to get the samples, and how good they are: all together, and each class.")
+      .def_property_readonly(
+          "classes", [](const Report& r) { return r.classes; },
+          "A list with the Quality of each class; empty if there is one class only.")
+      .def_readonly("worst_overlap", &Report::worst_overlap,
+                    "Of things with radii: 1 - distance / sum of the radii of the pair that "
+                    "overlaps most; 0 if none does.")
+      .def_property_readonly(
+          "overlapping",
+          [](const Report& r) { return py::make_tuple(r.overlapping[0], r.overlapping[1]); },
+          "Indices of that pair; (-1, -1) if none overlaps.")
+
       .def_readonly("evaluations", &Report::evaluations, "Of the energy and its gradient.")
       .def_readonly("iterations", &Report::iterations, "Steps taken.")
       .def_readonly("converged", &Report::converged, "False if the evaluations ran out first.")
@@ -103,7 +135,9 @@ void bind_samples_classes(py::module_& m) {
                     "Tracker: mean distance from the carried position, in spacings.")
       .def_readonly("slide_max", &Report::slide_max, "Tracker: the largest such distance.")
       .def("to_dict", &report_dict, "All of it as a dict that json can write.");
+}
 
+void bind_samples(py::module_& m) {
   py::class_<Samples, std::shared_ptr<Samples>>(
       m, "Samples", R"(Samples on a surface; all arrays are read-only views.
 
@@ -141,7 +175,8 @@ void bind_samplers(py::module_& m) {
         py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
         py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
         py::arg("method") = "trust_region", py::arg("start") = "poisson",
-        py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
+        py::arg("cells") = "connected", py::arg("locked") = nullptr, py::arg("threads") = 0,
+        py::arg("context") = nullptr,
         R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
 
 Minimises the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
@@ -160,6 +195,7 @@ Args:
     start: 'poisson' (Poisson-disk set) or 'random' (white noise, as in the paper).
     cells: 'connected' (cells follow the surface: what a site cannot reach along it goes to one that can), or
         'euclidean' (to the nearest in space, as in the paper).
+    locked: Samples of the surface that stay where they are and take part, or None; they come first, and count includes them.
     threads: 0 for as many as the machine has.
     context: a Context to watch and cancel it by.
 
@@ -183,14 +219,17 @@ Args:
     max_evaluations: of the energy, per frame.
     max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
         violent frame evenness is caught up over the next ones.
+    classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
+    union_weight: mu >= 0, as for sample_classes().
 
 Raises:
-    ValueError: the samples are not of the surface.)")
+    ValueError: the samples are not of the surface, or of a class that is not given.)")
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
            py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
            py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 30,
            py::arg("max_slide") = 0.45, py::arg("method") = "trust_region",
-           py::arg("cells") = "connected", py::arg("threads") = 0)
+           py::arg("cells") = "connected", py::arg("classes") = py::none(),
+           py::arg("union_weight") = 1.0, py::arg("threads") = 0)
       .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the tracker is unchanged if this raises.
@@ -216,7 +255,8 @@ Raises:
 }  // namespace
 
 void bind_sampling(py::module_& m) {
-  bind_samples_classes(m);
+  bind_reports(m);
+  bind_samples(m);
   bind_samplers(m);
 }
 

@@ -37,8 +37,10 @@ inline Cells cells_named(const std::string& name) {
 // before.
 void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);
+void bind_class_type(py::module_& m);
 void bind_sampling(py::module_& m);
 void bind_planar(py::module_& m);
+void bind_class_samplers(py::module_& m);
 void bind_analysis(py::module_& m);
 
 }  // namespace dapple::python

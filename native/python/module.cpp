@@ -38,8 +38,10 @@ PYBIND11_MODULE(_native, m) {
   bind_context(m);
   bind_surface(m);
   bind_energy(m);
+  bind_class_type(m);
   bind_sampling(m);
   bind_planar(m);
+  bind_class_samplers(m);
   bind_analysis(m);
 }
 

@@ -5,8 +5,9 @@
 #include <dapple/analysis.hpp>
 #include <dapple/neighbours.hpp>
 #include <limits>
-#include <numbers>
 #include <optional>
+
+#include "hexagonal.hpp"
 
 namespace dapple {
 namespace {
@@ -112,9 +113,7 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
     const Moments& cell = diagram.cells[i];
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
     const double area = cell.capacity > 0.0 ? capacity * cell.area / cell.capacity : 0.0;
-    const double alpha =
-        area > 0.0 ? nearest_touching(diagram, i) / std::sqrt(2.0 * area / std::numbers::sqrt3)
-                   : 0.0;
+    const double alpha = area > 0.0 ? nearest_touching(diagram, i) / hexagonal_spacing(area) : 0.0;
     if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;

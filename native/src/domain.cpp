@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <cmath>
+#include <dapple/analysis.hpp>
 #include <dapple/domain.hpp>
-#include <numbers>
 
+#include "hexagonal.hpp"
 #include "local_projection.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 
 double Domain::spacing(std::size_t count) const {
-  const auto n = static_cast<double>(std::max<std::size_t>(count, 1));
-  return std::sqrt(2.0 * area() / (std::numbers::sqrt3 * n));
+  return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
@@ -27,6 +26,11 @@ Sites SurfaceDomain::project(std::span<const Vec3> points,
 
 Vec3 SurfaceDomain::normal(std::int32_t face) const {
   return surface_.geometry(surface_.ordered_face(face)).normal;
+}
+
+std::vector<bool> SurfaceDomain::on_border(const Sites& sites,
+                                           const RestrictedVoronoi& diagram) const {
+  return cells_on_border(surface_, sites, diagram);
 }
 
 void SurfaceDomain::check(const Sites& sites) const { check_sites(surface_, sites); }

@@ -1,25 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/restricted_voronoi.hpp>
-
-#include "gap.hpp"
+#include "objective.hpp"
 
 namespace dapple {
 
-/// The model Hessian H = 2 delta diag(m) + 2 lambda J^T J + the gap's part, on the tangent planes.
+/// One term's part of the model Hessian: scale (2 delta diag(m) + 2 lambda J^T J + the gap's part).
 /// J is the Jacobian of the capacities: J_ii = sum_j a_ij, J_ji = -a_ij, with a_ij the boundary
-/// fluxes. The first term is Lloyd's step scaled by delta, which a trust region raises to shorten
-/// the step.
-class GaussNewton {
+/// fluxes.
+class GaussNewtonPart {
  public:
-  /// The arguments must outlive the operator.
-  GaussNewton(const RestrictedVoronoi& diagram, const Gap& gap, const Vectors& normals,
-              double capacity_weight);
+  /// The arguments must outlive the part. \param members as in Term
+  GaussNewtonPart(const Part& part, const std::vector<std::int32_t>& members,
+                  double capacity_weight, double scale);
 
-  /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
-  /// tangential.
-  [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
+  /// Add the product with v to `result`; both hold all sites.
+  void add_product(const Vectors& v, double delta, Vectors& result) const;
+
+  /// Add the diagonal blocks.
+  void add_blocks(double delta, std::vector<Eigen::Matrix3d>& blocks) const;
 
  private:
   struct Inflow {
@@ -28,17 +27,38 @@ class GaussNewton {
   };
 
   void transpose();
-  [[nodiscard]] Vectors apply(const Vectors& v, double delta) const;
-  [[nodiscard]] std::vector<Eigen::Matrix3d> preconditioner(double delta) const;
+  [[nodiscard]] std::size_t site(std::size_t member) const;
+  [[nodiscard]] Vectors product(const Vectors& v, double delta) const;
 
+  const Part& part_;
   const RestrictedVoronoi& diagram_;
-  const Gap& gap_;
-  const Vectors& normals_;
+  const std::vector<std::int32_t>& members_;
   double capacity_weight_;
+  double scale_;
   double least_mass_;                // keeps empty cells from making H singular
   Vectors own_;                      // J_ii
   std::vector<std::size_t> starts_;  // rows of inflows_, one more than sites
   std::vector<Inflow> inflows_;
+};
+
+/// The model Hessian of an objective on the tangent planes, locked sites left out. Its first term
+/// is Lloyd's step scaled by delta, which a trust region raises to shorten the step.
+class GaussNewton {
+ public:
+  /// The arguments must outlive the operator.
+  GaussNewton(const Objective& objective, const State& state);
+
+  /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
+  /// restricted.
+  [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
+
+ private:
+  [[nodiscard]] Vectors apply(const Vectors& v, double delta) const;
+  [[nodiscard]] std::vector<Eigen::Matrix3d> preconditioner(double delta) const;
+
+  const Objective& objective_;
+  const State& state_;
+  std::vector<GaussNewtonPart> parts_;
 };
 
 }  // namespace dapple

@@ -32,9 +32,9 @@ class LbfgsMemory {
 
   /// Minus the inverse Hessian times the gradient by the two-loop recursion, around `inverse(v)`,
   /// which stands for the inverse of the first guess. Old pairs leave today's tangent planes, so
-  /// all is put back onto them.
-  template <typename Inverse>
-  [[nodiscard]] Vectors direction(const Vectors& gradient, const Vectors& normals,
+  /// `restrict(v)` puts all back onto them.
+  template <typename Restrict, typename Inverse>
+  [[nodiscard]] Vectors direction(const Vectors& gradient, const Restrict& restrict,
                                   const Inverse& inverse) const {
     Vectors q = gradient;
     std::vector<double> alphas;
@@ -42,13 +42,13 @@ class LbfgsMemory {
       alphas.push_back(dot(pair->step, q) / pair->curvature);
       add_scaled(q, -alphas.back(), pair->change);
     }
-    make_tangential(q, normals);
+    restrict(q);
     q = inverse(q);
     auto alpha = alphas.rbegin();
     for (auto pair = pairs_.begin(); pair != pairs_.end(); ++pair, ++alpha)
       add_scaled(q, *alpha - dot(pair->change, q) / pair->curvature, pair->step);
     for (Vec3& v : q) v = -v;
-    make_tangential(q, normals);
+    restrict(q);
     return q;
   }
 

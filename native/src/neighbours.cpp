@@ -28,6 +28,38 @@ struct Neighbours::Tree {
   Index index;
 };
 
+namespace {
+
+/// What nanoflann asks of a place for its findings: all points within a distance.
+class Ball {
+ public:
+  Ball(double squared_radius, std::vector<Neighbour>& found)
+      : squared_radius_(squared_radius), found_(found) {}
+
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
+  [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] bool full() const { return true; }
+  [[nodiscard]] double worstDist() const { return squared_radius_; }
+  bool addPoint(double squared_distance, std::int32_t index) {
+    if (squared_distance < squared_radius_) found_.push_back({index, squared_distance});
+    return true;
+  }
+  void sort() {}
+
+ private:
+  double squared_radius_;
+  std::vector<Neighbour>& found_;
+};
+
+void sort_by_distance(std::vector<Neighbour>& found) {
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                    : a.index < b.index;
+  });
+}
+
+}  // namespace
+
 Neighbours::Neighbours(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
 Neighbours::~Neighbours() = default;
 
@@ -41,10 +73,15 @@ void Neighbours::nearest(const Vec3& point, std::size_t count,
   tree_->index.knnSearch(point.data(), count, indices.data(), distances.data());
   result.resize(count);
   for (std::size_t k = 0; k < count; ++k) result[k] = {indices[k], distances[k]};
-  std::sort(result.begin(), result.end(), [](const Neighbour& a, const Neighbour& b) {
-    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
-                                                    : a.index < b.index;
-  });
+  sort_by_distance(result);
+}
+
+void Neighbours::within(const Vec3& point, double distance, std::vector<Neighbour>& result) const {
+  result.clear();
+  if (tree_->set.points.empty()) return;
+  Ball ball(distance * distance, result);
+  tree_->index.radiusSearchCustomCallback(point.data(), ball);
+  sort_by_distance(result);
 }
 
 }  // namespace dapple

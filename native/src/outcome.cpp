@@ -6,37 +6,76 @@
 namespace dapple {
 namespace {
 
-/// Fill in all that the energy at the samples and its diagram tell.
-void measure(const Surface& surface, const Energy& energy, const Sites& sites,
-             std::span<const Vec3> normals, Report& report) {
-  report.evenness = measure_evenness(energy.diagram);
-  report.bond_order =
-      bond_order(energy.diagram, normals, cells_on_border(surface, sites, energy.diagram));
-  report.energy = energy.normalised;
+/// Which term is about this class; all sites' if they are all of it. -1 for an empty class.
+std::int32_t term_of(const Objective& objective, std::size_t c) {
+  const auto is_of_class = [&](std::int32_t site) {
+    return objective.classes[static_cast<std::size_t>(site)] == static_cast<std::int32_t>(c);
+  };
+  for (std::size_t t = 1; t < objective.terms.size(); ++t)
+    if (is_of_class(objective.terms[t].members[0])) return static_cast<std::int32_t>(t);
+  return objective.terms.size() == 1 && !objective.classes.empty() && is_of_class(0) ? 0 : -1;
+}
+
+Quality measure_class(const Objective& objective, const Minimum& found, std::size_t c,
+                      std::span<const Vec3> normals) {
+  const std::int32_t t = term_of(objective, c);
+  if (t < 0) return {};
+  const Term& term = objective.terms[static_cast<std::size_t>(t)];
+  const Energy& energy = found.state.parts[static_cast<std::size_t>(t)].energy;
+  if (term.members.empty()) return measure(*term.domain, energy, found.state.sites, normals);
+  Vectors mine;
+  for (const std::int32_t site : term.members)
+    mine.push_back(normals[static_cast<std::size_t>(site)]);
+  return measure(*term.domain, energy, select(found.state.sites, term.members), mine);
 }
 
 }  // namespace
 
-Samples to_samples(const Surface& surface, OptimizerResult&& found,
-                   std::span<const std::int32_t> ids, std::span<const std::int32_t> classes) {
-  Samples samples = bind_samples(surface, found.sites.faces, found.sites.barycentric, ids, classes);
-  measure(surface, found.energy, found.sites, samples.normals, samples.report);
-  samples.report.evaluations = found.evaluations;
-  samples.report.iterations = found.iterations;
-  samples.report.converged = found.converged;
-  samples.report.energies = std::move(found.energies);
+Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
+                std::span<const Vec3> normals) {
+  return {
+      .count = sites.size(),
+      .spacing = domain.spacing(sites.size()),
+      .evenness = measure_evenness(energy.diagram),
+      .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
+      .energy = energy.normalised};
+}
+
+Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,
+                 std::span<const Vec3> normals) {
+  const State& state = found.state;
+  Report report;
+  static_cast<Quality&>(report) =
+      measure(objective.domain(), state.parts[0].energy, state.sites, normals);
+  for (std::size_t c = 0; c < class_count && class_count > 1; ++c)
+    report.classes.push_back(measure_class(objective, found, c, normals));
+  if (const ClosePair* worst = worst_pair(state.things)) {
+    report.worst_overlap = worst->lack;
+    report.overlapping = {worst->i, worst->j};
+  }
+  report.evaluations = found.evaluations;
+  report.iterations = found.iterations;
+  report.converged = found.converged;
+  report.energies = found.energies;
+  return report;
+}
+
+Samples to_samples(const Surface& surface, const Objective& objective, const Minimum& found,
+                   std::size_t class_count, std::span<const std::int32_t> ids) {
+  const Sites& sites = found.state.sites;
+  Samples samples = bind_samples(surface, sites.faces, sites.barycentric, ids, objective.classes);
+  samples.report = to_report(objective, found, class_count, samples.normals);
   return samples;
 }
 
 Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,
                Cells cells) {
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
+  const SurfaceDomain domain(surface, cells);
   Report report;
-  report.count = samples.size();
-  report.spacing = surface.spacing(samples.size());
+  static_cast<Quality&>(report) =
+      measure(domain, evaluate_energy(domain, sites, capacity_weight), sites, samples.normals);
   report.evaluations = 1;
-  measure(surface, evaluate_energy(surface, sites, capacity_weight, nullptr, cells), sites,
-          samples.normals, report);
   return report;
 }
 

@@ -2,12 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/planar.hpp>
-#include <dapple/poisson_start.hpp>
 
-#include "clock.hpp"
+#include "class_start.hpp"
 #include "delaunay_graph.hpp"
-#include "parallel.hpp"
-#include "periodic_start.hpp"
 #include "polygon_mesh.hpp"
 #include "triangle.hpp"
 #include "validate.hpp"
@@ -117,16 +114,28 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 }  // namespace
 
+// ---- both ----
+
+Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed,
+                        const Context* context) const {
+  const ClassStarts starts{{{&drawn_on(), count}}, &drawn_on(), period(), seed};
+  return project(
+      (kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context)).positions,
+      {});
+}
+
 // ---- the plane ----
 
-PlanarDomain::PlanarDomain(Surface surface)
-    : surface_(std::move(surface)),
+PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<const Image> density)
+    : FlatDomain(std::move(density)),
+      surface_(std::move(surface)),
+      size_(size),
       projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)) {}
 
 PlanarDomain PlanarDomain::rectangle(double width, double height) {
   check_length("width", width);
   check_length("height", height);
-  return PlanarDomain(box_surface(Vec2::Zero(), {width, height}));
+  return {box_surface(Vec2::Zero(), {width, height}), {width, height}, nullptr};
 }
 
 PlanarDomain PlanarDomain::image(double width, double height, const Image& density) {
@@ -143,17 +152,18 @@ PlanarDomain PlanarDomain::image(double width, double height, const Image& densi
   const auto pixel = [](std::size_t line, std::size_t count) {
     return std::clamp<std::size_t>(line, 1, count) - 1;
   };
-  return PlanarDomain(grid_surface(
+  Surface surface = grid_surface(
       lines(width, density.columns), lines(height, density.rows),
       [&](std::size_t column, std::size_t row) {
         return density
             .values[pixel(row, density.rows) * density.columns + pixel(column, density.columns)];
-      }));
+      });
+  return {std::move(surface), {width, height}, std::make_shared<const Image>(density)};
 }
 
 PlanarDomain PlanarDomain::polygon(const std::vector<Vec2>& outline,
                                    std::span<const std::vector<Vec2>> holes) {
-  return PlanarDomain(polygon_surface(outline, holes));
+  return {polygon_surface(outline, holes), Vec2::Zero(), nullptr};
 }
 
 RestrictedVoronoi PlanarDomain::cells(const Sites& sites, const Context* context) const {
@@ -190,23 +200,26 @@ std::vector<bool> PlanarDomain::on_border(const Sites& sites,
   return cells_on_border(surface_, sites, diagram);
 }
 
-Sites PlanarDomain::start(Start kind, std::size_t count, std::uint64_t seed,
-                          const Context* context) const {
-  return kind == Start::kRandom ? random_start(surface_, count, seed)
-                                : poisson_start(surface_, count, seed, context);
+std::unique_ptr<FlatDomain> PlanarDomain::with_density(const Image& density) const {
+  if (size_.x() == 0.0)
+    throw ArgumentError("density is an image, and the domain a polygon: only rectangles take one");
+  PlanarDomain result = image(size_.x(), size_.y(), density);
+  return result.with_cells(cells_);
 }
 
 // ---- the torus ----
 
 TorusDomain::TorusDomain()
-    : pixels_(0, 0),
+    : FlatDomain(nullptr),
+      pixels_(0, 0),
       before_(0, 0),
       quads_(1, 1),
       period_(box_surface({0, 0}, {1, 1})),
       cover_(box_surface({-1, -1}, {2, 2})) {}
 
 TorusDomain::TorusDomain(const Image& density)
-    : pixels_(size_of(checked(density))),
+    : FlatDomain(std::make_shared<const Image>(density)),
+      pixels_(size_of(checked(density))),
       before_(pixels_before(pixels_)),
       quads_(last_pixel(pixels_) + before_),
       period_(periodic_surface(density, {0, 0}, pixels_)),
@@ -265,40 +278,18 @@ std::vector<bool> TorusDomain::on_border(const Sites& sites, const RestrictedVor
   return std::vector<bool>(sites.size(), false);
 }
 
-Sites TorusDomain::start(Start kind, std::size_t count, std::uint64_t seed,
-                         const Context* context) const {
-  return project(kind == Start::kRandom ? random_start(period_, count, seed).positions
-                                        : periodic_poisson_start(period_, count, seed, context),
-                 {});
+std::unique_ptr<FlatDomain> TorusDomain::with_density(const Image& density) const {
+  return std::make_unique<TorusDomain>(density);
 }
 
-// ---- sampling ----
-
-PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
-                            const SampleOptions& options, Context* context) {
-  const Clock clock;
-  if (context) context->check();
-  check_at_least("threads", options.threads, 0);
-  OptimizerResult found = with_threads(options.threads, [&] {
-    const Sites start = domain.start(options.start, count, options.seed, context);
-    return optimize(*domain.with_cells(options.cells), start, options.optimizer, context);
-  });
-  PlanarSamples samples;
-  for (const Vec3& x : found.sites.positions) samples.positions.push_back(domain.canonical(x));
-  Report& report = samples.report;
-  report.count = count;
-  report.spacing = domain.spacing(count);
-  report.evenness = measure_evenness(found.energy.diagram);
-  report.bond_order = bond_order(found.energy.diagram, std::vector<Vec3>(count, Vec3::UnitZ()),
-                                 domain.on_border(found.sites, found.energy.diagram));
-  report.energy = found.energy.normalised;
-  report.evaluations = found.evaluations;
-  report.iterations = found.iterations;
-  report.converged = found.converged;
-  report.energies = std::move(found.energies);
-  report.seconds = clock.seconds();
-  if (context) context->advance(1.0);
-  return samples;
+Sites TorusDomain::to_drawn(const Sites& sites) const {
+  std::vector<Vec3> points;
+  for (const Vec3& x : sites.positions) {
+    const Vec2 p = canonical(x);
+    points.emplace_back(p.x(), p.y(), 0.0);
+  }
+  Projection found = Projector(period_).project(points);
+  return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
 }  // namespace dapple

@@ -1,23 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/errors.hpp>
-#include <dapple/poisson_start.hpp>
+#include <dapple/classes.hpp>
 #include <dapple/sampler.hpp>
 
-#include "clock.hpp"
-#include "outcome.hpp"
-#include "parallel.hpp"
-#include "validate.hpp"
-
 namespace dapple {
-namespace {
-
-Sites make_start(const Surface& surface, std::size_t count, const SampleOptions& options,
-                 const Context* context) {
-  return options.start == Start::kRandom ? random_start(surface, count, options.seed)
-                                         : poisson_start(surface, count, options.seed, context);
-}
-
-}  // namespace
 
 SampleOptions paper_options() {
   SampleOptions options;
@@ -31,17 +16,8 @@ SampleOptions paper_options() {
 
 Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options,
                Context* context) {
-  const Clock clock;
-  if (context) context->check();
-  check_at_least("threads", options.threads, 0);
-  Samples samples = with_threads(options.threads, [&] {
-    const Sites start = make_start(surface, count, options, context);
-    return to_samples(surface, optimize(SurfaceDomain(surface, options.cells), start,
-                                        options.optimizer, context));
-  });
-  samples.report.seconds = clock.seconds();
-  if (context) context->advance(1.0);
-  return samples;
+  const SampleClass all{.count = count, .locked = options.locked};
+  return sample_classes(surface, {&all, 1}, {.sample = options}, context);
 }
 
 }  // namespace dapple

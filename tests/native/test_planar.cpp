@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/errors.hpp>
-#include <dapple/planar.hpp>
+#include <dapple/planar_sampler.hpp>
 #include <limits>
 #include <numbers>
 #include <utility>

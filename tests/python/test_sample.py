@@ -20,6 +20,9 @@ REPORT = {
     "energies": list,
     "slide_mean": float,
     "slide_max": float,
+    "classes": list,
+    "worst_overlap": float,
+    "overlapping": tuple,
 }
 
 

@@ -27,6 +27,18 @@ class Domain {
   [[nodiscard]] virtual double mass() const = 0;  ///< integral of the density
   [[nodiscard]] virtual bool uniform() const = 0;
 
+  /// Per site, whether its cell ends at the domain's border.
+  [[nodiscard]] virtual std::vector<bool> on_border(const Sites& sites,
+                                                    const RestrictedVoronoi& diagram) const = 0;
+
+  /// Length after which the x and y axes come back to where they began; 0 if they do not.
+  [[nodiscard]] virtual double period() const { return 0.0; }
+
+  /// A surface to draw points of the domain from; on the torus once around.
+  [[nodiscard]] virtual const Surface& drawn_on() const = 0;
+  /// Sites of the domain as sites of that surface.
+  [[nodiscard]] virtual Sites to_drawn(const Sites& sites) const { return sites; }
+
   /// Distance between neighbours if n points were packed hexagonally.
   [[nodiscard]] double spacing(std::size_t count) const;
 
@@ -48,6 +60,9 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double mass() const override { return surface_.mass(); }
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
+  [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
+                                            const RestrictedVoronoi& diagram) const override;
+  [[nodiscard]] const Surface& drawn_on() const override { return surface_; }
   void check(const Sites& sites) const override;
 
  private:

@@ -26,6 +26,9 @@ class Neighbours {
   /// ties by index.
   void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const;
 
+  /// All points nearer to `point` than `distance`, sorted likewise.
+  void within(const Vec3& point, double distance, std::vector<Neighbour>& result) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

@@ -28,13 +28,22 @@ class FlatDomain : public Domain {
   /// The same domain with another rule for what a notch or a hole cuts off from its site.
   [[nodiscard]] virtual std::unique_ptr<FlatDomain> with_cells(Cells cells) const = 0;
 
-  /// Per site, whether its cell ends at the domain's border.
-  [[nodiscard]] virtual std::vector<bool> on_border(const Sites& sites,
-                                                    const RestrictedVoronoi& diagram) const = 0;
+  /// The same domain with an image as its density.
+  /// \throw ArgumentError as the constructor from an image; for a polygon, which takes none
+  [[nodiscard]] virtual std::unique_ptr<FlatDomain> with_density(const Image& density) const = 0;
+
+  /// Its density; null if it is 1.
+  [[nodiscard]] const Image* density() const { return density_.get(); }
 
   /// Where an optimisation begins. \throw Cancelled
-  [[nodiscard]] virtual Sites start(Start kind, std::size_t count, std::uint64_t seed,
-                                    const Context* context) const = 0;
+  [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
+                            const Context* context) const;
+
+ protected:
+  explicit FlatDomain(std::shared_ptr<const Image> density) : density_(std::move(density)) {}
+
+ private:
+  std::shared_ptr<const Image> density_;
 };
 
 /// A rectangle, a polygon with holes, or an image over a rectangle. Cells come from CGAL's Delaunay
@@ -71,13 +80,15 @@ class PlanarDomain final : public FlatDomain {
   [[nodiscard]] std::unique_ptr<FlatDomain> with_cells(Cells cells) const override;
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
-                            const Context* context) const override;
+  [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
+  [[nodiscard]] const Surface& drawn_on() const override { return surface_; }
 
  private:
-  explicit PlanarDomain(Surface surface);
+  /// \param size width and height of a rectangle; 0 for a polygon
+  PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<const Image> density);
 
   Surface surface_;
+  Vec2 size_;
   std::shared_ptr<const Projector> projector_;  // onto the density's support
   Cells cells_ = Cells::kConnected;
 };
@@ -105,14 +116,16 @@ class TorusDomain final : public FlatDomain {
   [[nodiscard]] double area() const override { return 1.0; }
   [[nodiscard]] double mass() const override { return period_.mass(); }
   [[nodiscard]] bool uniform() const override { return period_.uniform(); }
+  [[nodiscard]] double period() const override { return 1.0; }
   void check(const Sites& sites) const override;
   [[nodiscard]] Sites sites(std::span<const Vec2> points) const override;
   [[nodiscard]] Vec2 canonical(const Vec3& position) const override;  ///< in [0, 1)^2
   [[nodiscard]] std::unique_ptr<FlatDomain> with_cells(Cells cells) const override;
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
-                            const Context* context) const override;
+  [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
+  [[nodiscard]] const Surface& drawn_on() const override { return period_; }
+  [[nodiscard]] Sites to_drawn(const Sites& sites) const override;
 
  private:
   [[nodiscard]] std::int32_t face_at(const Vec2& wrapped) const;
@@ -123,17 +136,5 @@ class TorusDomain final : public FlatDomain {
   Surface period_;         // once around
   Surface cover_;          // so much of the plane that it holds every cell of a site in the square
 };
-
-/// Samples of a flat domain.
-struct PlanarSamples {
-  std::vector<Vec2> positions;  ///< on the torus in [0, 1)^2
-  Report report;
-};
-
-/// Exactly `count` samples, evenly spaced and unpatterned, following the density (paper, Algorithm
-/// 1). \throw ArgumentError for options out of range; Cancelled
-[[nodiscard]] PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
-                                          const SampleOptions& options = {},
-                                          Context* context = nullptr);
 
 }  // namespace dapple

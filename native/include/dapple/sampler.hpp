@@ -17,6 +17,9 @@ struct SampleOptions {
   Start start = Start::kPoisson;
   OptimizerOptions optimizer = {};
   Cells cells = Cells::kConnected;
+  /// Sites that stay where they are and take part, with barycentric coordinates; they come first,
+  /// and the count includes them.
+  Sites locked = {};
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 

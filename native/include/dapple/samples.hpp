@@ -6,13 +6,22 @@
 
 namespace dapple {
 
-/// What was done to get the samples, and how good they are.
-struct Report {
+/// How even a set of samples is.
+struct Quality {
   std::size_t count = 0;
   double spacing = 0.0;  ///< hexagonal packing distance, in the surface's units
   Evenness evenness;
   double bond_order = 0.0;  ///< psi6, see bond_order(); cells at borders are left out
   double energy = 0.0;      ///< normalised, see Energy::normalised
+};
+
+/// What was done to get the samples, and how good they are: all together, and each class.
+struct Report : Quality {
+  std::vector<Quality> classes;  ///< empty if there is one class only
+  /// Of things with radii: 1 - distance / sum of the radii of the pair that overlaps most, 0 if
+  /// none does, and the indices of the pair.
+  double worst_overlap = 0.0;
+  std::array<std::int32_t, 2> overlapping = {-1, -1};
   int evaluations = 0;
   int iterations = 0;
   bool converged = true;

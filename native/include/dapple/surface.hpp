@@ -93,6 +93,10 @@ class Surface {
   [[nodiscard]] double mass() const {
     return geometry_->mass;
   }  ///< integral of the density over the surface
+  /// Whether one was made from the other by deformed() or with_density().
+  [[nodiscard]] bool same_faces(const Surface& other) const {
+    return connectivity_ == other.connectivity_;
+  }
   [[nodiscard]] bool uniform() const { return density_->values.empty(); }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }
 

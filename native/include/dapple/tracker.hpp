@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/optimizer.hpp>
-#include <dapple/samples.hpp>
+#include <dapple/classes.hpp>
 
 namespace dapple {
 
 struct TrackerOptions {
+  double union_weight = 1.0;  ///< mu, of samples of several classes; see ClassOptions
+
   /// Within one frame no sample slides by half a spacing: after a violent frame evenness is caught
   /// up over the next ones, instead of by a jump.
   OptimizerOptions optimizer = {.max_evaluations = 30, .max_slide = 0.45};
@@ -22,8 +23,12 @@ struct TrackerOptions {
 /// not.
 class Tracker {
  public:
-  /// \throw ArgumentError if the samples are not of the surface
-  Tracker(Surface surface, Samples samples, TrackerOptions options = {});
+  /// \param classes densities and radii of the samples' classes (counts are the samples'); empty:
+  ///                 one class, whatever the samples say
+  /// \throw ArgumentError if the samples are not of the surface or the classes; see
+  /// sample_classes()
+  Tracker(Surface surface, Samples samples, TrackerOptions options = {},
+          std::vector<SampleClass> classes = {});
 
   /// Move to the next frame. The tracker is unchanged if this throws.
   /// \param vertices as many as the surface has, in the caller's order
@@ -37,6 +42,7 @@ class Tracker {
   Surface surface_;
   Samples samples_;
   TrackerOptions options_;
+  std::vector<SampleClass> classes_;
   double target_energy_;
 };
 

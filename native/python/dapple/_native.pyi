@@ -68,7 +68,7 @@ class Surface:
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
     ) -> Surface: ...
 
-class Report:
+class Quality:
     @property
     def count(self) -> int: ...
     @property
@@ -83,6 +83,14 @@ class Report:
     def bond_order(self) -> float: ...
     @property
     def energy(self) -> float: ...
+
+class Report(Quality):
+    @property
+    def classes(self) -> list[Quality]: ...
+    @property
+    def worst_overlap(self) -> float: ...
+    @property
+    def overlapping(self) -> tuple[int, int]: ...
     @property
     def evaluations(self) -> int: ...
     @property
@@ -125,6 +133,24 @@ class Samples:
     @property
     def report(self) -> Report: ...
 
+class SampleClass:
+    def __init__(
+        self,
+        count: int,
+        *,
+        density: ArrayLike | None = None,
+        density_at: Literal["vertices", "faces", "corners"] = "vertices",
+        radius: float = 0.0,
+    ) -> None: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def density(self) -> ArrayLike | None: ...
+    @property
+    def density_at(self) -> str: ...
+    @property
+    def radius(self) -> float: ...
+
 class FlatDomain:
     @property
     def area(self) -> float: ...
@@ -146,6 +172,8 @@ class PlanarSamples:
     def __len__(self) -> int: ...
     @property
     def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def classes(self) -> NDArray[np.int32]: ...
     @property
     def report(self) -> Report: ...
 
@@ -232,6 +260,8 @@ class Tracker:
         max_slide: float = 0.45,
         method: Literal["trust_region", "line_search"] = "trust_region",
         cells: Literal["connected", "euclidean"] = "connected",
+        classes: Sequence[SampleClass | int] | None = None,
+        union_weight: float = 1.0,
         threads: int = 0,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -252,6 +282,7 @@ def sample(
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
     cells: Literal["connected", "euclidean"] = "connected",
+    locked: Samples | None = None,
     threads: int = 0,
     context: Context | None = None,
 ) -> Samples: ...
@@ -311,3 +342,37 @@ def energy_planar(
     capacity_weight: float = 30.0,
     cells: Literal["connected", "euclidean"] = "connected",
 ) -> Energy: ...
+def sample_classes(
+    surface: Surface,
+    classes: Sequence[SampleClass | int],
+    *,
+    seed: int = 0,
+    union_weight: float = 1.0,
+    two_stages: bool = False,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 5.0,
+    tolerance: float = 1e-5,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    context: Context | None = None,
+) -> Samples: ...
+def sample_planar_classes(
+    domain: FlatDomain,
+    classes: Sequence[SampleClass | int],
+    *,
+    seed: int = 0,
+    union_weight: float = 1.0,
+    two_stages: bool = False,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 5.0,
+    tolerance: float = 1e-5,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    context: Context | None = None,
+) -> PlanarSamples: ...

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/sampler.hpp>
+#include <optional>
+
+namespace dapple {
+
+/// What one class of samples is to be.
+struct SampleClass {
+  std::size_t count = 0;  ///< locked ones included
+  /// With the density of the class: Surface::with_density of the surface that is sampled. None: its
+  /// own density.
+  std::optional<Surface> surface = {};
+  double radius = 0.0;  ///< of its things, >= 0: pairs are kept apart by the sum of their radii
+  Sites locked = {};    ///< as SampleOptions::locked
+};
+
+struct ClassOptions {
+  SampleOptions sample = {.optimizer = {.gap_weight = 5.0}};
+  double union_weight = 1.0;  ///< mu >= 0: evenness of all together against that of each class
+  bool two_stages = false;    ///< every class alone first, then all, as in the paper
+};
+
+/// The paper's own way (Algorithm 3): two stages, and each as paper_options().
+[[nodiscard]] ClassOptions paper_class_options();
+
+/// Several classes at once, each of exactly its count, even by itself and all together: minimises
+/// mu N E*(union) + sum over the classes of E*(class), where E* = n E / |S|_phi^2 of each set's own
+/// number and density, N is the number of classes that are not empty, and the density of the union
+/// is sum_c n_c phi_c / |S|_phi_c (paper, section 4.3, made fit for classes of different
+/// densities).
+///
+/// Samples come class by class, `classes` holds the class of each. Where classes have radii, the
+/// report names the pair that still overlaps most.
+/// \throw ArgumentError naming an option or radius out of range, a surface that is not of the same
+///        faces, or radii for which the area cannot suffice; Cancelled
+[[nodiscard]] Samples sample_classes(const Surface& surface, std::span<const SampleClass> classes,
+                                     const ClassOptions& options = {}, Context* context = nullptr);
+
+}  // namespace dapple

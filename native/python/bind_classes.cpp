@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/planar_sampler.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "classes.hpp"
+#include "options.hpp"
+
+namespace dapple::python {
+namespace {
+
+ClassArgument make_class(std::int64_t count, const py::object& density,
+                         const std::string& density_at, double radius) {
+  return {static_cast<std::int64_t>(checked_count(count)), density, density_at, radius};
+}
+
+ClassOptions class_options(double union_weight, bool two_stages, const SampleOptions& sample) {
+  return {.sample = sample, .union_weight = union_weight, .two_stages = two_stages};
+}
+
+std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequence& classes,
+                                        std::uint64_t seed, double union_weight, bool two_stages,
+                                        double capacity_weight, double gap_weight, double tolerance,
+                                        int max_evaluations, const std::string& method,
+                                        const std::string& start, const std::string& cells,
+                                        int threads, const ContextPtr& context) {
+  const ClassOptions options =
+      class_options(union_weight, two_stages,
+                    sample_options(seed, capacity_weight, gap_weight, tolerance, max_evaluations,
+                                   method, start, cells, threads));
+  const std::vector<SampleClass> wanted = classes_on(surface, classes);
+  const py::gil_scoped_release released;
+  return std::make_shared<Samples>(sample_classes(surface, wanted, options, context.get()));
+}
+
+std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
+  std::vector<PlanarClass> result;
+  for (const ClassArgument& argument : class_arguments(classes)) {
+    result.push_back(
+        {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
+    if (!argument.density.is_none()) result.back().density = image_of(argument.density);
+  }
+  return result;
+}
+
+std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::sequence& classes,
+                                           std::uint64_t seed, double union_weight, bool two_stages,
+                                           double capacity_weight, double gap_weight,
+                                           double tolerance, int max_evaluations,
+                                           const std::string& method, const std::string& start,
+                                           const std::string& cells, int threads,
+                                           const ContextPtr& context) {
+  const ClassOptions options =
+      class_options(union_weight, two_stages,
+                    sample_options(seed, capacity_weight, gap_weight, tolerance, max_evaluations,
+                                   method, start, cells, threads));
+  const std::vector<PlanarClass> wanted = planar_classes(classes);
+  const py::gil_scoped_release released;
+  return std::make_shared<PlanarSamples>(
+      sample_planar_classes(domain, wanted, options, context.get()));
+}
+
+template <typename Verb>
+void bind_verb(py::module_& m, const char* name, Verb verb, const char* domain, const char* doc) {
+  m.def(name, verb, py::arg(domain), py::arg("classes"), py::kw_only(), py::arg("seed") = 0,
+        py::arg("union_weight") = 1.0, py::arg("two_stages") = false,
+        py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 5.0, py::arg("tolerance") = 1e-5,
+        py::arg("max_evaluations") = 200, py::arg("method") = "trust_region",
+        py::arg("start") = "poisson", py::arg("cells") = "connected", py::arg("threads") = 0,
+        py::arg("context") = nullptr, doc);
+}
+
+}  // namespace
+
+std::vector<ClassArgument> class_arguments(const py::sequence& classes) {
+  std::vector<ClassArgument> result;
+  for (std::size_t k = 0; k < classes.size(); ++k) {
+    const py::object entry = classes[k];
+    if (py::isinstance<ClassArgument>(entry))
+      result.push_back(entry.cast<ClassArgument>());
+    else if (PyIndex_Check(entry.ptr()))
+      result.push_back({static_cast<std::int64_t>(checked_count(entry.cast<std::int64_t>()))});
+    else
+      throw ArgumentError("classes[" + std::to_string(k) + "] is " +
+                          py::repr(entry).cast<std::string>() +
+                          ": a SampleClass or a count is needed");
+  }
+  return result;
+}
+
+std::vector<SampleClass> classes_on(const Surface& surface, const py::sequence& classes) {
+  std::vector<SampleClass> result;
+  const py::object self = py::cast(surface, py::return_value_policy::reference);
+  for (const ClassArgument& argument : class_arguments(classes)) {
+    result.push_back(
+        {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
+    if (argument.density.is_none()) continue;
+    result.back().surface =
+        self.attr("with_density")(argument.density, py::arg("density_at") = argument.density_at)
+            .cast<Surface>();
+  }
+  return result;
+}
+
+void bind_class_type(py::module_& m) {
+  py::class_<ClassArgument>(m, "SampleClass", R"(What one class of samples is to be.
+
+Args:
+    count: number of samples, >= 0.
+    density: of the class, or None for the surface's or domain's own. For a Surface an array as Surface takes it; for a
+        Plane or Torus an image, all classes' and the domain's own of one shape.
+    density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.
+    radius: of its things, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
+
+Raises:
+    ValueError: count out of range.)")
+      .def(py::init(&make_class), py::arg("count"), py::kw_only(), py::arg("density") = py::none(),
+           py::arg("density_at") = "vertices", py::arg("radius") = 0.0)
+      .def_readonly("count", &ClassArgument::count, "Number of samples.")
+      .def_readonly("density", &ClassArgument::density, "As given, or None.")
+      .def_readonly("density_at", &ClassArgument::density_at, "Where its values are.")
+      .def_readonly("radius", &ClassArgument::radius, "Of its things.");
+}
+
+void bind_class_samplers(py::module_& m) {
+  bind_verb(m, "sample_classes", &sample_surface, "surface",
+            R"(Several classes of samples at once: each even by itself, and all together.
+
+Minimises union_weight * N * E(union) + the sum of E(class) over the N classes that are not empty, each normalised by its
+own number and density (Chen et al. 2012, Algorithm 3), from a Poisson-disk set of all classes.
+sample_classes(..., **dapple.PAPER, two_stages=True) is the paper's own way.
+
+Args:
+    surface: a Surface.
+    classes: a sequence of SampleClass or counts.
+    seed: of the start, 0..2**64 - 1.
+    union_weight: mu >= 0; evenness of all together against that of each class.
+    two_stages: every class alone first, then all, as in the paper.
+    capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+
+Returns:
+    Samples, class by class; their report holds one of each class, and the pair of things that overlaps most.
+
+Raises:
+    ValueError: an option out of range, or radii for which the area cannot suffice.
+    SurfaceError: a density that does not fit the surface.
+    Cancelled: through the context.)");
+  bind_verb(m, "sample_planar_classes", &sample_flat, "domain",
+            R"(Several classes of samples of a Plane or Torus at once: see sample_classes().
+
+Args:
+    domain: a Plane or a Torus.
+    classes, seed, union_weight, two_stages, capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells,
+        threads, context: as for sample_classes().
+
+Returns:
+    PlanarSamples, class by class, with a report.
+
+Raises:
+    ValueError: an option out of range, the first image of another shape, or radii for which the area cannot suffice.
+    Cancelled: through the context.)");
+}
+
+}  // namespace dapple::python

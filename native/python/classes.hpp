@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <dapple/classes.hpp>
+
+namespace dapple::python {
+
+namespace py = pybind11;
+
+/// A class of samples as Python gives it; what its density is belongs to, only the sampler knows.
+struct ClassArgument {
+  std::int64_t count = 0;
+  py::object density = py::none();
+  std::string density_at = "vertices";
+  double radius = 0.0;
+};
+
+/// A sequence of SampleClass or whole numbers.
+/// \throw ArgumentError naming the first entry that is neither
+[[nodiscard]] std::vector<ClassArgument> class_arguments(const py::sequence& classes);
+
+/// The same for a surface. \throw SurfaceError for a density that does not fit it
+[[nodiscard]] std::vector<SampleClass> classes_on(const Surface& surface,
+                                                  const py::sequence& classes);
+
+}  // namespace dapple::python

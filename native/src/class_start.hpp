@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/context.hpp>
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// One class of sites to place.
+struct ClassStart {
+  const Surface* surface;  ///< with the density of the class
+  std::size_t count;       ///< locked sites included
+  double radius = 0.0;     ///< of its things; sites of two classes keep apart by the sum
+  Sites locked = {};       ///< sites that are there already
+};
+
+/// All classes to place, on surfaces of the same faces.
+struct ClassStarts {
+  std::vector<ClassStart> classes;
+  const Surface* all;   ///< with the density of all together
+  double period = 0.0;  ///< of the torus; 0 elsewhere
+  std::uint64_t seed = 0;
+};
+
+/// Exactly the counts, class by class, locked sites first: white noise.
+[[nodiscard]] Sites random_start(const ClassStarts& starts);
+
+/// The same by dart throwing. A dart is refused within r of one of its class and within 0.85 r' of
+/// any, r and r' following the densities of the class and of all as phi^(-1/2); within the sum of
+/// their radii from another thing. Larger things go first; of equal ones the dart is for the class
+/// that is least filled. r and r' shrink each time that too many darts are refused, in the end the
+/// things' radii too, until all fit. \throw Cancelled
+[[nodiscard]] Sites poisson_start(const ClassStarts& starts, const Context* context);
+
+}  // namespace dapple

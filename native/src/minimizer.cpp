@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "minimizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "gauss_newton.hpp"
+#include "hexagonal.hpp"
+#include "lbfgs.hpp"
+#include "rescue.hpp"
+#include "validate.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kArmijo = 1e-4;  // share of the predicted decrease that a step must reach
+constexpr double kFirstStep =
+    0.25;  // of the longest step allowed, when nothing is known of the curvature
+constexpr int kBacktracks = 6;  // halvings of a step before it counts as failed
+constexpr int kPulls = 8;       // towards the start, of a site that was projected out of reach
+constexpr double kPull = 0.8;   // share of its way that is left after each; the last leaves none
+
+// The trust region's delta: how it answers to the outcome of a step.
+constexpr double kDeltaTooLong = 2.5;  // the step is longer than allowed ...
+constexpr double kDeltaFarOff = 6.0;   // ... by more than
+constexpr double kFarOff = 4.0;        // this factor
+constexpr double kDeltaFull = 0.4;
+constexpr double kDeltaShortened = 2.0;
+constexpr double kDeltaFailed = 4.0;
+constexpr double kDeltaMost = 1e12;
+constexpr int kSolves = 6;    // before the stored pairs are blamed for a step that stays too long
+constexpr int kRescues = 8;   // of sites without a cell, in one run
+constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
+
+class Minimizer {
+ public:
+  Minimizer(const Objective& objective, const OptimizerOptions& options, Context* context)
+      : objective_(objective),
+        options_(options),
+        context_(context),
+        memory_(options.memory),
+        radii_(objective.terms.size()) {}
+
+  Minimum run(const Sites& start) {
+    state_ = evaluate(start.barycentric.empty() ? objective_.project(start.positions, start.faces)
+                                                : start);
+    start_ = state_.sites;
+    freeze_radii();
+    note_energy();
+    rescue();
+    while (!settled() && result_.evaluations < options_.max_evaluations) {
+      iterate();
+      rescue();
+      report_progress();
+    }
+    result_.converged = settled();
+    result_.state = std::move(state_);
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] auto onto_surface() const {
+    return [this](Vectors& v) { objective_.restrict(v, state_.normals); };
+  }
+
+  [[nodiscard]] bool settled() const {
+    return normalised_energy(objective_, state_) <= options_.target_energy ||
+           small_decreases_ >= options_.patience || failures_ >= kFailures;
+  }
+
+  State evaluate(Sites sites) {
+    ++result_.evaluations;
+    return dapple::evaluate(objective_, std::move(sites), radii_, context_);
+  }
+
+  /// The gaps' radii follow the local spacing. They stay fixed within an iteration, so that the
+  /// gradient is exact, and between iterations they only shrink, so that the gap never rises.
+  void freeze_radii() {
+    bool changed = false;
+    for (std::size_t t = 0; t < radii_.size(); ++t) {
+      const Term& term = objective_.terms[t];
+      if (term.gap_weight == 0.0 || (term.domain->uniform() && !radii_[t].empty())) continue;
+      radii_[t].resize(state_.parts[t].energy.gradient.size(),
+                       std::numeric_limits<double>::infinity());
+      for (std::size_t k = 0; k < radii_[t].size(); ++k)
+        radii_[t][k] = std::min(radii_[t][k], term.gap_radius * local_spacing(t, k));
+      changed = true;
+    }
+    if (changed) set_radii(objective_, state_, radii_);
+  }
+
+  /// Hexagonal spacing at a term's mean capacity and the cell's own mean density.
+  [[nodiscard]] double local_spacing(std::size_t term, std::size_t k) const {
+    const std::vector<Moments>& cells = state_.parts[term].energy.diagram.cells;
+    const double mean = objective_.terms[term].domain->mass() / static_cast<double>(cells.size());
+    const double area = cells[k].capacity > 0.0 ? mean * cells[k].area / cells[k].capacity : 0.0;
+    return hexagonal_spacing(area);
+  }
+
+  void iterate() {
+    const Vectors direction =
+        options_.method == Method::kTrustRegion ? trust_region_step() : line_search_step();
+    const double slope = std::min(dot(direction, state_.gradient), 0.0);
+    double t = 1.0;
+    std::optional<State> next = backtrack(direction, slope, t);
+    if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
+    // A quasi-Newton step promises half its slope: where even that is small, failing to get it is
+    // convergence.
+    judge(next ? state_.total - next->total : -0.5 * slope, next.has_value());
+    if (next)
+      accept(std::move(*next));
+    else
+      memory_.forget();
+  }
+
+  void judge(double decrease, bool found) {
+    decrease_ = decrease / state_.total;
+    small_decreases_ = decrease_ > options_.tolerance ? 0 : small_decreases_ + 1;
+    failures_ = found ? 0 : failures_ + 1;
+  }
+
+  void accept(State next) {
+    memory_.remember(difference(next.sites.positions, state_.sites.positions),
+                     difference(next.gradient, state_.gradient));
+    settle_at(std::move(next));
+  }
+
+  void settle_at(State next) {
+    state_ = std::move(next);
+    freeze_radii();
+    ++result_.iterations;
+    note_energy();
+  }
+
+  /// Move sites without a cell to where there is room, if that lowers what is minimised.
+  void rescue() {
+    if (result_.evaluations >= options_.max_evaluations || rescues_ >= kRescues) return;
+    const Rescue found = find_rescue(objective_, state_);
+    if (found.sites.empty()) return;
+    ++rescues_;
+    Sites moved = state_.sites;
+    for (std::size_t k = 0; k < found.sites.size(); ++k) {
+      const auto site = static_cast<std::size_t>(found.sites[k]);
+      moved.positions[site] = found.positions[k];
+      moved.faces[site] = found.faces[k];
+    }
+    State next = evaluate(project_within_reach(std::move(moved.positions), moved.faces));
+    if (!(next.total < state_.total)) return;
+    memory_.forget();
+    small_decreases_ = failures_ = 0;
+    settle_at(std::move(next));
+  }
+
+  // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
+  // to it.
+  Vectors trust_region_step() {
+    const GaussNewton model(objective_, state_);
+    const double first_delta = delta_;
+    for (int solves = 1;; ++solves) {
+      const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
+      Vectors direction = memory_.direction(state_.gradient, onto_surface(), solve);
+      const double excess = longest(direction);
+      const bool descends = dot(direction, state_.gradient) < 0.0;
+      if ((excess <= 1.0 && descends) || delta_ > kDeltaMost) return direction;
+      delta_ *= excess > kFarOff ? kDeltaFarOff : kDeltaTooLong;
+      if ((descends && solves < kSolves) || memory_.empty()) continue;
+      memory_.forget();
+      delta_ = first_delta;
+    }
+  }
+
+  void answer(bool found, double t) {
+    if (!found)
+      delta_ *= kDeltaFailed;
+    else if (t < 1.0)
+      delta_ *= kDeltaShortened;
+    else
+      delta_ = std::max(1.0, kDeltaFull * delta_);
+    delta_ = std::min(delta_, kDeltaMost);
+  }
+
+  Vectors line_search_step() {
+    Vectors direction = plain_direction();
+    if (dot(direction, state_.gradient) >= 0.0) {
+      memory_.forget();
+      direction = plain_direction();
+    }
+    for (std::size_t k = 0; k < direction.size(); ++k) {
+      const double excess = direction[k].norm() / longest_step(k);
+      if (excess > 1.0) direction[k] /= excess;
+    }
+    return direction;
+  }
+
+  [[nodiscard]] Vectors plain_direction() const {
+    const double scale = memory_.empty() ? first_scale() : memory_.scale();
+    return memory_.direction(state_.gradient, onto_surface(), [&](Vectors v) {
+      for (Vec3& x : v) x *= scale;
+      return v;
+    });
+  }
+
+  [[nodiscard]] double first_scale() const {
+    const double excess = longest(state_.gradient);
+    return excess > 0.0 ? kFirstStep / excess : 0.0;
+  }
+
+  [[nodiscard]] double longest_step(std::size_t k) const {
+    return std::max(options_.max_step * local_spacing(0, k), std::numeric_limits<double>::min());
+  }
+
+  /// The longest vector in units of the longest step allowed there.
+  [[nodiscard]] double longest(const Vectors& v) const {
+    double excess = 0.0;
+    for (std::size_t k = 0; k < v.size(); ++k)
+      if (state_.diagram().cells[k].capacity > 0.0)
+        excess = std::max(excess, v[k].norm() / longest_step(k));
+    return excess;
+  }
+
+  /// The state after the longest of the steps t = 1, 1/2, 1/4 ... that decreases the energy enough.
+  std::optional<State> backtrack(const Vectors& direction, double slope, double& t) {
+    for (int k = 0; k < kBacktracks && result_.evaluations < options_.max_evaluations;
+         ++k, t *= 0.5) {
+      Vectors moved = state_.sites.positions;
+      add_scaled(moved, t, direction);
+      State next = evaluate(project_within_reach(std::move(moved), state_.sites.faces));
+      if (next.total <= state_.total + kArmijo * t * slope) return next;
+    }
+    return std::nullopt;
+  }
+
+  /// How far a site may be from where it started.
+  [[nodiscard]] double reach(std::size_t k) const {
+    return options_.max_slide *
+           std::min(local_spacing(0, k), objective_.domain().spacing(state_.sites.size()));
+  }
+
+  /// Project, no site farther than its reach. The projection can carry one that was held back
+  /// farther again (around a bend, to another sheet): it is pulled towards its start until it does
+  /// not.
+  [[nodiscard]] Sites project_within_reach(Vectors moved,
+                                           std::span<const std::int32_t> hints) const {
+    if (std::isinf(options_.max_slide)) return objective_.project(moved, hints);
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const Vec3 slide = moved[k] - start_.positions[k];
+      const double excess = slide.norm() / reach(k);
+      if (excess > 1.0) moved[k] = start_.positions[k] + slide / excess;
+    }
+    Sites sites = objective_.project(moved, hints);
+    for (int pull = 0; pull < kPulls; ++pull)
+      pull_back(sites, moved, pull + 1 < kPulls ? kPull : 0.0);
+    return sites;
+  }
+
+  /// Project the sites out of reach again from the share `part` of their way; 0 is where they
+  /// started.
+  void pull_back(Sites& sites, Vectors& moved, double part) const {
+    std::vector<std::int32_t> far;
+    Sites pulled;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      if ((sites.positions[k] - start_.positions[k]).norm() <= reach(k)) continue;
+      moved[k] = start_.positions[k] + part * (moved[k] - start_.positions[k]);
+      far.push_back(static_cast<std::int32_t>(k));
+      pulled.positions.push_back(moved[k]);
+      pulled.faces.push_back(start_.faces[k]);
+      pulled.barycentric.push_back(start_.barycentric[k]);
+    }
+    if (part > 0.0) pulled = objective_.project(pulled.positions, pulled.faces, far);
+    for (std::size_t k = 0; k < far.size(); ++k) {
+      const auto site = static_cast<std::size_t>(far[k]);
+      sites.positions[site] = pulled.positions[k];
+      sites.faces[site] = pulled.faces[k];
+      sites.barycentric[site] = pulled.barycentric[k];
+    }
+  }
+
+  void note_energy() {
+    result_.energies.push_back(state_.total / objective_.total_weight() - options_.capacity_weight);
+  }
+
+  // The decrease falls by orders of magnitude until it meets the tolerance.
+  void report_progress() const {
+    if (!context_) return;
+    const double used = double(result_.evaluations) / options_.max_evaluations;
+    const double fallen = options_.tolerance > 0.0 && decrease_ > 0.0
+                              ? std::log(decrease_) / std::log(std::min(options_.tolerance, 0.5))
+                              : 0.0;
+    context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
+  }
+
+  const Objective& objective_;
+  const OptimizerOptions& options_;
+  Context* context_;
+  State state_;
+  Sites start_;
+  LbfgsMemory memory_;
+  std::vector<std::vector<double>> radii_;  // of the gap, per term and site; empty without it
+  double delta_ = 1.0;
+  double decrease_ = 0.0;    // of the last step, relative
+  int small_decreases_ = 0;  // in a row
+  int failures_ = 0;         // in a row
+  int rescues_ = 0;
+  Minimum result_;
+};
+
+void check(const OptimizerOptions& options) {
+  check_at_least("capacity_weight", options.capacity_weight, 0.0);
+  check_at_least("gap_weight", options.gap_weight, 0.0);
+  check_at_least("gap_radius", options.gap_radius, 0.0);
+  check_at_least("tolerance", options.tolerance, 0.0);
+  check_at_least("patience", options.patience, 1);
+  check_at_least("max_evaluations", options.max_evaluations, 1);
+  check_at_least("memory", options.memory, 0);
+  check_at_least("max_step", options.max_step, 0.0);
+  if (!(options.max_slide >= 0.0))
+    throw ArgumentError("max_slide is " + number(options.max_slide) + ": it must be >= 0");
+}
+
+}  // namespace
+
+Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
+                 Context* context) {
+  check(options);
+  return Minimizer(objective, options, context).run(start);
+}
+
+}  // namespace dapple

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer.hpp>
+
+#include "objective.hpp"
+
+namespace dapple {
+
+/// Where a minimisation ended.
+struct Minimum {
+  State state;
+  std::vector<double> energies;  ///< see OptimizerResult
+  int evaluations = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// See optimize(); gaps are the terms' own.
+/// \throw ArgumentError for options out of range; Cancelled
+[[nodiscard]] Minimum minimize(const Objective& objective, const Sites& start,
+                               const OptimizerOptions& options, Context* context);
+
+}  // namespace dapple

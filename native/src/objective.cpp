@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "objective.hpp"
+
+#include <algorithm>
+
+namespace dapple {
+namespace {
+
+/// kappa (|S|_phi / n)^2
+double gap_weight(const Term& term, std::size_t count) {
+  const double share = term.domain->mass() / static_cast<double>(std::max<std::size_t>(count, 1));
+  return term.gap_weight * share * share;
+}
+
+void add(const Objective& objective, std::size_t term, const Part& part, State& state) {
+  const std::vector<std::int32_t>& members = objective.terms[term].members;
+  const double scale = objective.scale(term, part.energy.gradient.size());
+  state.total += scale * (part.energy.total + part.gap.energy);
+  for (std::size_t k = 0; k < part.energy.gradient.size(); ++k)
+    state.gradient[members.empty() ? k : static_cast<std::size_t>(members[k])] +=
+        scale * (part.energy.gradient[k] + part.gap.gradient[k]);
+}
+
+void add_up(const Objective& objective, State& state) {
+  state.total = state.things.energy;
+  state.gradient.assign(state.sites.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
+  if (!state.things.pairs.empty()) add_scaled(state.gradient, 1.0, state.things.gradient);
+  objective.restrict(state.gradient, state.normals);
+}
+
+}  // namespace
+
+Sites select(const Sites& sites, std::span<const std::int32_t> members) {
+  Sites result;
+  for (const std::int32_t member : members) {
+    const auto k = static_cast<std::size_t>(member);
+    result.positions.push_back(sites.positions[k]);
+    result.faces.push_back(sites.faces[k]);
+    if (!sites.barycentric.empty()) result.barycentric.push_back(sites.barycentric[k]);
+  }
+  return result;
+}
+
+double Objective::total_weight() const {
+  double sum = 0.0;
+  for (const Term& term : terms) sum += term.weight;
+  return sum;
+}
+
+double Objective::scale(std::size_t term, std::size_t sites) const {
+  const double mass = terms[term].domain->mass();
+  return terms[term].weight * static_cast<double>(sites) / mass / mass;
+}
+
+Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
+                         std::span<const std::int32_t> which) const {
+  if (homes.size() < 2) return (homes.empty() ? domain() : *homes[0]).project(points, hints);
+  Sites result{points, {hints.begin(), hints.end()}, Vectors(points.size())};
+  for (std::size_t c = 0; c < homes.size(); ++c) {
+    std::vector<std::int32_t> members;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (classes[which.empty() ? k : static_cast<std::size_t>(which[k])] ==
+          static_cast<std::int32_t>(c))
+        members.push_back(static_cast<std::int32_t>(k));
+    const Sites mine = select(result, members);
+    Sites found = homes[c]->project(mine.positions, mine.faces);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const auto site = static_cast<std::size_t>(members[k]);
+      result.positions[site] = found.positions[k];
+      result.faces[site] = found.faces[k];
+      result.barycentric[site] = found.barycentric[k];
+    }
+  }
+  return result;
+}
+
+void Objective::restrict(Vectors& v, const Vectors& normals) const {
+  make_tangential(v, normals);
+  if (locked.empty()) return;
+  for (std::size_t k = 0; k < v.size(); ++k)
+    if (locked[k]) v[k].setZero();
+}
+
+State evaluate(const Objective& objective, Sites sites,
+               const std::vector<std::vector<double>>& radii, const Context* context) {
+  State state;
+  state.sites = std::move(sites);
+  for (const std::int32_t face : state.sites.faces)
+    state.normals.push_back(objective.domain().normal(face));
+  for (const Term& term : objective.terms) {
+    Part part;
+    part.energy = evaluate_energy(
+        *term.domain, term.members.empty() ? state.sites : select(state.sites, term.members),
+        objective.capacity_weight, context);
+    state.parts.push_back(std::move(part));
+  }
+  if (!objective.things.empty())
+    state.things = evaluate_things(state.sites, state.normals, objective.things,
+                                   objective.domain().period(), objective.things_weight);
+  set_radii(objective, state, radii);
+  return state;
+}
+
+void set_radii(const Objective& objective, State& state,
+               const std::vector<std::vector<double>>& radii) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    Part& part = state.parts[t];
+    part.gap = evaluate_gap(part.energy.diagram, radii[t],
+                            gap_weight(objective.terms[t], part.energy.gradient.size()));
+  }
+  add_up(objective, state);
+}
+
+double normalised_energy(const Objective& objective, const State& state) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < state.parts.size(); ++t)
+    sum += objective.terms[t].weight * state.parts[t].energy.normalised;
+  return sum / objective.total_weight();
+}
+
+}  // namespace dapple

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "class_problem.hpp"
+
+namespace dapple {
+
+/// The classes as a problem over a surface.
+/// \throw ArgumentError naming the first class whose surface is not of the same faces; if there is
+/// no class
+[[nodiscard]] ClassProblem surface_classes(const Surface& surface,
+                                           std::span<const SampleClass> classes, Cells cells);
+
+}  // namespace dapple
