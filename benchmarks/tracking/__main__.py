@@ -36,6 +36,7 @@ def main() -> None:
         if options.blender:
             found = replaced(animation, sites, min(animation.period, len(animation.frames)))
             blender |= {animation.name: found} if found else {}
+        _store(runs, blender, options)
     print(
         "\n" + report.table(runs), "\n\nFrames that miss a goal:\n", report.misses(runs), sep="\n"
     )

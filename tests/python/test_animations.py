@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bodies that benchmarks/tracking judges samples on, and its figures."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from benchmarks.tracking import __main__ as command
 from benchmarks.tracking import metrics, report
 from benchmarks.tracking.animations import FIGURE, GENERATED, Animation, load
 from benchmarks.tracking.contenders import CONTENDERS
@@ -178,3 +180,17 @@ def test_misses_are_bold():
         getattr(run, name).append(value)
     cells = report.table([run]).splitlines()[-1].split(" | ")
     assert [cell for cell in cells if "**" in cell] == ["**0.590**", "**0.040**"]
+
+
+def test_the_command_prints_a_table_and_stores_every_frame(tmp_path, capsys, monkeypatch):
+    stored, out = tmp_path / "runs.json", tmp_path / "pictures"
+    options = "--animations twist --contenders ride dapple --frames 4 --faces 1200 --sites 100"
+    files = ["--drift", "--json", str(stored), "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", ["tracking", *options.split(), *files])
+    command.main()
+    printed = capsys.readouterr().out
+    assert "| twist | ride | 4 |" in printed
+    assert "| twist | dapple | 4 |" in printed
+    runs = json.loads(stored.read_text())["runs"]
+    assert [len(run["energy"]) for run in runs] == [4, 4]
+    assert (out / "curves.png").is_file()
