@@ -12,8 +12,8 @@ class Settings:
     count: int = 1000  # number of points, met exactly
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
-    gap_weight: float = 1.0  # kappa: keeps neighbours apart
-    tolerance: float = 1e-5  # stop at this relative decrease of the energy: smaller is more regular
+    gap_weight: float = 3.0  # kappa: keeps neighbours apart
+    tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
 
     def sample_options(self) -> dict[str, Any]:

@@ -150,8 +150,8 @@ void bind_planar_verbs(py::module_& m) {
 
   m.def(
       "sample_planar", &sample_domain, py::arg("domain"), py::arg("count"), py::kw_only(),
-      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
-      py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
+      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+      py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
       py::arg("method") = "trust_region", py::arg("start") = "poisson",
       py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
       R"(Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.

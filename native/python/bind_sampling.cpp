@@ -172,8 +172,8 @@ Raises:
 
 void bind_samplers(py::module_& m) {
   m.def("sample", &sample_surface, py::arg("surface"), py::arg("count"), py::kw_only(),
-        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
-        py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
+        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+        py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
         py::arg("method") = "trust_region", py::arg("start") = "poisson",
         py::arg("cells") = "connected", py::arg("locked") = nullptr, py::arg("threads") = 0,
         py::arg("context") = nullptr,
@@ -225,8 +225,8 @@ Args:
 Raises:
     ValueError: the samples are not of the surface, or of a class that is not given.)")
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 1.0,
-           py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 30,
+           py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+           py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 30,
            py::arg("max_slide") = 0.45, py::arg("method") = "trust_region",
            py::arg("cells") = "connected", py::arg("classes") = py::none(),
            py::arg("union_weight") = 1.0, py::arg("threads") = 0)

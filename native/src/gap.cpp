@@ -9,6 +9,10 @@
 namespace dapple {
 namespace {
 
+// Of the gap's radius: a step may end this near. Nearer, the smallest distance of the next state is
+// what the step made of it; at 1 the steps lose too much (0.95 to 0.98 measured alike, 0.98 best).
+constexpr double kNear = 0.98;
+
 /// \param d from j to i
 void add_pair(Gap& gap, std::size_t i, std::size_t j, const Vec3& d, double radius, double weight) {
   const double distance = d.norm();
@@ -79,6 +83,22 @@ Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& ra
       add_pair(gap, i, j, -side.offset, 0.5 * (radii[i] + radii[j]), weight);
     }
   return gap;
+}
+
+std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                               Vectors& moves) {
+  std::vector<bool> shortened(radii.size(), false);
+  for (std::size_t i = 0; i < radii.size(); ++i)
+    for (const CellBoundary& side : diagram.boundary(i)) {
+      const auto j = static_cast<std::size_t>(side.neighbour);
+      if (j < i) continue;
+      const Vec3 d = -side.offset;
+      const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
+      if ((d + moves[i] - moves[j]).norm() < least) shortened[i] = shortened[j] = true;
+    }
+  for (std::size_t k = 0; k < radii.size(); ++k)
+    if (shortened[k]) moves[k] *= 0.5;
+  return static_cast<std::size_t>(std::count(shortened.begin(), shortened.end(), true));
 }
 
 Gap evaluate_things(const Sites& sites, const Vectors& normals, const std::vector<double>& radii,

@@ -29,6 +29,13 @@ struct Gap {
 [[nodiscard]] Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
                                double weight);
 
+/// Halve the moves of touching sites that would bring two of them nearer than the gap wants and
+/// than they are: of such pairs, farther apart than r_ij so far, neither the gap's gradient nor its
+/// stiffness knows.
+/// \return how many sites that were
+std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                               Vectors& moves);
+
 /// The gap between things: r_ij is the sum of their radii, and all count that are on the same side
 /// of a wall, whether their cells touch or not.
 /// \param normals of the surface, per site

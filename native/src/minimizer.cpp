@@ -30,8 +30,10 @@ constexpr double kDeltaFull = 0.4;
 constexpr double kDeltaShortened = 2.0;
 constexpr double kDeltaFailed = 4.0;
 constexpr double kDeltaMost = 1e12;
-constexpr int kSolves = 6;    // before the stored pairs are blamed for a step that stays too long
-constexpr int kRescues = 8;   // of sites without a cell, in one run
+constexpr int kSolves = 6;     // before the stored pairs are blamed for a step that stays too long
+constexpr int kGapPasses = 3;  // over the pairs that a step brings too near
+constexpr double kGapMost = 0.25;  // share of the sites that may be held back for it
+constexpr int kRescues = 8;        // of sites without a cell, in one run
 constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
 
 class Minimizer {
@@ -163,12 +165,27 @@ class Minimizer {
       Vectors direction = memory_.direction(state_.gradient, onto_surface(), solve);
       const double excess = longest(direction);
       const bool descends = dot(direction, state_.gradient) < 0.0;
-      if ((excess <= 1.0 && descends) || delta_ > kDeltaMost) return direction;
+      if ((excess <= 1.0 && descends) || delta_ > kDeltaMost)
+        return keep_gaps(std::move(direction));
       delta_ *= excess > kFarOff ? kDeltaFarOff : kDeltaTooLong;
       if ((descends && solves < kSolves) || memory_.empty()) continue;
       memory_.forget();
       delta_ = first_delta;
     }
+  }
+
+  // Not where many moves would be shortened: in white noise, or where the gaps of classes and of
+  // all together contradict each other, that costs more than it gives.
+  [[nodiscard]] Vectors keep_gaps(Vectors direction) const {
+    if (radii_.size() > 1) return direction;
+    const Vectors full = direction;
+    for (int pass = 0; pass < kGapPasses; ++pass) {
+      const std::size_t shortened = shorten_approaches(state_.diagram(), radii_[0], direction);
+      if (static_cast<double>(shortened) > kGapMost * static_cast<double>(direction.size()))
+        return full;
+      if (shortened == 0) break;
+    }
+    return direction;
   }
 
   void answer(bool found, double t) {

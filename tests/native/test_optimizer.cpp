@@ -21,10 +21,10 @@ OptimizerResult optimized(const Surface& surface, std::size_t count,
 /// The ways to minimise, by name.
 const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
   static const std::vector<std::pair<std::string, OptimizerOptions>> all = {
-      {"trust region with a gap", {}},
-      {"trust region", {.gap_weight = 0.0}},
-      {"line search with a gap", {.method = Method::kLineSearch}},
-      {"line search", {.method = Method::kLineSearch, .gap_weight = 0.0}}};
+      {"trust region with a gap", {.tolerance = 1e-5}},
+      {"trust region", {.gap_weight = 0.0, .tolerance = 1e-5}},
+      {"line search with a gap", {.method = Method::kLineSearch, .tolerance = 1e-5}},
+      {"line search", {.method = Method::kLineSearch, .gap_weight = 0.0, .tolerance = 1e-5}}};
   return all;
 }
 

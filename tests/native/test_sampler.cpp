@@ -74,7 +74,7 @@ TEST(Sampler, DependsOnTheSeed) {
 TEST(Sampler, KeepsOffFacesWithoutDensity) {
   Shape shape = with_face_density(blob(4), [](const Vec3&) { return 1.0; });
   for (std::size_t f = 0; f < shape.faces.size(); f += 7) shape.density[f] = 0.0;
-  const Samples samples = sample(shape.surface(), 500);
+  const Samples samples = sample(shape.surface(), 500, {.optimizer = {.tolerance = 1e-5}});
   for (const std::int32_t f : samples.faces)
     ASSERT_EQ(shape.density[static_cast<std::size_t>(f)], 1.0) << "face " << f;
   EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
@@ -131,6 +131,7 @@ TEST(SamplerBands, OnATorus) { expect_in_bands(torus(120, 60).surface(), {}, "to
 TEST(SamplerBands, FromARandomStart) {
   SampleOptions options;
   options.start = Start::kRandom;
+  options.optimizer.tolerance = 1e-5;
   expect_in_bands(torus(120, 60).surface(), options, "torus, random start",
                   {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.010}, {0.1615, 0.1760}});
 }

@@ -17,7 +17,8 @@ struct SampleClass {
 };
 
 struct ClassOptions {
-  SampleOptions sample = {.optimizer = {.gap_weight = 5.0}};
+  // Classes and union pull at each other: it takes a stronger gap and more steps than one class.
+  SampleOptions sample = {.optimizer = {.gap_weight = 5.0, .tolerance = 1e-5}};
   double union_weight = 1.0;  ///< mu >= 0: evenness of all together against that of each class
   bool two_stages = false;    ///< every class alone first, then all, as in the paper
 };

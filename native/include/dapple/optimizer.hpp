@@ -16,9 +16,9 @@ enum class Method {
 struct OptimizerOptions {
   Method method = Method::kTrustRegion;
   double capacity_weight = 30.0;  ///< lambda >= 0
-  double gap_weight = 1.0;   ///< kappa >= 0: keeps neighbours apart; 0 is the paper's plain energy
+  double gap_weight = 3.0;   ///< kappa >= 0: keeps neighbours apart; 0 is the paper's plain energy
   double gap_radius = 0.72;  ///< distance below which the gap acts, in local spacings
-  double tolerance = 1e-5;   ///< stop when the energy's relative decrease is not above it ...
+  double tolerance = 5e-5;   ///< stop when the energy's relative decrease is not above it ...
   int patience = 2;  ///< ... this many times in a row: one small step alone is no convergence
   int max_evaluations = 200;  ///< of the energy; at least 1
   int memory = 7;             ///< L-BFGS pairs
