@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <dapple/errors.hpp>
+#include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
 
@@ -27,6 +28,19 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t cou
   const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample(surface, checked, options, context.get()));
+}
+
+std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
+                                          std::int64_t count, std::uint64_t seed,
+                                          double capacity_weight, double gap_weight,
+                                          double tolerance, int max_evaluations,
+                                          const std::string& method, const std::string& cells,
+                                          int threads, const ContextPtr& context) {
+  const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+                                               max_evaluations, method, "poisson", cells, threads);
+  const std::size_t checked = checked_count(count);
+  const py::gil_scoped_release released;
+  return std::make_shared<Samples>(resample(surface, samples, checked, options, context.get()));
 }
 
 std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& faces,
@@ -86,7 +100,7 @@ py::dict report_dict(const Report& report) {
                "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
                "converged"_a = report.converged, "seconds"_a = report.seconds,
                "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
-               "slide_max"_a = report.slide_max));
+               "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
   return result;
 }
 
@@ -132,8 +146,9 @@ void bind_reports(py::module_& m) {
           "energies", &Report::energies,
           "What was minimised (energy and gap), normalised, at the start and after each iteration.")
       .def_readonly("slide_mean", &Report::slide_mean,
-                    "Tracker: mean distance from the carried position, in spacings.")
-      .def_readonly("slide_max", &Report::slide_max, "Tracker: the largest such distance.")
+                    "Tracker and resample(): mean distance from where they were, in spacings.")
+      .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
+      .def_readonly("slide_max", &Report::slide_max, "The largest such distance.")
       .def("to_dict", &report_dict, "All of it as a dict that json can write.");
 }
 
@@ -204,6 +219,30 @@ Returns:
 
 Raises:
     ValueError: an option out of range.
+    Cancelled: through the context.)");
+
+  m.def(
+      "resample", &resample_surface, py::arg("surface"), py::arg("samples"), py::arg("count"),
+      py::kw_only(), py::arg("seed") = 0, py::arg("capacity_weight") = 30.0,
+      py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
+      py::arg("method") = "trust_region", py::arg("cells") = "connected", py::arg("threads") = 0,
+      py::arg("context") = nullptr,
+      R"(Another count or density for samples that are there, most of which stay nearly where they are.
+
+Samples are taken out far from each other, or thrown into the widest gaps, and all are made as even as they were.
+
+Args:
+    surface: a Surface of the same faces; its density and vertices may be others.
+    samples: Samples.
+    count: number of samples wanted, >= 0.
+    seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, cells, threads, context: as for sample().
+
+Returns:
+    Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report's
+    slide_mean, slide_median and slide_max tell how far they moved, in spacings.
+
+Raises:
+    ValueError: samples that are not of the surface, or an option out of range.
     Cancelled: through the context.)");
 
   py::class_<Tracker, std::shared_ptr<Tracker>>(m, "Tracker",

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "outcome.hpp"
 
+#include <algorithm>
 #include <dapple/energy.hpp>
+#include <numeric>
 
 namespace dapple {
 namespace {
@@ -66,6 +68,30 @@ Samples to_samples(const Surface& surface, const Objective& objective, const Min
   Samples samples = bind_samples(surface, sites.faces, sites.barycentric, ids, objective.classes);
   samples.report = to_report(objective, found, class_count, samples.normals);
   return samples;
+}
+
+Samples to_samples(const Surface& surface, const Domain& domain, OptimizerResult&& found,
+                   std::span<const std::int32_t> ids) {
+  Samples samples = bind_samples(surface, found.sites.faces, found.sites.barycentric, ids);
+  Report& report = samples.report;
+  static_cast<Quality&>(report) = measure(domain, found.energy, found.sites, samples.normals);
+  report.evaluations = found.evaluations;
+  report.iterations = found.iterations;
+  report.converged = found.converged;
+  report.energies = std::move(found.energies);
+  return samples;
+}
+
+void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Vec3> before) {
+  std::vector<double> slides;
+  for (std::size_t k = 0; k < std::min(now.size(), before.size()); ++k)
+    slides.push_back((now[k] - before[k]).norm() / report.spacing);
+  if (slides.empty()) return;
+  report.slide_mean =
+      std::accumulate(slides.begin(), slides.end(), 0.0) / static_cast<double>(slides.size());
+  std::sort(slides.begin(), slides.end());
+  report.slide_median = slides[slides.size() / 2];
+  report.slide_max = slides.back();
 }
 
 Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,

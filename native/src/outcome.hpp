@@ -22,4 +22,11 @@ namespace dapple {
                                  const Minimum& found, std::size_t class_count,
                                  std::span<const std::int32_t> ids = {});
 
+/// One class, found by optimize().
+[[nodiscard]] Samples to_samples(const Surface& surface, const Domain& domain,
+                                 OptimizerResult&& found, std::span<const std::int32_t> ids);
+
+/// How far samples are from where they were, in spacings; `before` may be fewer.
+void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Vec3> before);
+
 }  // namespace dapple

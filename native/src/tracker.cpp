@@ -15,18 +15,6 @@ namespace {
 // to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
 constexpr double kSlack = 5e-4;
 
-/// How far the samples are from where they were carried, in spacings.
-void measure_slide(Samples& samples, const Samples& carried) {
-  const double spacing = samples.report.spacing;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const double slide = (samples.positions[k] - carried.positions[k]).norm() / spacing;
-    samples.report.slide_max = std::max(samples.report.slide_max, slide);
-    sum += slide;
-  }
-  samples.report.slide_mean = samples.size() > 0 ? sum / static_cast<double>(samples.size()) : 0.0;
-}
-
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes, const Samples& samples) {
   if (classes.empty()) return {{.count = samples.size()}};
@@ -99,7 +87,7 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
         frame.objective, {carried.positions, carried.faces, carried.barycentric}, options, context);
     Samples samples = to_samples(surface, frame.objective, found, classes.size(), samples_.ids);
     samples.classes = samples_.classes;
-    measure_slide(samples, carried);
+    measure_slide(samples.report, samples.positions, carried.positions);
     samples.report.seconds = clock.seconds();
     surface_ = std::move(surface);
     classes_ = std::move(classes);

@@ -20,6 +20,7 @@ REPORT = {
     "energies": list,
     "slide_mean": float,
     "slide_max": float,
+    "slide_median": float,
     "classes": list,
     "worst_overlap": float,
     "overlapping": tuple,

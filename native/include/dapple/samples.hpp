@@ -28,7 +28,8 @@ struct Report : Quality {
   double seconds = 0.0;  ///< wall time
   std::vector<double>
       energies;  ///< what was minimised, normalised, at the start and after each iteration
-  double slide_mean = 0.0;  ///< tracker: distance from the carried position, in spacings
+  double slide_mean = 0.0;  ///< tracker, resample: distance from where they were, in spacings
+  double slide_median = 0.0;
   double slide_max = 0.0;
 };
 

@@ -104,6 +104,8 @@ class Report(Quality):
     @property
     def slide_mean(self) -> float: ...
     @property
+    def slide_median(self) -> float: ...
+    @property
     def slide_max(self) -> float: ...
     def to_dict(self) -> dict[str, Any]: ...
 
@@ -283,6 +285,21 @@ def sample(
     start: Literal["poisson", "random"] = "poisson",
     cells: Literal["connected", "euclidean"] = "connected",
     locked: Samples | None = None,
+    threads: int = 0,
+    context: Context | None = None,
+) -> Samples: ...
+def resample(
+    surface: Surface,
+    samples: Samples,
+    count: int,
+    *,
+    seed: int = 0,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 3.0,
+    tolerance: float = 5e-5,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
     context: Context | None = None,
 ) -> Samples: ...
