@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "site_index.hpp"
+
+namespace dapple {
+
+/// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x
+/// relative to the site.
+struct Bisector {
+  Vec3 normal;  ///< x_j - x_i
+  double offset;
+  double squared_distance;
+  std::int32_t site;  ///< j, ordered
+};
+
+/// The bisectors of one site in order of distance, fetched as far as someone asks.
+class Bisectors {
+ public:
+  /// The arguments must outlive the bisectors.
+  Bisectors(const OrderedSites& sites, const SiteIndex& index) : sites_(&sites), index_(&index) {}
+
+  /// Turn to a site, with all others.
+  void reset(std::int32_t site);
+
+  /// Turn to a site, with `others` alone, whether it is one of them or not.
+  void reset_among(std::int32_t site, std::span<const std::int32_t> others);
+
+  /// Bisector k, or null if there are no more.
+  [[nodiscard]] const Bisector* at(std::size_t k) {
+    while (k >= settled_ && fetched_ < sites_->size()) fetch(2 * fetched_);
+    return k < settled_ ? bisectors_.data() + k : nullptr;
+  }
+
+ private:
+  void fetch(std::size_t count);
+  void take_links();
+  void add(std::int32_t other);
+  void sort();
+  void drop_twins();
+  void settle();
+
+  const OrderedSites* sites_;
+  const SiteIndex* index_;
+  std::int32_t site_ = 0;
+  std::size_t fetched_ = 0;
+  std::size_t settled_ = 0;
+  std::vector<Neighbour> found_;
+  std::vector<Bisector> bisectors_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cell_integrals.hpp"
+
+#include <algorithm>
+
+#include "integrate.hpp"
+
+namespace dapple {
+
+void CellIntegrals::reset() {
+  moments_ = Moments();
+  boundary_.clear();
+}
+
+void CellIntegrals::add(std::int32_t face, bool whole) {
+  const FaceGeometry& geometry = surface_->geometry(face);
+  if (geometry.moments.area <= 0.0) return;
+  const Vec3 centroid = geometry.centroid - flood_->position();
+  if (whole) {
+    add_shifted(moments_, geometry.moments, centroid);
+    return;
+  }
+  set_density(geometry, centroid);
+  add_area(geometry);
+  add_boundary(geometry);
+}
+
+void CellIntegrals::flush_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out) {
+  for (std::size_t k = 0; k < boundary_.size(); ++k) {
+    if (boundary_[k].length <= 0.0) continue;
+    const Bisector& bisector = flood_->bisector(static_cast<std::int32_t>(k));
+    const std::int32_t j = sites.original(bisector.site);
+    const auto known = std::find_if(out.begin(), out.end(), [&](const CellBoundary& side) {
+      return side.neighbour == j && side.offset == bisector.normal;
+    });
+    if (known == out.end()) {
+      out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length});
+    } else {
+      known->flux += boundary_[k].flux;
+      known->length += boundary_[k].length;
+    }
+  }
+  boundary_.clear();
+}
+
+void CellIntegrals::set_density(const FaceGeometry& geometry, const Vec3& centroid) {
+  gradient_ = geometry.density_gradient;
+  at_site_ = geometry.moments.capacity / geometry.moments.area - gradient_.dot(centroid);
+}
+
+void CellIntegrals::add_area(const FaceGeometry& geometry) {
+  const auto corners = flood_->polygon().corners();
+  const Vec3& a = corners[0].x;
+  Moments piece;
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const Vec3& b = corners[k - 1].x;
+    const Vec3& c = corners[k].x;
+    const double area = 0.5 * geometry.normal.dot((b - a).cross(c - a));
+    if (surface_->uniform())
+      add_uniform_triangle(piece, area, a, b, c);
+    else
+      add_linear_triangle(piece, area, a, b, c, density(a), density(b), density(c));
+  }
+  if (surface_->uniform()) finish_uniform(piece);
+  add_shifted(moments_, piece, Vec3::Zero());
+}
+
+// Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
+void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
+  const auto corners = flood_->polygon().corners();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (corners[k].edge < 0) continue;
+    const Vec3& p = corners[k].x;
+    const Vec3& q = corners[k + 1 < corners.size() ? k + 1 : 0].x;
+    const Vec3& d = flood_->bisector(corners[k].edge).normal;
+    const double in_plane = (d - d.dot(geometry.normal) * geometry.normal).norm();
+    const double length = (q - p).norm();
+    if (in_plane <= 0.0 || length <= 0.0) continue;
+    const Vec3 middle = 0.5 * (p + q);
+    CellBoundary& sum = boundary_with(corners[k].edge);
+    sum.length += length;
+    sum.flux += length / (6.0 * in_plane) *
+                (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
+  }
+}
+
+CellBoundary& CellIntegrals::boundary_with(std::int32_t bisector) {
+  const auto k = static_cast<std::size_t>(bisector);
+  if (k >= boundary_.size()) boundary_.resize(k + 1, {-1, Vec3::Zero(), Vec3::Zero(), 0.0});
+  return boundary_[k];
+}
+
+}  // namespace dapple
