@@ -9,7 +9,6 @@
 namespace dapple {
 namespace {
 
-constexpr int kSolverSteps = 15;
 constexpr double kSolverTolerance =
     1e-2;  // of the residual: the step is shortened and corrected anyway
 constexpr std::size_t kGrain = 1024;
@@ -132,8 +131,8 @@ void GaussNewtonPart::add_blocks(double delta, std::vector<Eigen::Matrix3d>& blo
 
 // ---- all terms ----
 
-GaussNewton::GaussNewton(const Objective& objective, const State& state)
-    : objective_(objective), state_(state) {
+GaussNewton::GaussNewton(const Objective& objective, const State& state, int steps)
+    : objective_(objective), state_(state), steps_(steps) {
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     parts_.emplace_back(state.parts[t], objective.terms[t].members, objective.capacity_weight,
                         objective.scale(t, state.parts[t].energy.gradient.size()));
@@ -173,7 +172,7 @@ Vectors GaussNewton::solve(const Vectors& b, double delta) const {
   Vectors direction = z;
   double rho = dot(residual, z);
   const double enough = kSolverTolerance * kSolverTolerance * rho;
-  for (int k = 0; k < kSolverSteps && rho > enough; ++k) {
+  for (int k = 0; k < steps_ && rho > enough; ++k) {
     const Vectors applied = apply(direction, delta);
     const double curvature = dot(direction, applied);
     if (!(curvature > 0.0)) break;

@@ -46,7 +46,8 @@ class GaussNewtonPart {
 class GaussNewton {
  public:
   /// The arguments must outlive the operator.
-  GaussNewton(const Objective& objective, const State& state);
+  /// \param steps of conjugate gradients, at most
+  GaussNewton(const Objective& objective, const State& state, int steps);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
   /// restricted.
@@ -58,6 +59,7 @@ class GaussNewton {
 
   const Objective& objective_;
   const State& state_;
+  int steps_;
   std::vector<GaussNewtonPart> parts_;
 };
 

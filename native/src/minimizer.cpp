@@ -30,8 +30,14 @@ constexpr double kDeltaFull = 0.4;
 constexpr double kDeltaShortened = 2.0;
 constexpr double kDeltaFailed = 4.0;
 constexpr double kDeltaMost = 1e12;
-constexpr int kSolves = 6;     // before the stored pairs are blamed for a step that stays too long
-constexpr int kGapPasses = 3;  // over the pairs that a step brings too near
+constexpr int kSolves = 6;  // before the stored pairs are blamed for a step that stays too long
+constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
+constexpr int kExactSteps = 60;  // ... but the long waves that a deformation makes take more
+// Restoration: what is this close to the aim is left alone.
+constexpr double kBegin = 0.7;     // of the spread that is even enough
+constexpr double kAsFirst = 1.1;   // of the first frame's
+constexpr double kIdle = 1e-3;     // weight of E_cvt
+constexpr int kGapPasses = 3;      // over the pairs that a step brings too near
 constexpr double kGapMost = 0.25;  // share of the sites that may be held back for it
 constexpr int kRescues = 8;        // of sites without a cell, in one run
 constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
@@ -50,6 +56,7 @@ class Minimizer {
                                                 : start);
     start_ = state_.sites;
     freeze_radii();
+    begin_restoration();
     note_energy();
     rescue();
     while (!settled() && result_.evaluations < options_.max_evaluations) {
@@ -67,7 +74,29 @@ class Minimizer {
     return [this](Vectors& v) { objective_.restrict(v, state_.normals); };
   }
 
+  [[nodiscard]] bool restoring() const {
+    return options_.restore && options_.method == Method::kTrustRegion;
+  }
+
+  void begin_restoration() {
+    if (!restoring()) return;
+    const Restoration& aim = *options_.restore;
+    const double above = normalised_cvt(objective_, state_) - (aim.cvt + aim.dead_band);
+    weigh_cvt(objective_, state_, aim.share * std::clamp(above / aim.band, 0.0, 1.0));
+    delta_ = least_delta_ = aim.share;
+  }
+
+  /// Even enough to stop; a frame as even as the first is not even begun.
+  [[nodiscard]] bool restored() const {
+    const Restoration& aim = *options_.restore;
+    const double spread = capacity_spread(objective_, state_);
+    if (result_.iterations > 0) return spread <= std::max(aim.spread, aim.first_spread);
+    return spread <= std::max(kBegin * aim.spread, kAsFirst * aim.first_spread) &&
+           objective_.cvt_weight < kIdle;
+  }
+
   [[nodiscard]] bool settled() const {
+    if (restoring() && restored()) return true;
     return normalised_energy(objective_, state_) <= options_.target_energy ||
            small_decreases_ >= options_.patience || failures_ >= kFailures;
   }
@@ -158,7 +187,7 @@ class Minimizer {
   // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
   // to it.
   Vectors trust_region_step() {
-    const GaussNewton model(objective_, state_);
+    const GaussNewton model(objective_, state_, restoring() ? kExactSteps : kSteps);
     const double first_delta = delta_;
     for (int solves = 1;; ++solves) {
       const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
@@ -194,7 +223,7 @@ class Minimizer {
     else if (t < 1.0)
       delta_ *= kDeltaShortened;
     else
-      delta_ = std::max(1.0, kDeltaFull * delta_);
+      delta_ = std::max(least_delta_, kDeltaFull * delta_);
     delta_ = std::min(delta_, kDeltaMost);
   }
 
@@ -308,7 +337,7 @@ class Minimizer {
     context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
   }
 
-  const Objective& objective_;
+  Objective objective_;
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
@@ -316,6 +345,7 @@ class Minimizer {
   LbfgsMemory memory_;
   std::vector<std::vector<double>> radii_;  // of the gap, per term and site; empty without it
   double delta_ = 1.0;
+  double least_delta_ = 1.0;
   double decrease_ = 0.0;    // of the last step, relative
   int small_decreases_ = 0;  // in a row
   int failures_ = 0;         // in a row

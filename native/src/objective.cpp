@@ -2,6 +2,7 @@
 #include "objective.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dapple {
 namespace {
@@ -15,10 +16,12 @@ double gap_weight(const Term& term, std::size_t count) {
 void add(const Objective& objective, std::size_t term, const Part& part, State& state) {
   const std::vector<std::int32_t>& members = objective.terms[term].members;
   const double scale = objective.scale(term, part.energy.gradient.size());
-  state.total += scale * (part.energy.total + part.gap.energy);
+  const double relief = 1.0 - objective.cvt_weight;
+  state.total += scale * (part.energy.total - relief * part.energy.cvt + part.gap.energy);
   for (std::size_t k = 0; k < part.energy.gradient.size(); ++k)
     state.gradient[members.empty() ? k : static_cast<std::size_t>(members[k])] +=
-        scale * (part.energy.gradient[k] + part.gap.gradient[k]);
+        scale * (part.energy.gradient[k] + 2.0 * relief * part.energy.diagram.cells[k].first +
+                 part.gap.gradient[k]);
 }
 
 void add_up(const Objective& objective, State& state) {
@@ -117,6 +120,25 @@ double normalised_energy(const Objective& objective, const State& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     sum += objective.terms[t].weight * state.parts[t].energy.normalised;
   return sum / objective.total_weight();
+}
+
+double normalised_cvt(const Objective& objective, const State& state) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < state.parts.size(); ++t)
+    sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt;
+  return sum / objective.total_weight();
+}
+
+double capacity_spread(const Objective& objective, const State& state) {
+  const double rest = normalised_energy(objective, state) - normalised_cvt(objective, state);
+  return objective.capacity_weight > 0.0
+             ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)
+             : 0.0;
+}
+
+void weigh_cvt(Objective& objective, State& state, double weight) {
+  objective.cvt_weight = weight;
+  add_up(objective, state);
 }
 
 }  // namespace dapple

@@ -20,6 +20,7 @@ struct Term {
 /// sites and density, and the gap between things.
 struct Objective {
   double capacity_weight = 0.0;  ///< lambda
+  double cvt_weight = 1.0;       ///< s, of E_cvt; see Restoration
   std::vector<Term> terms = {};  ///< the first holds every site
   std::vector<const Domain*> homes =
       {};  ///< per class: where its sites may be; empty: the first term's
@@ -72,7 +73,16 @@ struct State {
 void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii);
 
-/// The terms' normalised energies, averaged by their weights.
+/// The terms' normalised energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
 [[nodiscard]] double normalised_energy(const Objective& objective, const State& state);
+
+/// Of them the part n E_cvt / |S|_phi^2.
+[[nodiscard]] double normalised_cvt(const Objective& objective, const State& state);
+
+/// Standard deviation / mean of the capacities: the rest is lambda times its square.
+[[nodiscard]] double capacity_spread(const Objective& objective, const State& state);
+
+/// Add up again with another weight of E_cvt.
+void weigh_cvt(Objective& objective, State& state, double weight);
 
 }  // namespace dapple

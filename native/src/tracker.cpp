@@ -65,10 +65,12 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
   with_threads(options_.threads, [&] {
     const Frame frame(surface_, classes_, samples_, options_);
     const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
-    target_energy_ = normalised_energy(
-        frame.objective,
+    const State state =
         evaluate(frame.objective, {samples_.positions, samples_.faces, samples_.barycentric},
-                 no_gaps, nullptr));
+                 no_gaps, nullptr);
+    target_energy_ = normalised_energy(frame.objective, state);
+    restoration_.cvt = normalised_cvt(frame.objective, state);
+    restoration_.first_spread = capacity_spread(frame.objective, state);
   });
 }
 
@@ -82,7 +84,10 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
         bind_samples(surface, samples_.faces, samples_.barycentric, samples_.ids, samples_.classes);
     const Frame frame(surface, classes, carried, options_);
     OptimizerOptions options = options_.optimizer;
-    options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
+    if (options.method == Method::kTrustRegion)
+      options.restore = restoration_;
+    else
+      options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
     const Minimum found = minimize(
         frame.objective, {carried.positions, carried.faces, carried.barycentric}, options, context);
     Samples samples = to_samples(surface, frame.objective, found, classes.size(), samples_.ids);

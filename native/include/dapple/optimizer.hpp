@@ -3,6 +3,7 @@
 
 #include <dapple/energy.hpp>
 #include <limits>
+#include <optional>
 
 namespace dapple {
 
@@ -11,6 +12,21 @@ enum class Method {
   kTrustRegion,  ///< L-BFGS preconditioned by the Gauss-Newton Hessian of the capacities, within a
                  ///< trust region
   kLineSearch,   ///< plain L-BFGS, as in the paper
+};
+
+/// What a deforming surface is to be brought back to, instead of minimising on (trust region only).
+///
+/// Every step towards the minimum of E_cvt lowers it for good, and a long animation would turn blue
+/// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimised is
+/// s E_cvt + lambda E_cap and the gap, where s follows how far E_cvt is above that of the first
+/// frame: 0 while it is within a dead band.
+struct Restoration {
+  double cvt = std::numeric_limits<double>::infinity();  ///< n E_cvt / |S|_phi^2 of the first frame
+  double dead_band = 8e-4;                               ///< above it, where s is 0
+  double band = 1e-3;                                    ///< above that, where s rises to `share`
+  double share = 0.3;         ///< the largest s, and the least delta of the trust region
+  double spread = 4e-3;       ///< capacity spread (standard deviation / mean) that is even enough
+  double first_spread = 0.0;  ///< of the first frame: no frame has to be more even
 };
 
 struct OptimizerOptions {
@@ -28,6 +44,7 @@ struct OptimizerOptions {
                                                 ///< and in the surface's
   double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalised
                                                                     ///< energy is not above it
+  std::optional<Restoration> restore = std::nullopt;                ///< minimise only so far
 };
 
 struct OptimizerResult {

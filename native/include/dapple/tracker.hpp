@@ -10,7 +10,7 @@ struct TrackerOptions {
 
   /// Within one frame no sample slides by half a spacing: after a violent frame evenness is caught
   /// up over the next ones, instead of by a jump.
-  OptimizerOptions optimizer = {.max_evaluations = 30, .max_slide = 0.45};
+  OptimizerOptions optimizer = {.max_evaluations = 6, .max_slide = 0.45};
   Cells cells = Cells::kConnected;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
@@ -44,6 +44,7 @@ class Tracker {
   TrackerOptions options_;
   std::vector<SampleClass> classes_;
   double target_energy_;
+  Restoration restoration_;
 };
 
 }  // namespace dapple
