@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <dapple/errors.hpp>
+#include <dapple/image.hpp>
 #include <dapple/types.hpp>
 #include <limits>
 #include <span>
@@ -45,6 +46,19 @@ inline py::array checked_array(const char* name, const py::object& value, const 
 /// Floating-point rows; a C-contiguous float64 array is used as it is.
 inline DoubleArray doubles(const char* name, const py::object& value, py::ssize_t columns) {
   return DoubleArray(checked_array(name, value, "fiu", columns));
+}
+
+/// Rows and columns of numbers, copied.
+inline Image image_of(const char* name, const py::object& value) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 2)
+    throw ArgumentError(std::string(name) +
+                        (array ? " has the shape " + shape_text(array) : " is not an array") +
+                        ": (rows, columns) is needed");
+  const DoubleArray values = doubles(name, value, array.shape(1));
+  return {static_cast<std::size_t>(values.shape(0)),
+          static_cast<std::size_t>(values.shape(1)),
+          {values.data(), values.data() + values.size()}};
 }
 
 /// Integer rows as int32; a C-contiguous int32 array is used as it is, a wider one is checked and

@@ -40,7 +40,7 @@ std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
   for (const ClassArgument& argument : class_arguments(classes)) {
     result.push_back(
         {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
-    if (!argument.density.is_none()) result.back().density = image_of(argument.density);
+    if (!argument.density.is_none()) result.back().density = image_of("density", argument.density);
   }
   return result;
 }

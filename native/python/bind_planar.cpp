@@ -19,26 +19,10 @@ std::vector<Vec2> plane_points(const char* name, const py::object& value) {
   return {first, first + array.shape(0)};
 }
 
-}  // namespace
-
-Image image_of(const py::object& value) {
-  const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 2)
-    throw ArgumentError("density " +
-                        (array ? "has the shape " + shape_text(array) : "is not an array") +
-                        ": (rows, columns) is needed");
-  const DoubleArray values = doubles("density", value, array.shape(1));
-  return {static_cast<std::size_t>(values.shape(0)),
-          static_cast<std::size_t>(values.shape(1)),
-          {values.data(), values.data() + values.size()}};
-}
-
-namespace {
-
 std::shared_ptr<PlanarDomain> make_plane(double width, double height, const py::object& density) {
   return std::make_shared<PlanarDomain>(
       density.is_none() ? PlanarDomain::rectangle(width, height)
-                        : PlanarDomain::image(width, height, image_of(density)));
+                        : PlanarDomain::image(width, height, image_of("density", density)));
 }
 
 std::shared_ptr<PlanarDomain> make_polygon(const py::object& outline, const py::sequence& holes) {
@@ -53,7 +37,7 @@ std::shared_ptr<PlanarDomain> make_polygon(const py::object& outline, const py::
 
 std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
   return density.is_none() ? std::make_shared<TorusDomain>()
-                           : std::make_shared<TorusDomain>(image_of(density));
+                           : std::make_shared<TorusDomain>(image_of("density", density));
 }
 
 std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, std::int64_t count,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/errors.hpp>
-#include <dapple/planar.hpp>
 #include <dapple/sampler.hpp>
 #include <string>
 
@@ -50,9 +49,5 @@ inline SampleOptions sample_options(std::uint64_t seed, double capacity_weight, 
   options.threads = threads;
   return options;
 }
-
-/// An array (rows, columns) as a density image.
-/// \throw ArgumentError for another shape
-[[nodiscard]] Image image_of(const py::object& value);
 
 }  // namespace dapple::python

@@ -14,23 +14,8 @@ namespace {
 
 constexpr double kOutside = 1e-9;  // of the domain's size: farther is not rounding
 
-void check_length(const char* name, double value) {
-  if (!std::isfinite(value) || !(value > 0.0))
-    throw ArgumentError(std::string(name) + " is " + number(value) + ": it must be finite and > 0");
-}
-
 const Image& checked(const Image& image) {
-  if (image.rows == 0 || image.columns == 0)
-    throw ArgumentError("density has " + std::to_string(image.rows) + " rows and " +
-                        std::to_string(image.columns) + " columns: at least one pixel is needed");
-  check_same_length("density", image.values.size(), "rows * columns", image.rows * image.columns);
-  for (std::size_t k = 0; k < image.values.size(); ++k)
-    if (!std::isfinite(image.values[k]) || image.values[k] < 0.0)
-      throw ArgumentError("density[" + std::to_string(k / image.columns) + ", " +
-                          std::to_string(k % image.columns) + "] is " + number(image.values[k]) +
-                          ": it must be finite and >= 0");
-  if (*std::max_element(image.values.begin(), image.values.end()) <= 0.0)
-    throw ArgumentError("density is 0 everywhere: nothing can be placed");
+  check_image("density", image);
   return image;
 }
 
@@ -133,14 +118,14 @@ PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<co
       projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)) {}
 
 PlanarDomain PlanarDomain::rectangle(double width, double height) {
-  check_length("width", width);
-  check_length("height", height);
+  check_positive("width", width);
+  check_positive("height", height);
   return {box_surface(Vec2::Zero(), {width, height}), {width, height}, nullptr};
 }
 
 PlanarDomain PlanarDomain::image(double width, double height, const Image& density) {
-  check_length("width", width);
-  check_length("height", height);
+  check_positive("width", width);
+  check_positive("height", height);
   checked(density);
   const auto lines = [](double length, std::size_t count) {
     std::vector<double> result = {0.0};

@@ -54,6 +54,10 @@ struct Projector::Scene {
 
 namespace {
 
+float search_radius(double distance, double scale) {
+  return static_cast<float>(distance / scale * (1.0 + kMargin) + kMargin);
+}
+
 /// The best candidate so far for one query point.
 struct Query {
   const Surface* surface;
@@ -77,10 +81,7 @@ struct Query {
   }
 
   /// Radius within which Embree must still look.
-  [[nodiscard]] float radius() const {
-    const double unit = std::sqrt(squared_distance) / scale;
-    return static_cast<float>(unit * (1.0 + kMargin) + kMargin);
-  }
+  [[nodiscard]] float radius() const { return search_radius(std::sqrt(squared_distance), scale); }
 };
 
 bool visit(RTCPointQueryFunctionArguments* arguments) {
@@ -90,6 +91,27 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   if (!(radius < arguments->query->radius)) return false;
   arguments->query->radius = radius;
   return true;
+}
+
+/// The faces nearer than a radius to one point.
+struct Gathering {
+  const Surface* surface;
+  const std::vector<std::int32_t>* faces;
+  Vec3 point;
+  double squared_radius;
+  std::vector<std::int32_t> found;  // the caller's indices
+};
+
+bool gather(RTCPointQueryFunctionArguments* arguments) {
+  Gathering& query = *static_cast<Gathering*>(arguments->userPtr);
+  const std::int32_t ordered = (*query.faces)[arguments->primID];
+  const auto [a, b, c] = query.surface->corners(ordered);
+  const Vec3 weights = closest_barycentric(query.point, query.surface->vertex(a),
+                                           query.surface->vertex(b), query.surface->vertex(c));
+  const std::int32_t face = query.surface->original_face(ordered);
+  if ((query.surface->point(face, weights) - query.point).squaredNorm() < query.squared_radius)
+    query.found.push_back(face);
+  return false;
 }
 
 }  // namespace
@@ -125,7 +147,6 @@ void Projector::Scene::attach_triangles() {
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k)
       index[3 * f + k] = static_cast<unsigned>(surface.corners(faces[f])[k]);
-  rtcSetGeometryPointQueryFunction(triangles, visit);
   rtcCommitGeometry(triangles);
   rtcAttachGeometry(handle, triangles);
   rtcReleaseGeometry(triangles);
@@ -167,11 +188,36 @@ Projection Projector::project(std::span<const Vec3> points,
       RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
       RTCPointQueryContext context;
       rtcInitPointQueryContext(&context);
-      rtcPointQuery(scene_->handle, &embree, &context, nullptr, &query);
+      rtcPointQuery(scene_->handle, &embree, &context, visit, &query);
       result.faces[k] = query.face;
       result.barycentric[k] = query.barycentric;
       result.positions[k] = scene_->surface.point(query.face, query.barycentric);
       result.distances[k] = std::sqrt(query.squared_distance);
+    }
+  });
+  return result;
+}
+
+std::vector<std::vector<std::int32_t>> Projector::faces_within(
+    std::span<const Vec3> points, std::span<const double> radii) const {
+  check_finite("points", points);
+  check_same_length("radii", radii.size(), "points", points.size());
+  for (std::size_t k = 0; k < radii.size(); ++k)
+    if (!std::isfinite(radii[k]) || radii[k] <= 0.0)
+      throw ArgumentError(entry("radii", k) + " is " + number(radii[k]) +
+                          ": it must be finite and > 0");
+  std::vector<std::vector<std::int32_t>> result(points.size());
+  parallel_chunks(points.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Gathering query{&scene_->surface, &scene_->faces, points[k], radii[k] * radii[k], {}};
+      const Vec3 unit = scene_->to_unit(points[k]);
+      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
+                           search_radius(radii[k], scene_->scale)};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      rtcPointQuery(scene_->handle, &embree, &context, gather, &query);
+      std::sort(query.found.begin(), query.found.end());
+      result[k] = std::move(query.found);
     }
   });
   return result;

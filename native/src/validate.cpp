@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validate.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -34,10 +35,29 @@ void check_at_least(const char* name, double value, double low) {
                         ": it must be finite and >= " + number(low));
 }
 
+void check_positive(const char* name, double value) {
+  if (!std::isfinite(value) || !(value > 0.0))
+    throw ArgumentError(std::string(name) + " is " + number(value) + ": it must be finite and > 0");
+}
+
 void check_sites(const Surface& surface, const Sites& sites) {
   check_same_length("faces", sites.faces.size(), "positions", sites.size());
   check_finite("positions", sites.positions);
   check_face_indices("faces", sites.faces, surface);
+}
+
+void check_image(const char* name, const Image& image) {
+  if (image.rows == 0 || image.columns == 0)
+    throw ArgumentError(std::string(name) + " has " + std::to_string(image.rows) + " rows and " +
+                        std::to_string(image.columns) + " columns: at least one pixel is needed");
+  check_same_length(name, image.values.size(), "rows * columns", image.rows * image.columns);
+  for (std::size_t k = 0; k < image.values.size(); ++k)
+    if (!std::isfinite(image.values[k]) || image.values[k] < 0.0)
+      throw ArgumentError(std::string(name) + "[" + std::to_string(k / image.columns) + ", " +
+                          std::to_string(k % image.columns) + "] is " + number(image.values[k]) +
+                          ": it must be finite and >= 0");
+  if (*std::max_element(image.values.begin(), image.values.end()) <= 0.0)
+    throw ArgumentError(std::string(name) + " is 0 everywhere: nothing can be placed");
 }
 
 }  // namespace dapple

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <dapple/errors.hpp>
+#include <dapple/image.hpp>
 #include <dapple/surface.hpp>
 #include <string>
 
@@ -39,5 +40,12 @@ void check_same_length(const char* name, std::size_t length, const char* other,
 
 /// \throw ArgumentError unless value is finite and >= low
 void check_at_least(const char* name, double value, double low);
+
+/// \throw ArgumentError unless value is finite and > 0
+void check_positive(const char* name, double value);
+
+/// \throw ArgumentError naming the first value that is not finite or negative; if it has no pixel,
+/// not one value for each, or is 0 everywhere
+void check_image(const char* name, const Image& image);
 
 }  // namespace dapple

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <dapple/errors.hpp>
 #include <dapple/projector.hpp>
@@ -92,6 +93,29 @@ TEST_P(ProjectorOn, LeavesPointsOfTheSurfaceWhereTheyAre) {
     EXPECT_LE(found.distances[k], 1e-14 * size);
     EXPECT_LE((found.positions[k] - sites.positions[k]).norm(), 1e-14 * size);
   }
+}
+
+TEST_P(ProjectorOn, FindsTheFacesWithinARadius) {
+  const Shape& shape = GetParam();
+  Random random(65);
+  const double size = extent(shape).second;
+  const std::vector<Vec3> points = points_around(shape, 1.2, 40, random);
+  std::vector<double> radii;
+  for (std::size_t k = 0; k < points.size(); ++k) radii.push_back(size * random.between(0.01, 1.0));
+  const auto found = Projector(shape.surface()).faces_within(points, radii);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+      const auto corner = [&](std::size_t c) {
+        return shape.vertices[static_cast<std::size_t>(shape.faces[f][c])];
+      };
+      const Vec3 closest = closest_on_triangle(points[k], corner(0), corner(1), corner(2));
+      const double inside = radii[k] - (closest - points[k]).norm();
+      if (std::abs(inside) < 1e-12 * size || shape.face_area(static_cast<std::int32_t>(f)) <= 0.0)
+        continue;
+      ASSERT_EQ(std::binary_search(found[k].begin(), found[k].end(), static_cast<std::int32_t>(f)),
+                inside > 0.0)
+          << "point " << k << ", face " << f;
+    }
 }
 
 TEST_P(ProjectorOn, GivesTheSameBytesForAnyHint) {

@@ -2,16 +2,10 @@
 #pragma once
 
 #include <dapple/domain.hpp>
+#include <dapple/image.hpp>
 #include <dapple/sampler.hpp>
 
 namespace dapple {
-
-/// Values in rows and columns, row 0 at the bottom (y = 0); `values[row * columns + column]`.
-struct Image {
-  std::size_t rows = 0;
-  std::size_t columns = 0;
-  std::vector<double> values;
-};
 
 /// A piece of the plane z = 0, or the torus. Its density is linear on triangles.
 class FlatDomain : public Domain {

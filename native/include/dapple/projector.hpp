@@ -34,6 +34,12 @@ class Projector {
   [[nodiscard]] Projection project(std::span<const Vec3> points,
                                    std::span<const std::int32_t> hints = {}) const;
 
+  /// For each point the faces (caller's indices, ascending) nearer to it than its radius.
+  /// \throw ArgumentError naming the first point that is not finite, radius that is not > 0; if
+  /// the lengths differ
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> faces_within(
+      std::span<const Vec3> points, std::span<const double> radii) const;
+
  private:
   struct Scene;
   std::unique_ptr<Scene> scene_;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/image.hpp>
+#include <dapple/refine.hpp>
+
+namespace dapple {
+
+struct ImageOptions {
+  bool repeat = false;  ///< the picture goes on periodically; otherwise its border does
+  /// How far the density may be off at a point, of the picture's maximum, and twice how far the
+  /// mass of a face may be off, of itself; > 0.
+  double tolerance = 0.02;
+  double texels = 1.0;                ///< edges this short or shorter, in pixels, stay whole; > 0
+  std::size_t max_faces = 1'000'000;  ///< 1..200000000; see refine()
+};
+
+/// Texture coordinates (u, v) of the corners 0, 1, 2 of a face.
+using FaceUv = std::array<Vec2, 3>;
+
+/// Lay a picture over the surface as its density: (0, 0) is the outer corner of its first pixel,
+/// (1, 1) that of its last; between the centres of pixels it is bilinear. Faces are cut until the
+/// density, linear on each, is within the tolerance of the picture or their edges are short enough;
+/// a density that the surface already has is multiplied.
+/// \param uv  one row per face, within 1e6 of 0; where it jumps between faces the density may jump
+/// \return density at corners; not `resolved` if max_faces was too few for all detail
+/// \throw ArgumentError naming the first texture coordinate out of range, value of the
+/// picture that is negative or not finite, option out of range; SurfaceError if the picture is 0
+/// wherever the surface is; Cancelled
+[[nodiscard]] Refined refine_image(const Surface& surface, std::span<const FaceUv> uv,
+                                   const Image& image, const ImageOptions& options = {},
+                                   const Context* context = nullptr);
+
+}  // namespace dapple

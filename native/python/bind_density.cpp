@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/curvature.hpp>
+#include <dapple/refine_image.hpp>
+#include <dapple/refine_obstacles.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+std::size_t checked_max_faces(std::int64_t max_faces) {
+  if (max_faces < 1)
+    throw ArgumentError("max_faces is " + std::to_string(max_faces) +
+                        ": it must be in 1..200000000");
+  return static_cast<std::size_t>(max_faces);
+}
+
+/// Texture coordinates as rows of u, v, three rows to a face.
+DoubleArray uv_rows(const py::object& value) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 2)
+    throw ArgumentError(
+        std::string("uv ") +
+        (array ? "has the shape " + shape_text(array) : std::string("is not an array")) +
+        ": (m, 3, 2) is needed");
+  return doubles("uv", array.attr("reshape")(-1, 2), 2);
+}
+
+std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object& uv,
+                                       const py::object& image, bool repeat, double tolerance,
+                                       double texels, std::int64_t max_faces,
+                                       const ContextPtr& context) {
+  const DoubleArray rows = uv_rows(uv);
+  const Image pixels = image_of("image", image);
+  const ImageOptions options{repeat, tolerance, texels, checked_max_faces(max_faces)};
+  static_assert(sizeof(FaceUv) == 6 * sizeof(double));
+  const std::span<const FaceUv> of_faces(reinterpret_cast<const FaceUv*>(rows.data()),
+                                         static_cast<std::size_t>(rows.shape(0)) / 3);
+  const py::gil_scoped_release released;
+  return std::make_shared<Refined>(refine_image(surface, of_faces, pixels, options, context.get()));
+}
+
+/// One radius for all points, or one for each.
+DoubleArray radii_of(const py::object& value, py::ssize_t count) {
+  if (!py::isinstance<py::float_>(value) && !py::isinstance<py::int_>(value))
+    return doubles("radii", value, 0);
+  DoubleArray radii(count);
+  std::fill_n(radii.mutable_data(), count, value.cast<double>());
+  return radii;
+}
+
+std::vector<std::uint8_t> areas_of(const py::object& value) {
+  if (value.is_none()) return {};
+  const py::array array = checked_array("areas", value, "b", 0);
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> mask(array);
+  return {mask.data(), mask.data() + mask.size()};
+}
+
+std::shared_ptr<Refined> obstacles_refined(const Surface& surface, const py::object& points,
+                                           const py::object& radii, const py::object& areas,
+                                           double edge, std::int64_t max_faces,
+                                           const ContextPtr& context) {
+  const DoubleArray centres = doubles("points", points, 3);
+  const DoubleArray sizes = radii_of(radii, centres.shape(0));
+  const std::vector<std::uint8_t> mask = areas_of(areas);
+  const ObstacleOptions options{edge, checked_max_faces(max_faces)};
+  const py::gil_scoped_release released;
+  return std::make_shared<Refined>(refine_obstacles(
+      surface, {as_points(centres), as_span(sizes), mask}, options, context.get()));
+}
+
+py::array barycentric_of(const py::object& self) {
+  const auto& rows = self.cast<const Refined&>().barycentric;
+  return view(self, rows[0][0].data(), {static_cast<py::ssize_t>(rows.size()), 3, 3});
+}
+
+py::array fine_vertices(const Refined& refined, const py::object& vertices) {
+  return give(refined.vertices(as_points(doubles("vertices", vertices, 3))));
+}
+
+std::shared_ptr<Refined> deformed(const Refined& refined, const py::object& vertices) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const py::gil_scoped_release released;
+  return std::make_shared<Refined>(refined.deformed(as_points(points)));
+}
+
+void bind_refined(py::module_& m) {
+  py::class_<Refined, std::shared_ptr<Refined>>(
+      m, "Refined",
+      "A surface cut into smaller faces that carry a density in detail, and the way back.\n\n"
+      "Made by refine_image() and refine_obstacles(). Sample its surface, then to_original().")
+      .def_property_readonly(
+          "original", [](const Refined& r) { return std::make_shared<Surface>(r.original); },
+          "The Surface that was cut.")
+      .def_property_readonly(
+          "surface", [](const Refined& r) { return std::make_shared<Surface>(r.surface); },
+          "The Surface with smaller faces and the density at their corners. Its first vertices are "
+          "the original's.")
+      .def_property_readonly("parents", array_property(&Refined::parents),
+                             "(m,) int32, per face of surface: the face of original it is of.")
+      .def_property_readonly(
+          "barycentric", &barycentric_of,
+          "(m, 3, 3) float64: coordinates of each corner of a face in its parent.")
+      .def_readonly("resolved", &Refined::resolved,
+                    "False if max_faces was too few for all detail.")
+      .def("to_original", &Refined::to_original, py::arg("samples"),
+           "Samples on surface as Samples on original: the same positions, ids, classes and "
+           "report. Raises ValueError.")
+      .def("vertices", &fine_vertices, py::arg("vertices"),
+           "(n, 3) float64: where the vertices of surface are once those of original are at "
+           "vertices, (v, 3) float64: what a Tracker on surface advances to. Raises ValueError.")
+      .def("deformed", &deformed, py::arg("vertices"),
+           "The same over moved vertices of original, (v, 3) float64. Raises ValueError.")
+      .def("then", &Refined::then, py::arg("finer"),
+           "Two refinements as one, from this one's original to the surface of finer, which cut "
+           "this one's surface further. Raises ValueError if it did not.");
+}
+
+void bind_verbs(py::module_& m) {
+  m.def("refine_image", &image_refined, py::arg("surface"), py::arg("uv"), py::arg("image"),
+        py::kw_only(), py::arg("repeat") = false, py::arg("tolerance") = ImageOptions().tolerance,
+        py::arg("texels") = ImageOptions().texels, py::arg("max_faces") = ImageOptions().max_faces,
+        py::arg("context") = py::none(),
+        R"(Lay a picture over a surface as its density, through texture coordinates.
+
+Faces are cut until the density, linear on each, follows the picture: their edges are halved while they are longer than
+`texels` and the picture deviates from linear by more than the tolerance. A density that the surface has is multiplied.
+
+Args:
+    surface: a Surface with m faces.
+    uv: (m, 3, 2) float64, u and v of the corners of each face; within 1e6 of 0; they may differ at seams.
+    image: (rows, columns) float64 >= 0, row 0 at v = 0. The values hold at the centres of the pixels, ((column + 0.5) /
+        columns, (row + 0.5) / rows), and are bilinear in between.
+    repeat: whether the picture goes on periodically; otherwise the values at its border do.
+    tolerance: how far the density may be off at a point, of the picture's maximum, and twice how far the mass of a face
+        may be off, of itself, > 0.
+    texels: length of an edge, in pixels, that is not cut any more, > 0.
+    max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
+    context: a Context to cancel by, or None.
+
+Returns:
+    Refined. Samples end at most one such edge beyond what is not black.
+
+Raises:
+    ValueError: naming the first value or option out of range.
+    SurfaceError: the picture is 0 wherever the surface has area.
+    Cancelled: through the context.)");
+  m.def("refine_obstacles", &obstacles_refined, py::arg("surface"), py::arg("points"),
+        py::arg("radii"), py::kw_only(), py::arg("areas") = py::none(),
+        py::arg("edge") = ObstacleOptions().edge,
+        py::arg("max_faces") = ObstacleOptions().max_faces, py::arg("context") = py::none(),
+        R"(Take the density away from around points and from whole faces.
+
+No sample on the surface returned lies nearer to a point than its radius, in a straight line. Faces at the border of such
+a ball are cut small first, since those that reach into it lose their density altogether; elsewhere it stays as it is.
+
+Args:
+    surface: a Surface with m faces.
+    points: (k, 3) float64; (0, 3) for none.
+    radii: (k,) float64 > 0, or one number for all, in the units of the vertices.
+    areas: (m,) bool, faces to keep off, or None.
+    edge: longest edge at the border of a ball, of its radius, > 0.
+    max_faces: 1..200000000; what would take more stays coarser, and resolved is False; the distances are kept.
+    context: a Context to cancel by, or None.
+
+Returns:
+    Refined.
+
+Raises:
+    ValueError: naming the first point, radius or option out of range; if nothing is left.
+    Cancelled: through the context.)");
+}
+
+void bind_curvature(py::module_& m) {
+  m.def(
+      "curvedness",
+      [](const Surface& surface, int smoothing) { return give(curvedness(surface, smoothing)); },
+      py::arg("surface"), py::kw_only(), py::arg("smoothing") = CurvatureOptions().smoothing,
+      R"(How strongly a surface bends at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal curvatures.
+
+From the normals at the corners of the faces (Rusinkiewicz 2004); 1 / r on a sphere of radius r, 0 where it is flat.
+
+Args:
+    surface: a Surface.
+    smoothing: rounds of averaging over neighbours against noise, 0..100.
+
+Returns:
+    (v,) float64, in 1 / units of the vertices.
+
+Raises:
+    ValueError: smoothing is out of range.)");
+  m.def(
+      "curvature_density",
+      [](const Surface& surface, double exponent, double floor, double percentile, int smoothing) {
+        return give(curvature_density(surface, {exponent, floor, percentile, smoothing}));
+      },
+      py::arg("surface"), py::kw_only(), py::arg("exponent") = CurvatureOptions().exponent,
+      py::arg("floor") = CurvatureOptions().floor,
+      py::arg("percentile") = CurvatureOptions().percentile,
+      py::arg("smoothing") = CurvatureOptions().smoothing,
+      R"(A density for the vertices that grows with the curvature, for surface.with_density().
+
+floor + (1 - floor) * min(1, curvedness / clamp)**exponent, where clamp is the curvedness that percentile % of the area
+do not exceed. 1 everywhere on a flat surface.
+
+Args:
+    surface: a Surface.
+    exponent: > 0; larger ones leave more to the sharpest bends.
+    floor: density where the surface is flat, 0..1.
+    percentile: above 0, up to 100.
+    smoothing: rounds of averaging over neighbours against noise, 0..100.
+
+Returns:
+    (v,) float64 in floor..1.
+
+Raises:
+    ValueError: naming the option out of range.)");
+}
+
+}  // namespace
+
+void bind_density(py::module_& m) {
+  bind_curvature(m);
+  bind_refined(m);
+  bind_verbs(m);
+}
+
+}  // namespace dapple::python
