@@ -28,7 +28,7 @@ Surface union_surface(const Surface& surface, std::span<const SampleClass> class
 void check_faces(const Surface& surface, std::span<const SampleClass> classes) {
   if (classes.empty()) throw ArgumentError("classes is empty: at least one is needed");
   for (std::size_t c = 0; c < classes.size(); ++c)
-    if (classes[c].surface && !classes[c].surface->same_faces(surface))
+    if (!surface_of(surface, classes[c]).same_faces(surface))
       throw ArgumentError(entry("classes", c) +
                           " has a surface of other faces: make it by with_density()");
 }
