@@ -31,6 +31,7 @@ apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock
 install_packages() { apt update && apt install -y --no-install-recommends "${missing[@]}"; }
 
 create_venv() {
+  [ ! -L "$venv" ] || fail 'build/venv is a link: making it anew would empty what it points to'
   /usr/bin/python3 -m venv --clear "$venv" &&
     "$python" -m pip install --no-input -r scripts/requirements.txt
 }
