@@ -21,6 +21,7 @@ class Step:
     surface: dapple.Surface
     samples: dapple.Samples
     evaluations: int  # of the energy
+    parts: int = 1  # that the frame was split into
 
 
 class Contender(Protocol):
@@ -63,7 +64,8 @@ class Dapple:
 
     def advance(self, vertices: Array) -> Step:
         samples = self._tracker.advance(vertices)
-        return Step(self._tracker.surface, samples, samples.report.evaluations)
+        report = samples.report
+        return Step(self._tracker.surface, samples, report.evaluations, report.parts)
 
 
 CONTENDERS: dict[str, Callable[[dapple.Surface, dapple.Samples], Contender]] = {

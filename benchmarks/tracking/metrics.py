@@ -32,6 +32,7 @@ class Run:
     capacity_spread: list[float] = field(default_factory=list)
     bond_order: list[float] = field(default_factory=list)
     evaluations: list[int] = field(default_factory=list)
+    parts: list[int] = field(default_factory=list)  # a frame of far motion is split
     milliseconds: list[float] = field(default_factory=list)
     slide_mean: list[float] = field(default_factory=list)
     slide_max: list[float] = field(default_factory=list)
@@ -89,6 +90,7 @@ def _note(
     slid = np.linalg.norm(slide, axis=1) / spacing
     jerk = np.linalg.norm(slide - turned, axis=1) / spacing
     run.evaluations.append(step.evaluations)
+    run.parts.append(step.parts)
     run.slide_mean.append(float(slid.mean()))
     run.slide_max.append(float(slid.max()))
     run.jerk_mean.append(float(jerk.mean()))

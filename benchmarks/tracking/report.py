@@ -62,7 +62,8 @@ COLUMNS = [
     Column("turn max", lambda run: max(run.turn_max), 1),
     Column("hysteresis", lambda run: run.hysteresis),
     Column("psi6 drift", lambda run: abs(drift(run)), 3, 0.03),
-    Column("evaluations", lambda run: float(np.mean(run.evaluations)), 2, 3),
+    Column("parts", lambda run: float(np.mean(run.parts)), 2),
+    Column("evaluations a part", lambda run: sum(run.evaluations) / sum(run.parts), 2, 3),
     Column("ms", lambda run: float(np.mean(run.milliseconds)), 0),
 ]
 

@@ -5,7 +5,6 @@
 #include <dapple/errors.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
-#include <dapple/tracker.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -55,31 +54,6 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
                                                 as_span(optional("classes", classes))));
 }
 
-std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
-                                      double capacity_weight, double gap_weight, double tolerance,
-                                      int max_evaluations, double max_slide,
-                                      const std::string& method, const std::string& cells,
-                                      const py::object& classes, double union_weight, int threads) {
-  TrackerOptions options;
-  options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
-  options.cells = cells_named(cells);
-  options.threads = threads;
-  options.optimizer.max_slide = max_slide;
-  options.union_weight = union_weight;
-  std::vector<SampleClass> wanted;
-  if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
-  const py::gil_scoped_release released;
-  return std::make_shared<Tracker>(surface, samples, options, std::move(wanted));
-}
-
-std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& vertices,
-                                         const ContextPtr& context) {
-  const DoubleArray points = doubles("vertices", vertices, 3);
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(tracker.advance(as_points(points), context.get()));
-}
-
 py::dict quality_dict(const Quality& quality) {
   using namespace py::literals;
   return py::dict("count"_a = quality.count, "spacing"_a = quality.spacing,
@@ -94,13 +68,13 @@ py::dict report_dict(const Report& report) {
   py::list classes;
   for (const Quality& quality : report.classes) classes.append(quality_dict(quality));
   py::dict result = quality_dict(report);
-  result.attr("update")(
-      py::dict("classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
-               "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
-               "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
-               "converged"_a = report.converged, "seconds"_a = report.seconds,
-               "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
-               "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
+  result.attr("update")(py::dict(
+      "classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
+      "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
+      "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
+      "parts"_a = report.parts, "converged"_a = report.converged, "seconds"_a = report.seconds,
+      "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
+      "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
   return result;
 }
 
@@ -140,6 +114,8 @@ void bind_reports(py::module_& m) {
 
       .def_readonly("evaluations", &Report::evaluations, "Of the energy and its gradient.")
       .def_readonly("iterations", &Report::iterations, "Steps taken.")
+      .def_readonly("parts", &Report::parts,
+                    "Tracker: that the frame was split into, because the surface moves far.")
       .def_readonly("converged", &Report::converged, "False if the evaluations ran out first.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_readonly(
@@ -150,6 +126,14 @@ void bind_reports(py::module_& m) {
       .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
       .def_readonly("slide_max", &Report::slide_max, "The largest such distance.")
       .def("to_dict", &report_dict, "All of it as a dict that json can write.");
+}
+
+py::object fades(const py::object& self) {
+  const auto& samples = self.cast<const Samples&>();
+  if (!samples.fade.empty()) return view(self, samples.fade);
+  py::array_t<double> ones(static_cast<py::ssize_t>(samples.size()));
+  std::fill_n(ones.mutable_data(), samples.size(), 1.0);
+  return ones;
 }
 
 void bind_samples(py::module_& m) {
@@ -182,6 +166,9 @@ Raises:
       .def_property_readonly("ids", array_property(&Samples::ids),
                              "(n,) int32, unique; trackers keep them.")
       .def_property_readonly("classes", array_property(&Samples::classes), "(n,) int32.")
+      .def_property_readonly(
+          "fade", [](const py::object& self) { return fades(self); },
+          "(n,) float64 in 0..1, how far each has appeared; 1 for all but those of a Population.")
       .def_readonly("report", &Samples::report, "A Report.");
 }
 
@@ -244,51 +231,6 @@ Returns:
 Raises:
     ValueError: samples that are not of the surface, or an option out of range.
     Cancelled: through the context.)");
-
-  py::class_<Tracker, std::shared_ptr<Tracker>>(m, "Tracker",
-                                                R"(Carries samples over a deforming surface.
-
-They ride the moved vertices by their barycentric coordinates and are then re-optimised until they are as even as in
-the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
-
-Args:
-    surface: the Surface of the first frame.
-    samples: its Samples.
-    capacity_weight, gap_weight, tolerance, method, cells, threads: as for sample().
-    max_evaluations: of the energy, per frame.
-    max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
-        violent frame evenness is caught up over the next ones.
-    classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
-    union_weight: mu >= 0, as for sample_classes().
-
-Raises:
-    ValueError: the samples are not of the surface, or of a class that is not given.)")
-      .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
-           py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 30,
-           py::arg("max_slide") = 0.45, py::arg("method") = "trust_region",
-           py::arg("cells") = "connected", py::arg("classes") = py::none(),
-           py::arg("union_weight") = 1.0, py::arg("threads") = 0)
-      .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
-           py::arg("context") = nullptr,
-           R"(Move to the next frame; the tracker is unchanged if this raises.
-
-Args:
-    vertices: (v, 3) float64, as many as the surface has, in the same order.
-    context: a Context to watch and cancel it by.
-
-Returns:
-    Samples of the new frame; report.slide_mean and slide_max are distances from the carried positions, in spacings.
-
-Raises:
-    SurfaceError: vertices of another number or not finite.
-    Cancelled: through the context.)")
-      .def_property_readonly(
-          "surface", [](const Tracker& t) { return std::make_shared<Surface>(t.surface()); },
-          "The Surface of the current frame.")
-      .def_property_readonly(
-          "samples", [](const Tracker& t) { return std::make_shared<Samples>(t.samples()); },
-          "The Samples of the current frame.");
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);
 void bind_class_type(py::module_& m);
 void bind_sampling(py::module_& m);
+void bind_tracking(py::module_& m);
 void bind_density(py::module_& m);
 void bind_planar(py::module_& m);
 void bind_class_samplers(py::module_& m);

@@ -40,6 +40,7 @@ PYBIND11_MODULE(_native, m) {
   bind_energy(m);
   bind_class_type(m);
   bind_sampling(m);
+  bind_tracking(m);
   bind_density(m);
   bind_planar(m);
   bind_class_samplers(m);

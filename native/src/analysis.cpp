@@ -12,11 +12,11 @@
 namespace dapple {
 namespace {
 
+// Along the surface: straight through a fold or a thin rim all is near.
 double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
-  double squared = std::numeric_limits<double>::infinity();
-  for (const CellBoundary& side : diagram.boundary(i))
-    squared = std::min(squared, side.offset.squaredNorm());
-  return std::sqrt(squared);
+  double way = std::numeric_limits<double>::infinity();
+  for (const CellBoundary& side : diagram.boundary(i)) way = std::min(way, side.way);
+  return way;
 }
 
 double spread(const RestrictedVoronoi& diagram, double mean) {
@@ -112,7 +112,7 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
     const Moments& cell = diagram.cells[i];
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
-    const double area = cell.capacity > 0.0 ? capacity * cell.area / cell.capacity : 0.0;
+    const double area = cell.mass > 0.0 ? capacity * cell.capacity / cell.mass : 0.0;
     const double alpha = area > 0.0 ? nearest_touching(diagram, i) / hexagonal_spacing(area) : 0.0;
     if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);

@@ -2,10 +2,20 @@
 #include "cell_integrals.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "integrate.hpp"
 
 namespace dapple {
+namespace {
+
+/// From the origin. The points are not the same.
+double distance_to_segment(const Vec3& p, const Vec3& q) {
+  const Vec3 d = q - p;
+  return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
+}
+
+}  // namespace
 
 void CellIntegrals::reset() {
   moments_ = Moments();
@@ -34,10 +44,11 @@ void CellIntegrals::flush_boundary(const OrderedSites& sites, std::vector<CellBo
       return side.neighbour == j && side.offset == bisector.normal;
     });
     if (known == out.end()) {
-      out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length});
+      out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length, boundary_[k].way});
     } else {
       known->flux += boundary_[k].flux;
       known->length += boundary_[k].length;
+      known->way = std::min(known->way, boundary_[k].way);
     }
   }
   boundary_.clear();
@@ -65,6 +76,7 @@ void CellIntegrals::add_area(const FaceGeometry& geometry) {
   add_shifted(moments_, piece, Vec3::Zero());
 }
 
+// Both sites are as far from the points of a bisector, so the way over one is twice its distance.
 // Along a bisector phi (x - x_i) has degree 2: Simpson's rule is exact.
 void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
   const auto corners = flood_->polygon().corners();
@@ -79,6 +91,7 @@ void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
     const Vec3 middle = 0.5 * (p + q);
     CellBoundary& sum = boundary_with(corners[k].edge);
     sum.length += length;
+    sum.way = std::min(sum.way, 2.0 * distance_to_segment(p, q));
     sum.flux += length / (6.0 * in_plane) *
                 (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
   }
@@ -86,7 +99,9 @@ void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
 
 CellBoundary& CellIntegrals::boundary_with(std::int32_t bisector) {
   const auto k = static_cast<std::size_t>(bisector);
-  if (k >= boundary_.size()) boundary_.resize(k + 1, {-1, Vec3::Zero(), Vec3::Zero(), 0.0});
+  if (k >= boundary_.size())
+    boundary_.resize(
+        k + 1, {-1, Vec3::Zero(), Vec3::Zero(), 0.0, std::numeric_limits<double>::infinity()});
   return boundary_[k];
 }
 

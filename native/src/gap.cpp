@@ -24,7 +24,7 @@ void add_pair(Gap& gap, std::size_t i, std::size_t j, const Vec3& d, double radi
   gap.gradient[i] -= force;
   gap.gradient[j] += force;
   gap.pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), lack,
-                       2.0 * weight / (radius * radius), direction});
+                       weight * lack * lack, 2.0 * weight / (radius * radius), direction});
 }
 
 /// Things of one radius, with their images around the torus.

@@ -11,6 +11,7 @@ namespace dapple {
 struct ClosePair {
   std::int32_t i, j;
   double lack;       ///< 1 - distance / r_ij
+  double energy;     ///< what the pair adds to the gap's
   double stiffness;  ///< of the Gauss-Newton part along `direction`
   Vec3 direction;    ///< unit, from j to i
 };

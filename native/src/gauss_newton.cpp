@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "parallel.hpp"
+#include "tangent_basis.hpp"
 
 namespace dapple {
 namespace {
@@ -12,18 +13,6 @@ namespace {
 constexpr double kSolverTolerance =
     1e-2;  // of the residual: the step is shortened and corrected anyway
 constexpr std::size_t kGrain = 1024;
-
-/// Two unit vectors that span the plane of `normal` (Duff et al. 2017, without the branch on the
-/// sign of zero).
-Eigen::Matrix<double, 3, 2> tangent_basis(const Vec3& normal) {
-  const double sign = normal.z() < 0.0 ? -1.0 : 1.0;
-  const double a = -1.0 / (sign + normal.z());
-  const double b = normal.x() * normal.y() * a;
-  Eigen::Matrix<double, 3, 2> basis;
-  basis << 1.0 + sign * normal.x() * normal.x() * a, b, sign * b,
-      sign + normal.y() * normal.y() * a, -sign * normal.x(), -normal.y();
-  return basis;
-}
 
 void add_pairs(const Gap& gap, const Vectors& v, Vectors& result) {
   for (const ClosePair& pair : gap.pairs) {
@@ -142,6 +131,8 @@ Vectors GaussNewton::apply(const Vectors& v, double delta) const {
   Vectors result(v.size(), Vec3::Zero());
   for (const GaussNewtonPart& part : parts_) part.add_product(v, delta, result);
   add_pairs(state_.things, v, result);
+  for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
+    result[k] += 2.0 * objective_.stickiness[k] * v[k];
   objective_.restrict(result, state_.normals);
   return result;
 }
@@ -151,6 +142,8 @@ std::vector<Eigen::Matrix3d> GaussNewton::preconditioner(double delta) const {
   std::vector<Eigen::Matrix3d> blocks(state_.sites.size(), Eigen::Matrix3d::Zero());
   for (const GaussNewtonPart& part : parts_) part.add_blocks(delta, blocks);
   add_pair_blocks(state_.things, blocks);
+  for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
+    blocks[k].diagonal().array() += 2.0 * objective_.stickiness[k];
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Eigen::Matrix<double, 3, 2> basis = tangent_basis(state_.normals[i]);
     const Eigen::Matrix2d inner = basis.transpose() * blocks[i] * basis;

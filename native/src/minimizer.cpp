@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dapple/analysis.hpp>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "gauss_newton.hpp"
@@ -18,9 +20,12 @@ namespace {
 constexpr double kArmijo = 1e-4;  // share of the predicted decrease that a step must reach
 constexpr double kFirstStep =
     0.25;  // of the longest step allowed, when nothing is known of the curvature
-constexpr int kBacktracks = 6;  // halvings of a step before it counts as failed
-constexpr int kPulls = 8;       // towards the start, of a site that was projected out of reach
-constexpr double kPull = 0.8;   // share of its way that is left after each; the last leaves none
+constexpr int kBacktracks = 6;      // shortenings of a step before it counts as failed
+constexpr int kFewBacktracks = 3;   // while restoring: the next frame goes on
+constexpr double kHold = 0.25;      // share of its step that a site beside a jump keeps
+constexpr double kHoldMost = 0.05;  // share of the sites that a jump may be blamed on
+constexpr int kPulls = 8;           // towards the start, of a site that was projected out of reach
+constexpr double kPull = 0.8;  // share of its way that is left after each; the last leaves none
 
 // The trust region's delta: how it answers to the outcome of a step.
 constexpr double kDeltaTooLong = 2.5;  // the step is longer than allowed ...
@@ -40,6 +45,8 @@ constexpr double kIdle = 1e-3;     // weight of E_cvt
 constexpr int kGapPasses = 3;      // over the pairs that a step brings too near
 constexpr double kGapMost = 0.25;  // share of the sites that may be held back for it
 constexpr int kRescues = 8;        // of sites without a cell, in one run
+constexpr double kLocal = 1e-2;    // of the tolerance: what is left to restore is in a few places
+constexpr int kFewFailures = 2;    // while restoring
 constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
 
 class Minimizer {
@@ -51,11 +58,13 @@ class Minimizer {
         memory_(options.memory),
         radii_(objective.terms.size()) {}
 
-  Minimum run(const Sites& start) {
-    state_ = evaluate(start.barycentric.empty() ? objective_.project(start.positions, start.faces)
-                                                : start);
-    start_ = state_.sites;
+  Minimum run(const Sites& start, const Sites* home) {
+    state_ = evaluate(begin(start, home));
+    if (!home) home_ = state_.sites;
+    if (out_of_reach())
+      state_ = evaluate(project_within_reach(state_.sites.positions, state_.sites.faces));
     freeze_radii();
+    if (options_.stickiness > 0.0) stick(objective_, state_, home_.positions, options_.stickiness);
     begin_restoration();
     note_energy();
     rescue();
@@ -70,6 +79,12 @@ class Minimizer {
   }
 
  private:
+  [[nodiscard]] Sites begin(const Sites& start, const Sites* home) {
+    if (start.barycentric.empty()) return objective_.project(start.positions, start.faces);
+    if (home) home_ = *home;
+    return start;
+  }
+
   [[nodiscard]] auto onto_surface() const {
     return [this](Vectors& v) { objective_.restrict(v, state_.normals); };
   }
@@ -90,6 +105,8 @@ class Minimizer {
   [[nodiscard]] bool restored() const {
     const Restoration& aim = *options_.restore;
     const double spread = capacity_spread(objective_, state_);
+    if (options_.gap_weight > 0.0 && measure_evenness(state_.diagram()).alpha_min < aim.alpha)
+      return false;
     if (result_.iterations > 0) return spread <= std::max(aim.spread, aim.first_spread);
     return spread <= std::max(kBegin * aim.spread, kAsFirst * aim.first_spread) &&
            objective_.cvt_weight < kIdle;
@@ -98,7 +115,8 @@ class Minimizer {
   [[nodiscard]] bool settled() const {
     if (restoring() && restored()) return true;
     return normalised_energy(objective_, state_) <= options_.target_energy ||
-           small_decreases_ >= options_.patience || failures_ >= kFailures;
+           small_decreases_ >= options_.patience ||
+           failures_ >= (restoring() ? kFewFailures : kFailures);
   }
 
   State evaluate(Sites sites) {
@@ -122,20 +140,21 @@ class Minimizer {
     if (changed) set_radii(objective_, state_, radii_);
   }
 
-  /// Hexagonal spacing at a term's mean capacity and the cell's own mean density.
+  /// Hexagonal spacing at a term's mean capacity and the cell's own density, averaged by itself:
+  /// where there is none, there is no room either.
   [[nodiscard]] double local_spacing(std::size_t term, std::size_t k) const {
     const std::vector<Moments>& cells = state_.parts[term].energy.diagram.cells;
     const double mean = objective_.terms[term].domain->mass() / static_cast<double>(cells.size());
-    const double area = cells[k].capacity > 0.0 ? mean * cells[k].area / cells[k].capacity : 0.0;
+    const double area = cells[k].mass > 0.0 ? mean * cells[k].capacity / cells[k].mass : 0.0;
     return hexagonal_spacing(area);
   }
 
   void iterate() {
-    const Vectors direction =
+    Vectors direction =
         options_.method == Method::kTrustRegion ? trust_region_step() : line_search_step();
     const double slope = std::min(dot(direction, state_.gradient), 0.0);
     double t = 1.0;
-    std::optional<State> next = backtrack(direction, slope, t);
+    std::optional<State> next = backtrack(direction, t);
     if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
     // A quasi-Newton step promises half its slope: where even that is small, failing to get it is
     // convergence.
@@ -148,7 +167,8 @@ class Minimizer {
 
   void judge(double decrease, bool found) {
     decrease_ = decrease / state_.total;
-    small_decreases_ = decrease_ > options_.tolerance ? 0 : small_decreases_ + 1;
+    const double small = restoring() ? kLocal * options_.tolerance : options_.tolerance;
+    small_decreases_ = decrease_ > small ? 0 : small_decreases_ + 1;
     failures_ = found ? 0 : failures_ + 1;
   }
 
@@ -266,34 +286,73 @@ class Minimizer {
     return excess;
   }
 
-  /// The state after the longest of the steps t = 1, 1/2, 1/4 ... that decreases the energy enough.
-  std::optional<State> backtrack(const Vectors& direction, double slope, double& t) {
-    for (int k = 0; k < kBacktracks && result_.evaluations < options_.max_evaluations;
-         ++k, t *= 0.5) {
+  /// The state after the longest of the shortened steps that decreases the energy enough.
+  /// \param direction is shortened with it
+  /// \param t by how much, for all sites alike
+  std::optional<State> backtrack(Vectors& direction, double& t) {
+    const int most = restoring() ? kFewBacktracks : kBacktracks;
+    for (int k = 0; k < most && result_.evaluations < options_.max_evaluations; ++k) {
+      const double slope = std::min(dot(direction, state_.gradient), 0.0);
       Vectors moved = state_.sites.positions;
-      add_scaled(moved, t, direction);
+      add_scaled(moved, 1.0, direction);
       State next = evaluate(project_within_reach(std::move(moved), state_.sites.faces));
-      if (next.total <= state_.total + kArmijo * t * slope) return next;
+      if (next.total <= state_.total + kArmijo * slope) return next;
+      if (options_.method == Method::kTrustRegion && hold_back(next, slope, direction)) continue;
+      for (Vec3& v : direction) v *= 0.5;
+      t *= 0.5;
     }
     return std::nullopt;
   }
 
-  /// How far a site may be from where it started.
+  /// Where cells change pieces the energy jumps, and one such place would stop all sites: if few
+  /// cells alone are to blame for a step that failed, only the sites beside them are held back.
+  [[nodiscard]] bool hold_back(const State& next, double slope, Vectors& direction) const {
+    const std::vector<double> before = energy_shares(objective_, state_);
+    std::vector<double> rise = energy_shares(objective_, next);
+    std::vector<std::size_t> order(rise.size());
+    for (std::size_t k = 0; k < rise.size(); ++k) rise[k] -= before[k];
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto most = static_cast<std::size_t>(kHoldMost * static_cast<double>(order.size()));
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(most), order.end(),
+                      [&](std::size_t a, std::size_t b) {
+                        return rise[a] != rise[b] ? rise[a] > rise[b] : a < b;
+                      });
+    double left = next.total - state_.total - 0.5 * slope;  // half the slope is a full step's gain
+    std::vector<bool> held(order.size(), false);
+    for (std::size_t n = 0; left > 0.0; ++n) {
+      if (n >= most || rise[order[n]] <= 0.0) return false;
+      left -= rise[order[n]];
+      held[order[n]] = true;
+      for (const CellBoundary& side : state_.diagram().boundary(order[n]))
+        held[static_cast<std::size_t>(side.neighbour)] = true;
+    }
+    for (std::size_t k = 0; k < held.size(); ++k)
+      if (held[k]) direction[k] *= kHold;
+    return true;
+  }
+
+  /// How far a site may be from its home.
   [[nodiscard]] double reach(std::size_t k) const {
     return options_.max_slide *
            std::min(local_spacing(0, k), objective_.domain().spacing(state_.sites.size()));
   }
 
+  [[nodiscard]] bool out_of_reach() const {
+    for (std::size_t k = 0; k < home_.size(); ++k)
+      if ((state_.sites.positions[k] - home_.positions[k]).norm() > reach(k)) return true;
+    return false;
+  }
+
   /// Project, no site farther than its reach. The projection can carry one that was held back
-  /// farther again (around a bend, to another sheet): it is pulled towards its start until it does
+  /// farther again (around a bend, to another sheet): it is pulled towards its home until it does
   /// not.
   [[nodiscard]] Sites project_within_reach(Vectors moved,
                                            std::span<const std::int32_t> hints) const {
     if (std::isinf(options_.max_slide)) return objective_.project(moved, hints);
     for (std::size_t k = 0; k < moved.size(); ++k) {
-      const Vec3 slide = moved[k] - start_.positions[k];
+      const Vec3 slide = moved[k] - home_.positions[k];
       const double excess = slide.norm() / reach(k);
-      if (excess > 1.0) moved[k] = start_.positions[k] + slide / excess;
+      if (excess > 1.0) moved[k] = home_.positions[k] + slide / excess;
     }
     Sites sites = objective_.project(moved, hints);
     for (int pull = 0; pull < kPulls; ++pull)
@@ -301,18 +360,17 @@ class Minimizer {
     return sites;
   }
 
-  /// Project the sites out of reach again from the share `part` of their way; 0 is where they
-  /// started.
+  /// Project the sites out of reach again from the share `part` of their way; 0 is their home.
   void pull_back(Sites& sites, Vectors& moved, double part) const {
     std::vector<std::int32_t> far;
     Sites pulled;
     for (std::size_t k = 0; k < moved.size(); ++k) {
-      if ((sites.positions[k] - start_.positions[k]).norm() <= reach(k)) continue;
-      moved[k] = start_.positions[k] + part * (moved[k] - start_.positions[k]);
+      if ((sites.positions[k] - home_.positions[k]).norm() <= reach(k)) continue;
+      moved[k] = home_.positions[k] + part * (moved[k] - home_.positions[k]);
       far.push_back(static_cast<std::int32_t>(k));
       pulled.positions.push_back(moved[k]);
-      pulled.faces.push_back(start_.faces[k]);
-      pulled.barycentric.push_back(start_.barycentric[k]);
+      pulled.faces.push_back(home_.faces[k]);
+      pulled.barycentric.push_back(home_.barycentric[k]);
     }
     if (part > 0.0) pulled = objective_.project(pulled.positions, pulled.faces, far);
     for (std::size_t k = 0; k < far.size(); ++k) {
@@ -341,7 +399,7 @@ class Minimizer {
   const OptimizerOptions& options_;
   Context* context_;
   State state_;
-  Sites start_;
+  Sites home_;
   LbfgsMemory memory_;
   std::vector<std::vector<double>> radii_;  // of the gap, per term and site; empty without it
   double delta_ = 1.0;
@@ -362,6 +420,7 @@ void check(const OptimizerOptions& options) {
   check_at_least("max_evaluations", options.max_evaluations, 1);
   check_at_least("memory", options.memory, 0);
   check_at_least("max_step", options.max_step, 0.0);
+  check_at_least("stickiness", options.stickiness, 0.0);
   if (!(options.max_slide >= 0.0))
     throw ArgumentError("max_slide is " + number(options.max_slide) + ": it must be >= 0");
 }
@@ -369,9 +428,9 @@ void check(const OptimizerOptions& options) {
 }  // namespace
 
 Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
-                 Context* context) {
+                 Context* context, const Sites* home) {
   check(options);
-  return Minimizer(objective, options, context).run(start);
+  return Minimizer(objective, options, context).run(start, home);
 }
 
 }  // namespace dapple

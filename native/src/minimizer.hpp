@@ -17,8 +17,10 @@ struct Minimum {
 };
 
 /// See optimize(); gaps are the terms' own.
+/// \param home where sites are held by max_slide and stickiness; none: at the start
 /// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] Minimum minimize(const Objective& objective, const Sites& start,
-                               const OptimizerOptions& options, Context* context);
+                               const OptimizerOptions& options, Context* context,
+                               const Sites* home = nullptr);
 
 }  // namespace dapple

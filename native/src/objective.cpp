@@ -24,11 +24,20 @@ void add(const Objective& objective, std::size_t term, const Part& part, State& 
                  part.gap.gradient[k]);
 }
 
+void add_stickiness(const Objective& objective, State& state) {
+  for (std::size_t k = 0; k < objective.anchors.size(); ++k) {
+    const Vec3 way = state.sites.positions[k] - objective.anchors[k];
+    state.total += objective.stickiness[k] * way.squaredNorm();
+    state.gradient[k] += 2.0 * objective.stickiness[k] * way;
+  }
+}
+
 void add_up(const Objective& objective, State& state) {
   state.total = state.things.energy;
   state.gradient.assign(state.sites.size(), Vec3::Zero());
   for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
   if (!state.things.pairs.empty()) add_scaled(state.gradient, 1.0, state.things.gradient);
+  add_stickiness(objective, state);
   objective.restrict(state.gradient, state.normals);
 }
 
@@ -115,6 +124,36 @@ void set_radii(const Objective& objective, State& state,
   add_up(objective, state);
 }
 
+std::vector<double> energy_shares(const Objective& objective, const State& state) {
+  std::vector<double> shares(state.sites.size(), 0.0);
+  const auto add_pairs = [&](const Gap& gap, const auto& site, double scale) {
+    for (const ClosePair& pair : gap.pairs)
+      for (const std::int32_t end : {pair.i, pair.j})
+        shares[site(end)] += 0.5 * scale * pair.energy;
+  };
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
+    const std::vector<std::int32_t>& members = objective.terms[t].members;
+    const auto site = [&](std::int32_t k) {
+      return static_cast<std::size_t>(members.empty() ? k : members[static_cast<std::size_t>(k)]);
+    };
+    const double scale = objective.scale(t, cells.size());
+    const double mean = objective.terms[t].domain->mass() / static_cast<double>(cells.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const double excess = cells[k].capacity - mean;
+      shares[site(static_cast<std::int32_t>(k))] +=
+          scale *
+          (objective.cvt_weight * cells[k].second + objective.capacity_weight * excess * excess);
+    }
+    add_pairs(state.parts[t].gap, site, scale);
+  }
+  add_pairs(state.things, [](std::int32_t k) { return static_cast<std::size_t>(k); }, 1.0);
+  for (std::size_t k = 0; k < objective.anchors.size(); ++k)
+    shares[k] +=
+        objective.stickiness[k] * (state.sites.positions[k] - objective.anchors[k]).squaredNorm();
+  return shares;
+}
+
 double normalised_energy(const Objective& objective, const State& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
@@ -134,6 +173,15 @@ double capacity_spread(const Objective& objective, const State& state) {
   return objective.capacity_weight > 0.0
              ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)
              : 0.0;
+}
+
+void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
+  const std::vector<Moments>& cells = state.diagram().cells;
+  objective.anchors = std::move(anchors);
+  objective.stickiness.clear();
+  for (const Moments& cell : cells)
+    objective.stickiness.push_back(gamma * objective.scale(0, cells.size()) * cell.mass);
+  add_up(objective, state);
 }
 
 void weigh_cvt(Objective& objective, State& state, double weight) {

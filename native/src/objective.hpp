@@ -27,7 +27,9 @@ struct Objective {
   std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
   std::vector<double> things = {};         ///< radius of each site's thing; empty if none has one
   double things_weight = 0.0;
-  std::vector<bool> locked = {};  ///< per site, whether it stays where it is; empty: none
+  Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
+  std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
+  std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
 
   [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
   [[nodiscard]] double total_weight() const;
@@ -73,6 +75,9 @@ struct State {
 void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii);
 
+/// Per site what its cells and pairs add to the total, capacities counted from their means.
+[[nodiscard]] std::vector<double> energy_shares(const Objective& objective, const State& state);
+
 /// The terms' normalised energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
 [[nodiscard]] double normalised_energy(const Objective& objective, const State& state);
 
@@ -81,6 +86,9 @@ void set_radii(const Objective& objective, State& state,
 
 /// Standard deviation / mean of the capacities: the rest is lambda times its square.
 [[nodiscard]] double capacity_spread(const Objective& objective, const State& state);
+
+/// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
+void stick(Objective& objective, State& state, Vectors anchors, double gamma);
 
 /// Add up again with another weight of E_cvt.
 void weigh_cvt(Objective& objective, State& state, double weight);

@@ -1,105 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <dapple/tracker.hpp>
+#include <map>
 
 #include "clock.hpp"
+#include "frame_solver.hpp"
+#include "motion.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
-#include "surface_classes.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
 
-// A frame this little above the first one's normalised energy is as even to the eye: nothing needs
-// to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
-constexpr double kSlack = 5e-4;
+constexpr int kMostParts = 16;   // of a frame
+constexpr double kStill = 1e-9;  // motion that rounding alone makes, relative to the size
+constexpr double kHeld = 0.9;    // of the longest slide: a sample so far was held back by it
 
-/// The samples of each class; all of them one class if none is given.
-std::vector<SampleClass> counted(std::vector<SampleClass> classes, const Samples& samples) {
-  if (classes.empty()) return {{.count = samples.size()}};
-  for (SampleClass& member : classes) member.count = 0;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const std::int32_t c = samples.classes[k];
-    if (c < 0 || static_cast<std::size_t>(c) >= classes.size())
-      throw ArgumentError(entry("samples.classes", k) + " is " + std::to_string(c) +
-                          ", outside 0.." + std::to_string(classes.size() - 1));
-    ++classes[static_cast<std::size_t>(c)].count;
-  }
-  return classes;
+int part_count(const Motion& motion, double longest) {
+  if (longest == 0.0) return 1;
+  return std::clamp(static_cast<int>(std::ceil(motion.extent / longest)), 1, kMostParts);
 }
-
-std::vector<SampleClass> deformed(std::vector<SampleClass> classes,
-                                  std::span<const Vec3> vertices) {
-  for (SampleClass& member : classes)
-    if (member.surface) member.surface = member.surface->deformed(vertices);
-  return classes;
-}
-
-/// What is minimised on one frame, over domains that it owns.
-struct Frame {
-  Frame(const Surface& surface, std::span<const SampleClass> classes, const Samples& samples,
-        const TrackerOptions& options)
-      : problem(surface_classes(surface, classes, options.cells)),
-        objective(make_objective(
-            problem,
-            classes.size() > 1 ? samples.classes : std::vector<std::int32_t>(samples.size(), 0),
-            {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
-
-  ClassProblem problem;
-  Objective objective;
-};
 
 }  // namespace
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
                  std::vector<SampleClass> classes)
     : surface_(std::move(surface)),
-      samples_(
-          bind_samples(surface_, samples.faces, samples.barycentric, samples.ids, samples.classes)),
-      options_(options),
-      classes_(counted(std::move(classes), samples_)) {
-  check_at_least("threads", options_.threads, 0);
-  check_at_least("union_weight", options_.union_weight, 0.0);
+      samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids,
+                            samples.classes)) {
   samples_.report = samples.report;
-  with_threads(options_.threads, [&] {
-    const Frame frame(surface_, classes_, samples_, options_);
-    const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
-    const State state =
-        evaluate(frame.objective, {samples_.positions, samples_.faces, samples_.barycentric},
-                 no_gaps, nullptr);
-    target_energy_ = normalised_energy(frame.objective, state);
-    restoration_.cvt = normalised_cvt(frame.objective, state);
-    restoration_.first_spread = capacity_spread(frame.objective, state);
+  with_threads(std::max(options.threads, 0), [&] {
+    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes));
   });
+}
+
+/// \param last the samples on the last frame, or part of this one
+/// \param still whether the surface has not changed its shape since then
+Samples Tracker::solve(const Surface& surface, const Samples& last, bool still,
+                       Context* context) const {
+  const Sites before = sites_of(last);
+  const Sites now = carried(surface, before);
+  const Sites home = carried(surface, sites_of(samples_));
+  const Vectors moves = solver_->recall(surface, before, now);
+  return solver_->restore(surface, now, moves, &home, still && settled_, context);
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
   const Clock clock;
   if (context) context->check();
-  with_threads(options_.threads, [&] {
+  const TrackerOptions& options = solver_->options();
+  with_threads(options.threads, [&] {
     Surface surface = surface_.deformed(vertices);
-    std::vector<SampleClass> classes = deformed(classes_, vertices);
-    const Samples carried =
-        bind_samples(surface, samples_.faces, samples_.barycentric, samples_.ids, samples_.classes);
-    const Frame frame(surface, classes, carried, options_);
-    OptimizerOptions options = options_.optimizer;
-    if (options.method == Method::kTrustRegion)
-      options.restore = restoration_;
-    else
-      options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
-    const Minimum found = minimize(
-        frame.objective, {carried.positions, carried.faces, carried.barycentric}, options, context);
-    Samples samples = to_samples(surface, frame.objective, found, classes.size(), samples_.ids);
-    samples.classes = samples_.classes;
-    measure_slide(samples.report, samples.positions, carried.positions);
+    const Motion motion = motion_between(surface_.vertices(), vertices);
+    const bool still = motion.extent < kStill;
+    const int parts = part_count(motion, options.longest_motion);
+    Samples samples = samples_;
+    int evaluations = 0;
+    for (int part = 1; part <= parts; ++part) {
+      const double share = static_cast<double>(part) / parts;
+      const Surface way =
+          part < parts ? surface_.deformed(part_way(surface_.vertices(), motion, share)) : surface;
+      samples = solve(way, samples, still, context);
+      evaluations += samples.report.evaluations;
+    }
+    samples.report.evaluations = evaluations;
+    samples.report.parts = parts;
+    measure_slide(samples.report, samples.positions,
+                  carried(surface, sites_of(samples_)).positions);
     samples.report.seconds = clock.seconds();
+    settled_ =
+        (still && settled_) || (samples.report.converged &&
+                                samples.report.slide_max < kHeld * options.optimizer.max_slide);
     surface_ = std::move(surface);
-    classes_ = std::move(classes);
     samples_ = std::move(samples);
   });
   if (context) context->advance(1.0);
   return samples_;
+}
+
+void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, bool settled) {
+  check_same_length("samples", samples.size(), "the tracker's samples", samples_.size());
+  Surface surface = surface_.deformed(vertices);
+  samples_ =
+      bind_samples(surface, samples.faces, samples.barycentric, samples_.ids, samples_.classes);
+  surface_ = std::move(surface);
+  settled_ = settled;
+}
+
+/// Go on with other samples on the present frame; those of known ids keep their place in the first
+/// frame's pattern.
+void Tracker::exchange(const Samples& samples) {
+  std::map<std::int32_t, std::int32_t> known;
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    known.emplace(samples_.ids[k], static_cast<std::int32_t>(k));
+  std::vector<std::int32_t> origin;
+  for (const std::int32_t id : samples.ids) {
+    const auto found = known.find(id);
+    origin.push_back(found == known.end() ? -1 : found->second);
+  }
+  solver_ = std::make_shared<const FrameSolver>(solver_->exchanged(origin, samples));
+  samples_ = samples;
+  settled_ = false;
 }
 
 }  // namespace dapple

@@ -73,6 +73,48 @@ TEST(Objective, GradientIsThatOfTheTotal) {
     }
 }
 
+TEST(Objective, StickinessHasAnExactGradient) {
+  Fixture f;
+  Vectors anchors = f.start.positions;
+  for (std::size_t k = 0; k < anchors.size(); ++k)
+    anchors[k] += Vec3(0.03, -0.01 * double(k % 3), 0);
+  State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  const double without = state.total;
+  stick(f.objective, state, anchors, 0.7);
+  double added = 0.0;  // by its formula
+  for (std::size_t k = 0; k < anchors.size(); ++k)
+    added += 0.7 * f.objective.scale(0, anchors.size()) * state.diagram().cells[k].mass *
+             (f.start.positions[k] - anchors[k]).squaredNorm();
+  EXPECT_NEAR(state.total - without, added, 1e-12 * state.total);
+  constexpr double kStep = 1e-7;
+  for (std::size_t k = 0; k < f.start.size(); k += 7) {
+    const auto total = [&](double step) {
+      Sites moved = f.start;
+      moved.positions[k].x() += step;
+      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
+                      nullptr)
+          .total;
+    };
+    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].x(),
+                1e-5 * (1.0 + std::abs(state.gradient[k].x())))
+        << "site " << k;
+  }
+}
+
+TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {
+  Fixture f;
+  const State one = evaluate(f.objective, f.start, f.radii, nullptr);
+  Sites moved = f.start;
+  for (Vec3& p : moved.positions) p.x() += 0.02 * std::sin(40.0 * p.y());
+  const State two =
+      evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii, nullptr);
+  double difference = 0.0;
+  const std::vector<double> before = energy_shares(f.objective, one);
+  const std::vector<double> after = energy_shares(f.objective, two);
+  for (std::size_t k = 0; k < before.size(); ++k) difference += after[k] - before[k];
+  EXPECT_NEAR(difference, two.total - one.total, 1e-9 * one.total);
+}
+
 TEST(Objective, LockedSitesHaveNoGradient) {
   Fixture f;
   f.objective.locked.assign(f.start.size(), false);

@@ -6,6 +6,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
 #include <limits>
+#include <numbers>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -228,6 +229,111 @@ TEST(Tracker, BeginsFromStoredBindings) {
                                     samples.classes));
   const std::vector<Vec3> next = deformed(shape.vertices, 0.5);
   EXPECT_TRUE(same_bytes(one.advance(next), two.advance(next)));
+}
+
+// ---- parts, memory, stickiness ----
+
+Vec3 swollen(const Vec3& p, double share) {
+  return p * (1.0 + 0.5 * share * std::exp(-4.0 * (p - Vec3(1, 0, 0)).squaredNorm()));
+}
+
+TEST(Tracker, SplitsAFrameOfFarMotion) {
+  const Shape shape = body();
+  const std::vector<Vec3> far =
+      mapped(shape, [](const Vec3& p) { return swollen(p, 0.6); }).vertices;
+  Tracker whole = tracker_of(shape, kCount, {.longest_motion = 0.0});
+  EXPECT_EQ(whole.advance(far).report.parts, 1);
+  Tracker split = tracker_of(shape);
+  const Samples& samples = split.advance(far);
+  EXPECT_GE(samples.report.parts, 3);
+  EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // of the whole frame
+  check(split.surface(), samples);
+}
+
+TEST(Tracker, DoesNotSplitMovingAsAWhole) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const auto move = [](const Vec3& p) { return Vec3(rotated(p, 1.9) + Vec3(30, 0, -10)); };
+  EXPECT_EQ(tracker.advance(mapped(shape, move).vertices).report.parts, 1);
+}
+
+/// A body whose middle becomes three times as long and short again.
+std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
+  const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / period);
+  return mapped(shape,
+                [share](const Vec3& p) {
+                  return Vec3(p.x() + share * std::tanh(2.0 * p.x()), p.y(), p.z());
+                })
+      .vertices;
+}
+
+/// Mean distance from the start after some loops, in spacings.
+double hysteresis(double memory) {
+  const Shape shape = blob(4);
+  Tracker tracker = tracker_of(shape, kCount, {.memory = memory});
+  const std::vector<Vec3> start = tracker.samples().positions;
+  constexpr int kPeriod = 30;
+  for (int frame = 1; frame <= 5 * kPeriod; ++frame) tracker.advance(pull(shape, frame, kPeriod));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kCount; ++k)
+    sum += (tracker.samples().positions[k] - start[k]).norm();
+  return sum / static_cast<double>(kCount) / tracker.surface().spacing(kCount);
+}
+
+TEST(Tracker, ReturnsToTheFirstPatternAfterLoops) {
+  const double with = hysteresis(0.8);
+  const double without = hysteresis(0.0);
+  std::cout << "after five loops " << with << " spacings from the start, without memory " << without
+            << '\n';
+  EXPECT_LT(with, 0.75 * without);
+}
+
+TEST(Tracker, StickinessTradesSlideForEvenness) {
+  const Shape shape = body();
+  double last_slide = 1.0, last_spread = 0.0;
+  for (const double stickiness : {0.0, 3.0, 100.0}) {
+    TrackerOptions options{.memory = 0.0};
+    options.optimizer.stickiness = stickiness;
+    Tracker tracker = tracker_of(shape, kCount, options);
+    double slide = 0.0, spread = 0.0;
+    for (int frame = 1; frame <= 10; ++frame) {
+      const Report& report = tracker.advance(deformed(shape.vertices, 0.15 * frame)).report;
+      slide += report.slide_mean / 10.0;
+      spread += report.evenness.capacity_spread / 10.0;
+    }
+    EXPECT_LT(slide, last_slide) << "stickiness " << stickiness;
+    EXPECT_GT(spread, last_spread) << "stickiness " << stickiness;
+    last_slide = slide;
+    last_spread = spread;
+  }
+}
+
+TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
+  const Shape shape = body();
+  const Surface surface = shape.surface();
+  const Samples first = sample(surface, kCount);
+  Tracker whole(surface, first);
+  constexpr int kPeriod = 30;
+  Samples stored;
+  bool settled = false;
+  for (int frame = 1; frame <= 9; ++frame) {
+    whole.advance(pull(shape, frame, kPeriod));
+    if (frame != 6) continue;
+    stored = bind_samples(whole.surface(), whole.samples().faces, whole.samples().barycentric);
+    settled = whole.settled();
+  }
+  Tracker resumed(surface, first);
+  resumed.resume(pull(shape, 6, kPeriod), stored, settled);
+  for (int frame = 7; frame <= 9; ++frame) resumed.advance(pull(shape, frame, kPeriod));
+  EXPECT_TRUE(same_bytes(resumed.samples(), whole.samples()));
+}
+
+TEST(Tracker, RefusesToResumeFromAnotherNumber) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Samples few = sample(shape.surface(), 10);
+  expect_message<ArgumentError>([&] { tracker.resume(shape.vertices, few, true); },
+                                {"samples", "10", "400"});
 }
 
 // ---- refusals ----

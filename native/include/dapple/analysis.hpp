@@ -14,8 +14,9 @@ struct Evenness {
 };
 
 /// Measure the evenness. The local spacing at a site is sqrt(2 a / sqrt(3)), where a is the area
-/// that the mean capacity would take at the cell's own mean density; with constant density that is
-/// Surface::spacing.
+/// that the mean capacity would take at the cell's own density, averaged by itself (so a part of
+/// the cell without density does not count as room); with constant density that is
+/// Surface::spacing. Distances are along the surface, through the cells' common boundary.
 [[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
 /// Per site whether its cell touches a border edge of the surface. The border edges are walked from

@@ -22,11 +22,12 @@ enum class Method {
 /// frame: 0 while it is within a dead band.
 struct Restoration {
   double cvt = std::numeric_limits<double>::infinity();  ///< n E_cvt / |S|_phi^2 of the first frame
-  double dead_band = 8e-4;                               ///< above it, where s is 0
+  double dead_band = 7e-4;                               ///< above it, where s is 0
   double band = 1e-3;                                    ///< above that, where s rises to `share`
   double share = 0.3;         ///< the largest s, and the least delta of the trust region
-  double spread = 4e-3;       ///< capacity spread (standard deviation / mean) that is even enough
+  double spread = 4.5e-3;     ///< capacity spread (standard deviation / mean) that is even enough
   double first_spread = 0.0;  ///< of the first frame: no frame has to be more even
+  double alpha = 0.63;        ///< least distance along the surface, in local spacings
 };
 
 struct OptimizerOptions {
@@ -42,6 +43,8 @@ struct OptimizerOptions {
   double max_slide =
       std::numeric_limits<double>::infinity();  ///< farthest from the start, in local spacings
                                                 ///< and in the surface's
+  double stickiness = 0.0;  ///< gamma >= 0: weight of sum m_k |x_k - start_k|^2, where m_k is the
+                            ///< cell's integral of phi^2 at the start; 1 is that of E_cvt
   double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalised
                                                                     ///< energy is not above it
   std::optional<Restoration> restore = std::nullopt;                ///< minimise only so far

@@ -15,6 +15,7 @@ struct CellBoundary {
   Vec3 flux;
   Vec3 offset;    ///< x_j - x_i; on the torus, of the image of j that touches
   double length;  ///< integral of ds
+  double way;  ///< shortest from x_i through the boundary to x_j; |offset| where that is straight
 };
 
 /// The Voronoi diagram of sites, restricted to a surface: V_i is the part of the surface nearer to

@@ -23,6 +23,7 @@ struct Report : Quality {
   double worst_overlap = 0.0;
   std::array<std::int32_t, 2> overlapping = {-1, -1};
   int evaluations = 0;
+  int parts = 1;  ///< tracker: that the frame was split into, because the surface moves far
   int iterations = 0;
   bool converged = true;
   double seconds = 0.0;  ///< wall time
@@ -41,7 +42,8 @@ struct Samples {
   std::vector<Vec3> barycentric;    ///< >= 0, sum 1
   std::vector<std::int32_t> ids;
   std::vector<std::int32_t> classes;
-  Report report;
+  std::vector<double> fade = {};  ///< 0..1, how far each has appeared; empty: all are there
+  Report report = {};
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };

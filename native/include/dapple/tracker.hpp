@@ -2,8 +2,11 @@
 #pragma once
 
 #include <dapple/classes.hpp>
+#include <memory>
 
 namespace dapple {
+
+class FrameSolver;
 
 struct TrackerOptions {
   double union_weight = 1.0;  ///< mu, of samples of several classes; see ClassOptions
@@ -12,7 +15,12 @@ struct TrackerOptions {
   /// up over the next ones, instead of by a jump.
   OptimizerOptions optimizer = {.max_evaluations = 6, .max_slide = 0.45};
   Cells cells = Cells::kConnected;
-  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+  /// Farthest that the surface's shape may move at once, relative to its size, apart from moving as
+  /// a whole, scaling and mirroring; a frame on which it moves farther is split into parts. 0:
+  /// never.
+  double longest_motion = 0.02;
+  double memory = 0.8;  ///< 0..1: how strongly samples return to the first frame's pattern
+  int threads = 0;      ///< 0: as many as the machine has; the result does not depend on it
 };
 
 /// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
@@ -35,16 +43,27 @@ class Tracker {
   /// \throw SurfaceError, Cancelled
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
+  /// Go on from a frame that was solved before, as if this tracker had solved it.
+  /// \param samples the frame's faces and barycentric coordinates, as many as the tracker has
+  /// \param settled what settled() said then
+  /// \throw SurfaceError, ArgumentError
+  void resume(std::span<const Vec3> vertices, const Samples& samples, bool settled);
+
+  /// Whether nothing was left to be caught up when the last frame was done.
+  [[nodiscard]] bool settled() const { return settled_; }
   [[nodiscard]] const Surface& surface() const { return surface_; }
   [[nodiscard]] const Samples& samples() const { return samples_; }
 
  private:
+  friend class Population;
+  [[nodiscard]] Samples solve(const Surface& surface, const Samples& last, bool still,
+                              Context* context) const;
+  void exchange(const Samples& samples);
+
   Surface surface_;
   Samples samples_;
-  TrackerOptions options_;
-  std::vector<SampleClass> classes_;
-  double target_energy_;
-  Restoration restoration_;
+  std::shared_ptr<const FrameSolver> solver_;
+  bool settled_ = true;  // the first frame is what the others are held against
 };
 
 }  // namespace dapple

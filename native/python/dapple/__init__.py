@@ -16,6 +16,7 @@ from ._native import (
     FlatDomain,
     PlanarSamples,
     Plane,
+    Population,
     Projection,
     Quality,
     RadialStatistics,
@@ -47,6 +48,7 @@ from ._native import (
     sample_planar_classes,
     spectrum,
     surface_spectrum,
+    track_window,
     write_mesh,
 )
 
@@ -71,6 +73,7 @@ __all__ = [
     "FlatDomain",
     "PlanarSamples",
     "Plane",
+    "Population",
     "Projection",
     "Quality",
     "RadialStatistics",
@@ -102,5 +105,6 @@ __all__ = [
     "sample_planar_classes",
     "spectrum",
     "surface_spectrum",
+    "track_window",
     "write_mesh",
 ]

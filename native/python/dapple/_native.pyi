@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -96,6 +96,8 @@ class Report(Quality):
     @property
     def iterations(self) -> int: ...
     @property
+    def parts(self) -> int: ...
+    @property
     def converged(self) -> bool: ...
     @property
     def seconds(self) -> float: ...
@@ -132,6 +134,8 @@ class Samples:
     def ids(self) -> NDArray[np.int32]: ...
     @property
     def classes(self) -> NDArray[np.int32]: ...
+    @property
+    def fade(self) -> NDArray[np.float64]: ...
     @property
     def report(self) -> Report: ...
 
@@ -274,12 +278,36 @@ class Tracker:
         capacity_weight: float = 30.0,
         gap_weight: float = 3.0,
         tolerance: float = 5e-5,
-        max_evaluations: int = 30,
+        max_evaluations: int = 6,
         max_slide: float = 0.45,
         method: Literal["trust_region", "line_search"] = "trust_region",
         cells: Literal["connected", "euclidean"] = "connected",
         classes: Sequence[SampleClass | int] | None = None,
         union_weight: float = 1.0,
+        stickiness: float = 0.0,
+        memory: float = 0.8,
+        longest_motion: float = 0.02,
+        threads: int = 0,
+    ) -> None: ...
+    def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
+    def resume(self, vertices: ArrayLike, samples: Samples, *, settled: bool = False) -> None: ...
+    @property
+    def settled(self) -> bool: ...
+    @property
+    def surface(self) -> Surface: ...
+    @property
+    def samples(self) -> Samples: ...
+
+class Population:
+    def __init__(
+        self,
+        surface: Surface,
+        samples: Samples,
+        *,
+        fade: int = 12,
+        stickiness: float = 0.0,
+        memory: float = 0.8,
+        longest_motion: float = 0.02,
         threads: int = 0,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -288,6 +316,19 @@ class Tracker:
     @property
     def samples(self) -> Samples: ...
 
+def track_window(
+    surface: Surface,
+    frames: Iterable[ArrayLike],
+    samples: Samples,
+    *,
+    closed: bool = False,
+    sweeps: int = 2,
+    stickiness: float = 1.0,
+    memory: float = 0.8,
+    longest_motion: float = 0.02,
+    threads: int = 0,
+    context: Context | None = None,
+) -> list[Samples]: ...
 def sample(
     surface: Surface,
     count: int,

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/tracker.hpp>
+
+namespace dapple {
+
+struct PopulationOptions {
+  TrackerOptions tracker = {};
+  int fade = 12;  ///< frames that a sample takes to appear or to vanish; >= 1
+};
+
+/// Samples on a deforming surface at a constant density per area: where it grows samples appear,
+/// where it shrinks some vanish. They never pop: `fade` of a sample goes from 0 to 1 or back, and
+/// an id is never used again.
+///
+/// Those that vanish ride on the surface while the others close up; those that appear take part
+/// from the beginning.
+class Population {
+ public:
+  /// \throw ArgumentError if the samples are not of the surface, for options out of range
+  Population(Surface surface, Samples samples, PopulationOptions options = {});
+
+  /// Move to the next frame.
+  /// \return samples with `fade`: those that stay, in the order of their ids, then those that
+  ///         vanish
+  /// \throw SurfaceError, Cancelled; the population is then unchanged
+  const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
+
+  [[nodiscard]] const Surface& surface() const { return tracker_.surface(); }
+  [[nodiscard]] const Samples& samples() const { return samples_; }
+
+ private:
+  struct Fading {
+    std::int32_t id;
+    std::int32_t face;
+    Vec3 barycentric;
+    double fade;
+  };
+
+  [[nodiscard]] Samples resized(const Tracker& tracker, Context* context) const;
+  [[nodiscard]] std::vector<Fading> vanishing(const Samples& before, const Samples& after) const;
+  void join();
+
+  Tracker tracker_;
+  PopulationOptions options_;
+  double density_;             // samples per capacity
+  std::int32_t next_id_;       // above all that were ever used
+  std::vector<double> fades_;  // of the tracker's samples
+  std::vector<Fading> vanishing_;
+  Samples samples_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/types.hpp>
+#include <span>
+#include <vector>
+
+namespace dapple {
+
+/// How a body's shape changes from one frame to the next, apart from moving, scaling and mirroring
+/// as a whole: those leave samples as even as they are.
+struct Motion {
+  std::vector<Vec3>
+      target;           ///< the next frame, moved, scaled and mirrored to where the last one is
+  double extent = 0.0;  ///< longest way of a vertex to its target, relative to the body's size
+};
+
+/// \param before, after vertices of the same body, as many
+[[nodiscard]] Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after);
+
+/// The vertices after the share t in [0, 1] of the way to the target.
+[[nodiscard]] std::vector<Vec3> part_way(std::span<const Vec3> before, const Motion& motion,
+                                         double t);
+
+}  // namespace dapple

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/population.hpp>
+#include <dapple/resample.hpp>
+#include <map>
+
+#include "validate.hpp"
+
+namespace dapple {
+namespace {
+
+// Of one sample: the surface must ask for that much more than the nearest whole number before the
+// number changes, or a breathing body would let the same one come and go.
+constexpr double kReluctance = 0.75;
+
+}  // namespace
+
+Population::Population(Surface surface, Samples samples, PopulationOptions options)
+    : tracker_(std::move(surface), std::move(samples), options.tracker), options_(options) {
+  check_at_least("fade", options.fade, 1);
+  const Samples& first = tracker_.samples();
+  density_ = static_cast<double>(first.size()) / tracker_.surface().mass();
+  next_id_ = first.ids.empty() ? 0 : *std::max_element(first.ids.begin(), first.ids.end()) + 1;
+  fades_.assign(first.size(), 1.0);
+  join();
+}
+
+/// The tracker's samples, more or fewer where the surface has grown or shrunk.
+Samples Population::resized(const Tracker& tracker, Context* context) const {
+  const Samples& now = tracker.samples();
+  const double wanted = density_ * tracker.surface().mass();
+  if (std::abs(wanted - static_cast<double>(now.size())) < kReluctance) return now;
+  SampleOptions options;
+  options.optimizer = options_.tracker.optimizer;
+  options.cells = options_.tracker.cells;
+  options.threads = options_.tracker.threads;
+  options.seed = static_cast<std::uint64_t>(next_id_);
+  Samples result = resample(tracker.surface(), now, static_cast<std::size_t>(std::llround(wanted)),
+                            options, context);
+  std::int32_t next = next_id_;
+  for (std::int32_t& id : result.ids)
+    if (std::find(now.ids.begin(), now.ids.end(), id) == now.ids.end()) id = next++;
+  return result;
+}
+
+std::vector<Population::Fading> Population::vanishing(const Samples& before,
+                                                      const Samples& after) const {
+  const double step = 1.0 / options_.fade;
+  std::vector<Fading> result;
+  for (Fading one : vanishing_)
+    if ((one.fade -= step) > 0.5 * step) result.push_back(one);
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (std::find(after.ids.begin(), after.ids.end(), before.ids[k]) == after.ids.end() &&
+        fades_[k] - step > 0.5 * step)
+      result.push_back({before.ids[k], before.faces[k], before.barycentric[k], fades_[k] - step});
+  return result;
+}
+
+const Samples& Population::advance(std::span<const Vec3> vertices, Context* context) {
+  Tracker tracker = tracker_;
+  tracker.advance(vertices, context);
+  const Samples before = tracker.samples();
+  Samples after = resized(tracker, context);
+  std::vector<Fading> gone = vanishing(before, after);
+  std::map<std::int32_t, double> fade_of;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    fade_of[before.ids[k]] = std::min(1.0, fades_[k] + 1.0 / options_.fade);
+  if (after.ids != before.ids) tracker.exchange(after);
+  fades_.clear();
+  for (const std::int32_t id : after.ids) {
+    fades_.push_back(fade_of.contains(id) ? fade_of[id] : 0.0);
+    next_id_ = std::max(next_id_, id + 1);
+  }
+  tracker_ = std::move(tracker);
+  vanishing_ = std::move(gone);
+  join();
+  return samples_;
+}
+
+void Population::join() {
+  samples_ = tracker_.samples();
+  samples_.fade = fades_;
+  if (vanishing_.empty()) return;
+  std::vector<std::int32_t> faces;
+  std::vector<Vec3> barycentric;
+  for (const Fading& one : vanishing_) {
+    faces.push_back(one.face);
+    barycentric.push_back(one.barycentric);
+    samples_.ids.push_back(one.id);
+    samples_.classes.push_back(0);
+    samples_.fade.push_back(one.fade);
+  }
+  const Samples riding = bind_samples(surface(), faces, barycentric);
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(samples_.positions, riding.positions);
+  append(samples_.normals, riding.normals);
+  append(samples_.faces, riding.faces);
+  append(samples_.barycentric, riding.barycentric);
+}
+
+}  // namespace dapple

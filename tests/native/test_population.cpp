@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/population.hpp>
+#include <dapple/sampler.hpp>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr std::size_t kCount = 200;
+constexpr int kFade = 5;
+constexpr int kPeriod = 24;
+
+/// A body that grows to 1.4 times its length and shrinks back.
+std::vector<Vec3> frame_of(const Shape& shape, int frame) {
+  const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / kPeriod);
+  return mapped(shape,
+                [share](const Vec3& p) { return Vec3((1.0 + 0.4 * share) * p.x(), p.y(), p.z()); })
+      .vertices;
+}
+
+Population population_of(const Shape& shape) {
+  const Surface surface = shape.surface();
+  return Population(surface, sample(surface, kCount), {.fade = kFade});
+}
+
+TEST(Population, KeepsTheDensity) {
+  const Shape shape = blob(4);
+  Population population = population_of(shape);
+  const double density = kCount / population.surface().mass();
+  std::size_t most = 0;
+  for (int frame = 1; frame <= kPeriod; ++frame) {
+    const Samples& samples = population.advance(frame_of(shape, frame));
+    double there = 0.0;  // those that do not vanish
+    const std::size_t staying = samples.report.count;
+    for (std::size_t k = 0; k < staying; ++k) there += 1.0;
+    EXPECT_NEAR(there, density * population.surface().mass(), 1.0) << "frame " << frame;
+    EXPECT_LE(samples.report.evenness.capacity_spread, 0.02) << "frame " << frame;
+    most = std::max(most, staying);
+  }
+  EXPECT_GT(most, kCount + 20);
+}
+
+TEST(Population, FadesByOneStepAFrameAndNeverPops) {
+  const Shape shape = blob(4);
+  Population population = population_of(shape);
+  std::map<std::int32_t, double> last;
+  std::set<std::int32_t> gone;
+  for (const std::int32_t id : population.samples().ids) last[id] = 1.0;
+  for (int frame = 1; frame <= 2 * kPeriod; ++frame) {
+    const Samples& samples = population.advance(frame_of(shape, frame));
+    ASSERT_EQ(samples.fade.size(), samples.size());
+    ASSERT_EQ(samples.positions.size(), samples.faces.size());
+    std::map<std::int32_t, double> now;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      EXPECT_TRUE(now.emplace(samples.ids[k], samples.fade[k]).second) << "an id twice";
+      EXPECT_FALSE(gone.contains(samples.ids[k])) << "an id used again";
+      const double before = last.contains(samples.ids[k]) ? last[samples.ids[k]] : 0.0;
+      EXPECT_LE(std::abs(samples.fade[k] - before), 1.0 / kFade + 1e-12);
+    }
+    for (const auto& [id, fade] : last)
+      if (!now.contains(id)) {
+        EXPECT_LE(fade, 1.0 / kFade + 1e-12) << "vanished from " << fade;
+        gone.insert(id);
+      }
+    last = std::move(now);
+  }
+  EXPECT_GT(gone.size(), 20u);
+}
+
+TEST(Population, KeepsTheCountOfABodyThatOnlyMoves) {
+  const Shape shape = blob(4);
+  Population population = population_of(shape);
+  const Samples first = population.samples();
+  const Samples& next = population.advance(
+      mapped(shape, [](const Vec3& p) { return Vec3(rotated(p, 0.6) + Vec3(4, 0, 0)); }).vertices);
+  EXPECT_EQ(next.ids, first.ids);
+  EXPECT_EQ(next.faces, first.faces);
+}
+
+TEST(Population, GivesTheSameBytesAgain) {
+  const Shape shape = blob(3);
+  Population one = population_of(shape), two = population_of(shape);
+  for (int frame = 1; frame <= 6; ++frame) {
+    const Samples& a = one.advance(frame_of(shape, frame));
+    const Samples& b = two.advance(frame_of(shape, frame));
+    EXPECT_TRUE(same_bytes(a.positions, b.positions));
+    EXPECT_EQ(a.ids, b.ids);
+    EXPECT_EQ(a.fade, b.fade);
+  }
+}
+
+TEST(Population, IsUnchangedByABadFrame) {
+  const Shape shape = blob(3);
+  Population population = population_of(shape);
+  population.advance(frame_of(shape, 3));
+  const Samples before = population.samples();
+  std::vector<Vec3> bad = shape.vertices;
+  bad.pop_back();
+  EXPECT_THROW(population.advance(bad), SurfaceError);
+  EXPECT_TRUE(same_bytes(population.samples().positions, before.positions));
+}
+
+TEST(Population, RefusesNoFrames) {
+  const Surface surface = blob(2).surface();
+  expect_message<ArgumentError>([&] { Population(surface, sample(surface, 5), {.fade = 0}); },
+                                {"fade", "0"});
+}
+
+}  // namespace
+}  // namespace dapple::test

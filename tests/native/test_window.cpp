@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/window.hpp>
+#include <numbers>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr std::size_t kCount = 300;
+constexpr int kPeriod = 16;
+
+/// A loop: frames 1 .. kPeriod - 1, the next one would be the shape itself.
+std::vector<std::vector<Vec3>> loop(const Shape& shape) {
+  std::vector<std::vector<Vec3>> frames;
+  for (int frame = 1; frame < kPeriod; ++frame) {
+    const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / kPeriod);
+    frames.push_back(mapped(shape, [share](const Vec3& p) {
+                       const double along = std::exp(-8.0 * p.x() * p.x());
+                       return Vec3(p.x() + 0.4 * share * std::tanh(3.0 * p.x()),
+                                   p.y() * (1.0 + 0.2 * share * along), p.z());
+                     }).vertices);
+  }
+  return frames;
+}
+
+/// Mean distances, in spacings, from where the surface carries the samples of the frame before, and
+/// of their changes from frame to frame.
+struct Smoothness {
+  double seam = 0.0;   // from the last frame to the first
+  double first = 0.0;  // from the first to the second: as far, the motion being symmetric
+  double slide = 0.0;  // the mean over all frames
+  double jerk = 0.0;
+};
+
+Smoothness measure(const Surface& first, const std::vector<std::vector<Vec3>>& frames,
+                   const std::vector<Samples>& samples) {
+  const auto surface = [&](std::size_t t) {
+    return t == 0 ? first : first.deformed(frames[t - 1]);
+  };
+  const double spacing = first.spacing(kCount);
+  Smoothness result;
+  std::vector<Vec3> last;
+  for (std::size_t t = 1; t <= samples.size(); ++t) {
+    const Samples& now = samples[t % samples.size()];
+    const Surface here = surface(t % samples.size());
+    std::vector<Vec3> slides;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      const Vec3 carried = here.point(samples[t - 1].faces[k], samples[t - 1].barycentric[k]);
+      slides.push_back(now.positions[k] - carried);
+      sum += slides[k].norm();
+      if (!last.empty()) result.jerk += (slides[k] - last[k]).norm();
+    }
+    if (t == 1) result.first = sum / kCount / spacing;
+    if (t == samples.size()) result.seam = sum / kCount / spacing;
+    result.slide += sum / kCount / spacing / static_cast<double>(samples.size());
+    last = std::move(slides);
+  }
+  result.jerk /= kCount * spacing * static_cast<double>(samples.size() - 1);
+  return result;
+}
+
+TEST(TrackWindow, SmoothsBothWaysAndClosesALoop) {
+  const Shape shape = blob(4);
+  const Surface surface = shape.surface();
+  const Samples start = sample(surface, kCount);
+  const std::vector<std::vector<Vec3>> frames = loop(shape);
+  WindowOptions tracked{.sweeps = 0};
+  const std::vector<Samples> plain = track_window(surface, frames, start, tracked);
+  const std::vector<Samples> smooth =
+      track_window(surface, frames, start, {.sweeps = 4, .closed = true});
+  ASSERT_EQ(smooth.size(), static_cast<std::size_t>(kPeriod));
+  EXPECT_TRUE(same_bytes(smooth[0].positions, start.positions));
+  double worst = 0.0;
+  check(surface, smooth[0]);
+  for (std::size_t t = 1; t < smooth.size(); ++t) {
+    check(surface.deformed(frames[t - 1]), smooth[t]);
+    worst = std::max(worst, smooth[t].report.evenness.capacity_spread);
+    EXPECT_LE(smooth[t].report.slide_max, 0.5);
+  }
+  const Smoothness before = measure(surface, frames, plain);
+  const Smoothness after = measure(surface, frames, smooth);
+  std::cout << "first " << before.first << " -> " << after.first << ", seam " << before.seam
+            << " -> " << after.seam << ", jerk " << before.jerk << " -> " << after.jerk
+            << ", slide " << before.slide << " -> " << after.slide << ", spread " << worst << '\n';
+  EXPECT_LE(worst, 0.01);
+  EXPECT_LT(after.seam, 1.3 * after.first) << "the seam stands out";
+  EXPECT_GT(before.seam, 1.3 * before.first) << "there was nothing to close";
+  EXPECT_LT(after.slide, before.slide);
+  EXPECT_LT(after.jerk, 0.9 * before.jerk);
+}
+
+TEST(TrackWindow, WithoutSweepsIsATracker) {
+  const Shape shape = blob(3);
+  const Surface surface = shape.surface();
+  const Samples start = sample(surface, 100);
+  const std::vector<std::vector<Vec3>> frames = loop(shape);
+  const std::vector<Samples> found = track_window(surface, frames, start, {.sweeps = 0});
+  Tracker tracker(surface, start);
+  for (std::size_t t = 1; t < found.size(); ++t)
+    EXPECT_TRUE(same_bytes(tracker.advance(frames[t - 1]).positions, found[t].positions));
+}
+
+TEST(TrackWindow, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Shape shape = blob(3);
+  const Surface surface = shape.surface();
+  const Samples start = sample(surface, 100);
+  WindowOptions options{.sweeps = 1, .closed = true};
+  options.tracker.threads = 1;
+  const std::vector<Samples> one = track_window(surface, loop(shape), start, options);
+  options.tracker.threads = 4;
+  const std::vector<Samples> four = track_window(surface, loop(shape), start, options);
+  for (std::size_t t = 0; t < one.size(); ++t)
+    EXPECT_TRUE(same_bytes(one[t].positions, four[t].positions));
+}
+
+TEST(TrackWindow, StopsWhenCancelled) {
+  const Shape shape = blob(3);
+  const Surface surface = shape.surface();
+  Context context;
+  context.cancel();
+  EXPECT_THROW((void)track_window(surface, loop(shape), sample(surface, 50), {}, &context),
+               Cancelled);
+}
+
+TEST(TrackWindow, NamesWhatIsOutOfRange) {
+  const Shape shape = blob(3);
+  const Surface surface = shape.surface();
+  const Samples start = sample(surface, 50);
+  expect_message<ArgumentError>(
+      [&] { (void)track_window(surface, loop(shape), start, {.sweeps = -1}); }, {"sweeps", "-1"});
+  std::vector<std::vector<Vec3>> frames = loop(shape);
+  frames[3].pop_back();
+  EXPECT_THROW((void)track_window(surface, frames, start), SurfaceError);
+}
+
+}  // namespace
+}  // namespace dapple::test
