@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Going on from stored frames, frames solved together, and constant density per area."""
+
+import dapple
+import numpy as np
+import pytest
+from checks import check_samples, same_bytes
+from shapes import bent
+
+
+def frames_of(mesh, count: int) -> list[np.ndarray]:
+    return [bent(mesh[0], 0.2 * frame) for frame in range(1, count + 1)]
+
+
+def stored(samples: dapple.Samples, surface: dapple.Surface) -> dapple.Samples:
+    """As read back from a file."""
+    return dapple.Samples(surface, samples.faces.copy(), samples.barycentric.copy())
+
+
+def test_goes_on_with_the_same_bytes(mesh, surface, samples):
+    frames = frames_of(mesh, 6)
+    whole = dapple.Tracker(surface, samples)
+    for vertices in frames[:3]:
+        whole.advance(vertices)
+    kept, settled = stored(whole.samples, whole.surface), whole.settled
+    again = dapple.Tracker(surface, samples)
+    again.resume(frames[2], kept, settled=settled)
+    for vertices in frames[3:]:
+        assert same_bytes(again.advance(vertices), whole.advance(vertices))
+
+
+def test_refuses_to_go_on_from_another_number(surface, samples):
+    tracker = dapple.Tracker(surface, samples)
+    with pytest.raises(ValueError, match="samples"):
+        tracker.resume(surface.vertices, dapple.sample(surface, len(samples) + 1))
+
+
+def test_says_into_how_many_parts_a_frame_was_split(mesh, surface, samples):
+    far = mesh[0] * [1.3, 1, 1]
+    assert dapple.Tracker(surface, samples, longest_motion=0).advance(far).report.parts == 1
+    assert dapple.Tracker(surface, samples).advance(far).report.parts > 1
+    assert dapple.Tracker(surface, samples).advance(3 * mesh[0] + 1).report.parts == 1
+
+
+def test_stickiness_lessens_the_slide(mesh, surface, samples):
+    slides = [
+        dapple.Tracker(surface, samples, stickiness=stickiness, memory=0)
+        .advance(bent(mesh[0], 0.5))
+        .report.slide_mean
+        for stickiness in (0, 50)
+    ]
+    assert slides[1] < slides[0]
+
+
+def test_a_window_has_samples_for_every_frame(mesh, surface, samples):
+    frames = frames_of(mesh, 5)
+    found = dapple.track_window(surface, frames, samples, sweeps=1)
+    assert len(found) == 6
+    assert same_bytes(found[0], samples)
+    for vertices, one in zip(frames, found[1:], strict=True):
+        check_samples(surface.deformed(vertices), one)
+        np.testing.assert_array_equal(one.ids, samples.ids)
+        assert one.report.capacity_spread < 0.05
+
+
+def test_a_window_is_cancelled(mesh, surface, samples):
+    context = dapple.Context()
+    context.cancel()
+    with pytest.raises(dapple.Cancelled):
+        dapple.track_window(surface, frames_of(mesh, 3), samples, context=context)
+
+
+def test_a_population_follows_the_area(mesh, surface, samples):
+    population = dapple.Population(surface, samples, fade=4)
+    density = len(samples) / surface.area
+    used = set(samples.ids.tolist())
+    for frame in range(1, 9):
+        population.advance(mesh[0] * [1 + 0.05 * frame, 1, 1])
+        now = population.samples
+        assert now.fade.shape == (len(now),)
+        assert now.fade.min() >= 0
+        assert now.fade.max() <= 1
+        assert now.report.count == pytest.approx(density * population.surface.area, abs=1)
+        used |= set(now.ids.tolist())
+    assert len(used) > len(samples)
+    assert np.all(samples.fade == 1)
+
+
+@pytest.mark.parametrize("name", ["memory", "stickiness", "longest_motion"])
+def test_names_an_option_below_zero(surface, samples, name):
+    with pytest.raises(ValueError, match=name):
+        dapple.Tracker(surface, samples, **{name: -1}).advance(surface.vertices)
+
+
+@pytest.mark.parametrize(("name", "value"), [("fade", 0), ("memory", 2)])
+def test_a_population_names_an_option_out_of_range(surface, samples, name, value):
+    with pytest.raises(ValueError, match=name):
+        dapple.Population(surface, samples, **{name: value})
