@@ -170,6 +170,7 @@ def test_misses_are_bold():
         "capacity_spread": 0.002,
         "bond_order": 0.62,
         "evaluations": 2,
+        "parts": 1,
         "milliseconds": 20.0,
         "slide_mean": 0.1,
         "slide_max": 0.45,

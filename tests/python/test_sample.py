@@ -15,6 +15,7 @@ REPORT = {
     "energy": float,
     "evaluations": int,
     "iterations": int,
+    "parts": int,
     "converged": bool,
     "seconds": float,
     "energies": list,
