@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from addon.blender.properties import scatter_modifier
-from addon.nodes import get_input
+from addon.blender.store import read_baked
 
 
 @dataclass
@@ -56,11 +55,13 @@ def read_attribute(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 def read_keys(scatter: bpy.types.Object) -> Keys:
     ids = read_attribute(scatter.data, "id")
-    stored = get_input(scatter_modifier(scatter), "Keys").data
-    corners = np.stack([read_attribute(stored, f"dapple_v{k}") for k in range(3)], axis=-1)
-    barycentric = read_attribute(stored, "dapple_barycentric").astype(np.float64)
-    shape = (-1, len(ids), 3)
-    return Keys(ids, corners.reshape(shape), barycentric.reshape(shape))
+    baked = read_baked(scatter)
+    bindings = [baked.binding(frame, len(ids))[0] for frame in range(baked.frame_count)]
+    return Keys(
+        ids,
+        np.stack([binding.corners for binding in bindings]),
+        np.stack([binding.barycentric for binding in bindings]),
+    )
 
 
 def surface_now(surface: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:

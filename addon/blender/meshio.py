@@ -44,7 +44,11 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             faces = faces[:, ::-1]
         return SurfaceArrays(
-            obj.name, np.ascontiguousarray(vertices), np.ascontiguousarray(faces), topology(mesh)
+            obj.name,
+            np.ascontiguousarray(vertices),
+            np.ascontiguousarray(faces),
+            topology(mesh),
+            matrix,
         )
 
 
@@ -82,6 +86,11 @@ def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
     mesh.update()
 
 
+def read_points(mesh: bpy.types.Mesh) -> Floats:
+    """Positions (n, 3) of the points of a mesh, in its own space."""
+    return _vertices(mesh)
+
+
 def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str]) -> None:
     """Store columns as attributes on the points of a mesh."""
     for name, kind in types.items():
@@ -108,3 +117,9 @@ def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
     """World space -> the object's own space."""
     inverse = np.linalg.inv(_matrix(obj))
     return positions @ inverse[:3, :3].T + inverse[:3, 3]
+
+
+def to_world(obj: bpy.types.Object, positions: Floats) -> Floats:
+    """The object's own space -> world space."""
+    matrix = _matrix(obj)
+    return positions @ matrix[:3, :3].T + matrix[:3, 3]

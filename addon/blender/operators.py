@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: thin shells around work.py, store.py and topology.py."""
 
+from typing import Any
+
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
+from ..core.errors import ScatterError
 from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
+from . import preview
 from .job import Answer, StepsOperator
 from .properties import is_scatter
 from .store import clear_keys
 from .topology import differences, match_subdivision
-from .work import add_steps, bake_steps, optimise_steps
+from .work import add_steps, bake_steps, optimise_steps, rebind_steps
+from .workfiles import work_files
 
 _OPTIONS = {"REGISTER", "UNDO"}
 _DEFAULT = Settings()
@@ -91,6 +96,29 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         scene = context.scene
         return bake_steps(context, scene.frame_start, scene.frame_end)
 
+    def done(self, context: bpy.types.Context, result: Any) -> None:
+        if result.trouble:
+            self.report({"WARNING"}, result.trouble)
+        if result.taken:
+            text = f"{result.taken} of {result.done} frames were solved by a bake stopped before"
+            self.report({"INFO"}, text)
+
+
+class DAPPLE_OT_rebind(StepsOperator, bpy.types.Operator):
+    """Bind the points to the nearest places of the surface, whose faces changed; go to the frame
+    and pose in which they were optimised first. Baked keys are dropped"""
+
+    bl_idname = "dapple.rebind"
+    bl_label = "Re-bind"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return rebind_steps(context)
+
 
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
     """Remove the baked keys; the points then ride on the surface as they were optimised"""
@@ -105,6 +133,42 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Answer:
         clear_keys(context.object)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_discard_bake(bpy.types.Operator):
+    """Remove the frames that a stopped bake has left; the next bake begins with its first frame"""
+
+    bl_idname = "dapple.discard_bake"
+    bl_label = "Discard Unfinished Bake"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and work_files(context.object).frames() > 0
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        work_files(context.object).clear()
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_preview(bpy.types.Operator):
+    """Keep the points even in the viewport while you scrub or pose; never in a render. Run again
+    to end it"""
+
+    bl_idname = "dapple.preview"
+    bl_label = "Live Preview"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and not missing()
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        obj = context.object
+        try:
+            (preview.stop if preview.is_on(obj) else preview.start)(obj)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 
@@ -146,6 +210,9 @@ CLASSES = (
     DAPPLE_OT_add,
     DAPPLE_OT_optimise,
     DAPPLE_OT_bake,
+    DAPPLE_OT_rebind,
     DAPPLE_OT_clear_bake,
+    DAPPLE_OT_discard_bake,
+    DAPPLE_OT_preview,
     DAPPLE_OT_match_subdivision,
 )

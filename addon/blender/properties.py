@@ -6,15 +6,18 @@ from dataclasses import fields
 import bpy
 from bpy.props import (
     BoolProperty,
+    EnumProperty,
     FloatProperty,
     IntProperty,
     PointerProperty,
+    StringProperty,
 )
 
 from ..core.records import SCHEMA_KEY
 from ..core.settings import Settings
 from ..core.solve import Report
-from ..nodes import GROUP_NAME, VERSION_KEY, set_input
+from ..core.stale import changed_settings
+from ..nodes import GROUP_NAME, VERSION_KEY, has_input, set_input
 
 _DEFAULT = Settings()
 _STILL: set[str] = set()  # not animatable: update functions do not run during playback
@@ -40,6 +43,29 @@ def _is_surface(settings: "DAPPLE_PG_scatter", obj: bpy.types.Object) -> bool:
 
 def _instance_changed(settings: "DAPPLE_PG_scatter", context: bpy.types.Context) -> None:
     write_instance_inputs(settings.id_data)
+
+
+def _settings_changed(settings: "DAPPLE_PG_scatter", context: bpy.types.Context) -> None:
+    write_stale_input(settings.id_data)
+
+
+def write_stale_input(obj: bpy.types.Object) -> None:
+    """Have the modifier warn when the settings are not those of the result."""
+    modifier = scatter_modifier(obj)
+    if modifier is not None and has_input(modifier, "Stale"):
+        set_input(modifier, "Stale", settings_reason(obj))
+        obj.update_tag()
+
+
+def settings_reason(obj: bpy.types.Object) -> str:
+    """Which settings are not those that the result was solved with; empty when all are."""
+    if not obj.dapple.solved_settings:
+        return ""
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if not names:
+        return ""
+    again = "bake" if obj.dapple.baked_keys else "optimise"
+    return f"Settings were changed ({', '.join(names)}): {again} again"
 
 
 def write_instance_inputs(obj: bpy.types.Object) -> None:
@@ -78,6 +104,16 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     evaluations: IntProperty(name="Evaluations")
     milliseconds: FloatProperty(name="Milliseconds")
     converged: BoolProperty(name="Converged")
+    key_error_max: FloatProperty(
+        name="Largest Distance Between Keys",
+        description="On frames without a key: farthest that a point is from where it was solved, "
+        "in spacings",
+    )
+    key_error_mean: FloatProperty(
+        name="Mean Distance Between Keys",
+        description="On frames without a key: mean distance from where points were solved, "
+        "in spacings",
+    )
 
 
 class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
@@ -91,6 +127,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     count: IntProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Count",
         description="Number of points, met exactly",
         default=_DEFAULT.count,
@@ -99,6 +136,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     seed: IntProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Seed",
         description="Another seed, another scatter",
         default=_DEFAULT.seed,
@@ -106,6 +144,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     capacity_weight: FloatProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Capacity Weight",
         description="How much equal areas count against regular spacing; larger is less regular",
         default=_DEFAULT.capacity_weight,
@@ -114,6 +153,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     gap_weight: FloatProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Gap Weight",
         description="How much the smallest distances between neighbours count",
         default=_DEFAULT.gap_weight,
@@ -122,6 +162,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     tolerance: FloatProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Tolerance",
         description="Relative decrease of the energy at which to stop; smaller is more regular",
         default=_DEFAULT.tolerance,
@@ -131,6 +172,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     max_evaluations: IntProperty(
         options=_STILL,
+        update=_settings_changed,
         name="Max Evaluations",
         description="Evaluations of the energy after which the optimisation stops",
         default=_DEFAULT.max_evaluations,
@@ -172,6 +214,35 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         subtype="FACTOR",
         update=_instance_changed,
     )
+    key_every: IntProperty(
+        options=_STILL,
+        name="Key Every",
+        description="Frames from one key to the next; more of them make a smaller file, "
+        "the points of the frames between are mixed from the keys around",
+        default=1,
+        min=1,
+        max=25,
+    )
+    on_topology_change: EnumProperty(
+        options=_STILL,
+        name="On Topology Change",
+        description="What to do when the faces of the surface are not those the points are bound "
+        "to, at the start of a bake or at a later frame",
+        items=[
+            ("REFUSE", "Refuse", "Stop with a sentence that names the frame"),
+            ("REBIND", "Re-bind", "Go on from the places of the new faces that are nearest"),
+        ],
+        default="REFUSE",
+    )
+    preview_budget: IntProperty(
+        options=_STILL,
+        name="Preview Budget",
+        description="Milliseconds that the live preview may take for a frame; when it takes "
+        "longer, points ride on the surface",
+        default=40,
+        min=1,
+        soft_max=1000,
+    )
     report: PointerProperty(type=DAPPLE_PG_report)
     surface_vertices: IntProperty(
         options=_STILL,
@@ -179,7 +250,17 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         description="Vertices of the surface the points are bound to",
     )
     baked_start: IntProperty(name="First Baked Frame")
-    baked_keys: IntProperty(name="Baked Keys", description="Number of baked frames, 0 if none")
+    bake_fingerprint: StringProperty(
+        name="Bake Fingerprint", description="Digest of all that the keys were solved from"
+    )
+    surface_topology: StringProperty(
+        name="Surface Topology", description="Digest of the faces the points are bound to"
+    )
+    solved_settings: StringProperty(
+        name="Solved Settings", description="Settings that the result was solved with, as JSON"
+    )
+    baked_frames: IntProperty(name="Baked Frames", description="Number of them, 0 if none")
+    baked_keys: IntProperty(name="Baked Keys", description="Number of keys, 0 if none")
 
 
 def settings_of(obj: bpy.types.Object) -> Settings:

@@ -4,22 +4,35 @@
 import bpy
 import numpy as np
 
+from ..core.errors import ScatterError
+from ..core.keys import Baked
 from ..core.records import (
+    FRAME_ATTRIBUTES,
+    KEY_ATTRIBUTES,
     POINT_ATTRIBUTES,
     ROW_ATTRIBUTES,
     SCHEMA,
     SCHEMA_KEY,
+    TRIANGLE_ATTRIBUTES,
     Binding,
     Columns,
     binding_from,
     check_binding,
-    joined,
 )
 from ..core.solve import Report, Scattered
-from ..core.surface import SurfaceArrays
-from ..nodes import GROUP_NAME, ensure_group, get_input, set_input
+from ..core.stale import settings_text
+from ..core.surface import Floats, SurfaceArrays
+from ..nodes import GROUP_NAME, ensure_group, get_input, has_input, set_input
 from .meshio import read_columns, to_local, write_columns, write_points
-from .properties import scatter_modifier, write_instance_inputs, write_report
+from .properties import (
+    scatter_modifier,
+    settings_of,
+    write_instance_inputs,
+    write_report,
+    write_stale_input,
+)
+
+_STORES = ("Keys", "Triangles", "Frames")  # inputs of the node group that hold a bake
 
 
 def new_scatter(surface: bpy.types.Object, collection: bpy.types.Collection) -> bpy.types.Object:
@@ -29,16 +42,28 @@ def new_scatter(surface: bpy.types.Object, collection: bpy.types.Collection) -> 
     obj.data[SCHEMA_KEY] = SCHEMA
     collection.objects.link(obj)
     obj.dapple.surface = surface
-    _ensure_modifier(obj)
+    ensure_modifier(obj)
     return obj
 
 
-def _ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+    """The modifier with the group of this version; keys of an older one were cleared."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
-        modifier.node_group = ensure_group()
+    group = ensure_group()
+    if modifier.node_group != group:
+        modifier.node_group = group
+        write_surface_inputs(obj, modifier)
+        write_instance_inputs(obj)
     return modifier
+
+
+def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
+    """Tell the node group what the points are bound to."""
+    set_input(modifier, "Surface", obj.dapple.surface)
+    set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
+    set_input(modifier, "Spacing", obj.dapple.report.spacing)
 
 
 def write_scattered(obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered) -> None:
@@ -46,14 +71,20 @@ def write_scattered(obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scatte
     clear_keys(obj)
     write_points(obj.data, to_local(obj, solved.positions))
     write_columns(obj.data, solved.columns, POINT_ATTRIBUTES)
-    write_columns(obj.data, solved.binding.rows(), ROW_ATTRIBUTES)
     obj.data[SCHEMA_KEY] = SCHEMA
-    obj.dapple.surface_vertices = len(arrays.vertices)
+    obj.dapple.solved_settings = settings_text(settings_of(obj))
     write_report(obj, solved.report)
-    modifier = _ensure_modifier(obj)
-    set_input(modifier, "Surface", obj.dapple.surface)
-    set_input(modifier, "Surface Vertices", len(arrays.vertices))
-    set_input(modifier, "Spacing", solved.report.spacing)
+    write_binding(obj, arrays, solved.binding)
+    write_stale_input(obj)
+
+
+def write_binding(obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding) -> None:
+    """Store where the points sit on a surface. Keys of an older binding go."""
+    clear_keys(obj)
+    write_columns(obj.data, binding.rows(), ROW_ATTRIBUTES)
+    obj.dapple.surface_vertices = len(arrays.vertices)
+    obj.dapple.surface_topology = arrays.topology
+    write_surface_inputs(obj, ensure_modifier(obj))
     write_instance_inputs(obj)
 
 
@@ -64,21 +95,60 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
     return binding, read_columns(obj.data, POINT_ATTRIBUTES)
 
 
-def write_keys(obj: bpy.types.Object, keys: list[Binding], start: int, report: Report) -> None:
-    """Store baked keys, the first of them for the frame start."""
+def write_baked(obj: bpy.types.Object, baked: Baked, start: int, report: Report) -> None:
+    """Store baked keys, the first frame of the bake being start."""
     clear_keys(obj)
-    name = f"{obj.name} Keys"
-    store = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    columns = joined(keys)
-    write_points(store.data, np.zeros((len(columns["dapple_carry"]), 3)))
-    write_columns(store.data, columns, ROW_ATTRIBUTES)
-    modifier = _ensure_modifier(obj)
-    set_input(modifier, "Keys", store)
+    modifier = ensure_modifier(obj)
+    places = baked.keys["position"]
+    set_input(modifier, "Keys", _stored(obj, "Keys", baked.keys, KEY_ATTRIBUTES, places))
+    for name, columns, types in (
+        ("Triangles", baked.triangles, TRIANGLE_ATTRIBUTES),
+        ("Frames", baked.frames, FRAME_ATTRIBUTES),
+    ):
+        set_input(modifier, name, _stored(obj, name, columns, types))
     set_input(modifier, "Key Points", len(obj.data.vertices))
     set_input(modifier, "First Frame", start)
-    obj.dapple.baked_start, obj.dapple.baked_keys = start, len(keys)
+    obj.dapple.baked_start, obj.dapple.baked_frames = start, baked.frame_count
+    obj.dapple.baked_keys = len(places) // max(len(obj.data.vertices), 1)
+    obj.dapple.solved_settings = settings_text(settings_of(obj))
     write_report(obj, report)
+    write_stale_input(obj)
     obj.update_tag()
+
+
+def _stored(
+    obj: bpy.types.Object,
+    name: str,
+    columns: Columns,
+    types: dict[str, str],
+    places: Floats | None = None,
+) -> bpy.types.Object:
+    """Object outside every scene, whose points store columns."""
+    label = f"{obj.name} {name}"
+    store = bpy.data.objects.new(label, bpy.data.meshes.new(label))
+    count = len(columns[next(iter(types))])
+    write_points(store.data, np.zeros((count, 3)) if places is None else places)
+    write_columns(store.data, columns, types)
+    return store
+
+
+def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
+    """The object that holds a baked scatter's Keys, Triangles or Frames; ScatterError if none."""
+    modifier = scatter_modifier(obj)
+    found = get_input(modifier, name) if modifier and has_input(modifier, name) else None
+    if found is None:
+        raise ScatterError(f"Scatter '{obj.name}' has no baked {name}: bake again")
+    return found
+
+
+def read_baked(obj: bpy.types.Object) -> Baked:
+    """The keys of a baked scatter."""
+    keys, triangles, frames = (stored_object(obj, name).data for name in _STORES)
+    return Baked(
+        read_columns(keys, {**KEY_ATTRIBUTES, "position": "FLOAT_VECTOR"}),
+        read_columns(triangles, TRIANGLE_ATTRIBUTES),
+        read_columns(frames, FRAME_ATTRIBUTES),
+    )
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
@@ -86,11 +156,15 @@ def clear_keys(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    store = get_input(modifier, "Keys")
-    set_input(modifier, "Keys", None)
-    obj.dapple.baked_keys = 0
+    stores = [get_input(modifier, name) for name in _STORES if has_input(modifier, name)]
+    for name in _STORES:
+        if has_input(modifier, name):
+            set_input(modifier, name, None)
+    obj.dapple.baked_keys = obj.dapple.baked_frames = 0
+    obj.dapple.bake_fingerprint = ""
     obj.update_tag()
-    if store is not None and store.users == 0:
-        mesh = store.data
-        bpy.data.objects.remove(store)
-        bpy.data.meshes.remove(mesh)
+    for store in stores:
+        if store is not None and store.users == 0:
+            mesh = store.data
+            bpy.data.objects.remove(store)
+            bpy.data.meshes.remove(mesh)

@@ -6,17 +6,24 @@ from typing import ClassVar
 
 import bpy
 
+from ..core.errors import ScatterError
 from ..core.native import missing
+from . import preview
 from .operators import (
     DAPPLE_OT_add,
     DAPPLE_OT_bake,
     DAPPLE_OT_clear_bake,
+    DAPPLE_OT_discard_bake,
     DAPPLE_OT_match_subdivision,
     DAPPLE_OT_optimise,
+    DAPPLE_OT_preview,
+    DAPPLE_OT_rebind,
     active_surface,
 )
-from .properties import is_scatter
+from .properties import is_scatter, settings_reason
+from .staleness import stale_reason
 from .topology import differences
+from .workfiles import unfinished, unsaved_note
 
 
 def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
@@ -65,6 +72,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
     for text, icon in result_lines(context.object, context):
         _lines(layout, text, icon)
+    layout.operator(DAPPLE_OT_rebind.bl_idname)
 
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -86,23 +94,22 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     ]
     if not report.converged:
         lines.append(("Tolerance not reached: raise Max Evaluations", "INFO"))
-    stale = stale_reason(obj, context)
-    lines.append((stale or "Fresh: fits the surface", "ERROR" if stale else "CHECKMARK"))
+    stale = _stale_reason(obj, context)
+    if stale:
+        lines.append((f"Stale: {stale[0].lower()}{stale[1:]}", "ERROR"))
+    else:
+        lines.append(("Fresh: fits the surface", "CHECKMARK"))
     return lines
 
 
-def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
-    """Why the points do not fit the surface any more; empty when they do."""
-    surface, bound = obj.dapple.surface, obj.dapple.surface_vertices
-    if surface is None:
-        return "Stale: the surface is gone"
-    evaluated = surface.evaluated_get(context.evaluated_depsgraph_get())
-    now = len(evaluated.data.vertices)
-    if now != bound:
-        return f"Stale: bound to {bound:,} vertices, the surface has {now:,}"
-    if obj.dapple.report.count != obj.dapple.count:
-        return f"Stale: {obj.dapple.count:,} points are asked for"
-    return ""
+def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """stale_reason, but while the animation plays: then nobody waits for the panel."""
+    if context.screen is not None and context.screen.is_animation_playing:
+        return settings_reason(obj)
+    try:
+        return stale_reason(obj, context)
+    except ScatterError as error:
+        return str(error)
 
 
 class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
@@ -125,6 +132,19 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
             self.layout.prop(context.object.dapple, name)
 
 
+def baked_line(obj: bpy.types.Object) -> str:
+    """Which frames are baked, and what the frames without a key lose."""
+    settings, report = obj.dapple, obj.dapple.report
+    last = settings.baked_start + settings.baked_frames - 1
+    line = f"Baked: frames {settings.baked_start} to {last}"
+    if settings.baked_keys == settings.baked_frames:
+        return line
+    return (
+        f"{line}, {settings.baked_keys} keys; between them points are "
+        f"{report.key_error_mean:.2g} spacings off (at most {report.key_error_max:.2g})"
+    )
+
+
 class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
     bl_label = "Animation"
 
@@ -133,14 +153,26 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(context.scene, "frame_start", text="Frame Start")
         layout.prop(context.scene, "frame_end", text="End")
+        layout.prop(settings, "key_every")
+        layout.prop(settings, "on_topology_change", text="If Faces Change")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
         row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
         if settings.baked_keys:
-            last = settings.baked_start + settings.baked_keys - 1
-            _lines(layout, f"Baked: frames {settings.baked_start} to {last}", "CHECKMARK")
+            _lines(layout, baked_line(context.object), "CHECKMARK")
         else:
             _lines(layout, "Not baked: points ride on the surface", "INFO")
+        row = layout.row(align=True)
+        row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
+        row.prop(settings, "preview_budget", text="ms")
+        if preview.note(context.object):
+            _lines(layout, preview.note(context.object), "INFO")
+        if unfinished(context.object):
+            count = unfinished(context.object)
+            _lines(layout, f"Unfinished bake: {count} frames are solved, Bake goes on", "INFO")
+            layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
+        if unsaved_note():
+            _lines(layout, unsaved_note(), "INFO")
 
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -10,29 +10,24 @@ from typing import Any
 
 import bpy
 
-from ..core.errors import ScatterError
+from ..core.bake import Baker, Start
+from ..core.binding import bound_nearest
+from ..core.errors import ScatterError, StoppedError
+from ..core.keys import Keyframes
+from ..core.records import POINT_ATTRIBUTES, Binding, Columns
 from ..core.settings import Settings
-from ..core.solve import Baker, scatter
+from ..core.solve import scatter
 from ..core.steps import Steps, Task
-from ..core.surface import SurfaceArrays, check_same_topology, check_unchanged
-from .meshio import read_surface
+from ..core.surface import Floats, SurfaceArrays, check_unchanged
+from .held import Held
+from .meshio import read_columns, read_points, read_surface, to_world
 from .properties import settings_of
-from .store import new_scatter, read_binding, write_keys, write_scattered
+from .staleness import other_faces
+from .store import new_scatter, read_binding, write_baked, write_binding, write_scattered
 from .topology import check_render_topology
+from .workfiles import work_files
 
-
-class Held:
-    """An object across steps, without a reference that an undo would leave dangling."""
-
-    def __init__(self, obj: bpy.types.Object) -> None:
-        self.uid, self.name = obj.session_uid, obj.name
-
-    def get(self) -> bpy.types.Object:
-        """The object; ScatterError if it is gone."""
-        for obj in bpy.data.objects:
-            if obj.session_uid == self.uid:
-                return obj
-        raise ScatterError(f"Object '{self.name}' was removed meanwhile: nothing was written")
+_SEAM_STEPS = 6
 
 
 def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
@@ -68,7 +63,7 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
-    """One re-optimised key for each frame from first to last."""
+    """Keys of the frames from first to last, each re-optimised; returns the Baker."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
@@ -76,45 +71,118 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
         baker = yield from _carry(held, surface, first, last)
     obj = held.get()
     _check_points(obj, baker)
-    write_keys(obj, baker.keys, first, baker.report())
-    return obj
+    write_baked(obj, baker.baked(), first, baker.report())
+    obj.dapple.bake_fingerprint = baker.fingerprint
+    known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
+    obj.dapple.surface_topology = " ".join(known)
+    return baker
 
 
 def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
     count = last - first + 1
-    arrays = _at_frame(surface, first)
+    begin = arrays = _at_frame(surface, first)
     check_render_topology(surface.get(), bpy.context)
-    baker = _baker(held.get(), arrays)
+    baker = _baker(held.get(), arrays, first, count)
     for step in range(count):
         if step:
             arrays = _at_frame(surface, first + step)
-            check_same_topology(baker.first, arrays, f"frame {first + step}")
-        yield _advance(baker, arrays, step / count, (step + 1) / count)
-    check_unchanged(baker.first, _at_frame(surface, first))
+        share = (step / count, (step + 1) / count)
+        yield from _solve(baker, surface, arrays, share)
+    check_unchanged(begin, _at_frame(surface, first))
     return baker
 
 
-def _advance(baker: Baker, arrays: SurfaceArrays, begin: float, end: float) -> Task:
-    return Task(lambda worker: baker.advance(arrays.vertices, worker), begin, end)
+def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[float, float]) -> Any:
+    """The next frame: what a stopped bake left, or solved now."""
+    if baker.changes(arrays):
+        number = baker.first + baker.done
+        baker.cross(*_seam(surface, number, baker.bound.topology))
+        arrays = _at_frame(surface, number)
+    baker.enter(arrays)
+    try:
+        if (yield Task(lambda _: baker.take(), *share)):
+            return
+        for past in baker.behind:
+            vertices = _at_frame(surface, baker.first + past).vertices
+            yield _replayed(baker, vertices, share[0])
+        yield Task(baker.advance, *share)
+    except StoppedError as error:
+        raise StoppedError(_stopped(baker)) from error
 
 
-def _baker(obj: bpy.types.Object, arrays: SurfaceArrays) -> Baker:
-    if obj.dapple.surface_vertices != len(arrays.vertices):
+def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
+    """The surface just before and just after it loses its topology, on the way to a frame.
+
+    Bisected, so that it hardly moves between both, however far it moves in a frame.
+    """
+    begin, end = 0.0, 1.0
+    before, after = _at_frame(surface, frame - 1), _at_frame(surface, frame)
+    for _ in range(_SEAM_STEPS):
+        middle = (begin + end) / 2
+        arrays = _at_frame(surface, frame - 1, middle)
+        if arrays.topology == topology:
+            begin, before = middle, arrays
+        elif arrays.topology == after.topology:
+            end, after = middle, arrays
+        else:  # yet another one on the way
+            break
+    return before, after
+
+
+def _replayed(baker: Baker, vertices: Floats, at: float) -> Task:
+    return Task(lambda worker: baker.replay(vertices, worker), at, at)
+
+
+def _stopped(baker: Baker) -> str:
+    if baker.sidecar is None or not baker.done:
+        return "Cancelled: nothing was written"
+    return (
+        f"Cancelled: the scatter is as it was; {baker.done} solved frames are kept in "
+        f"'{baker.sidecar.folder}', Bake goes on from there"
+    )
+
+
+def _baker(obj: bpy.types.Object, arrays: SurfaceArrays, first: int, count: int) -> Baker:
+    rebind = obj.dapple.on_topology_change == "REBIND"
+    binding, columns = _binding(obj, arrays, rebind)
+    start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
+    keyframes = Keyframes(count, obj.dapple.key_every)
+    return Baker(arrays, start, keyframes, work_files(obj), first, rebind)
+
+
+def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tuple[Binding, Columns]:
+    """The stored binding, or one to the places nearest to the points as they were optimised."""
+    reason = other_faces(obj, arrays)
+    if not reason:
+        return read_binding(obj, len(arrays.vertices))
+    if not rebind:
         raise ScatterError(
-            f"Scatter '{obj.name}' is stale: bound to {obj.dapple.surface_vertices} vertices, "
-            f"surface '{arrays.name}' has {len(arrays.vertices)}: optimise the scatter first"
+            f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
+            "Topology Change to Re-bind"
         )
-    binding, columns = read_binding(obj, len(arrays.vertices))
-    return Baker(arrays, settings_of(obj), binding, columns["id"], columns["dapple_class"])
+    binding = bound_nearest(to_world(obj, read_points(obj.data)), arrays)
+    return binding, read_columns(obj.data, POINT_ATTRIBUTES)
+
+
+def rebind_steps(context: bpy.types.Context) -> Steps:
+    """Bind the active scatter to the places of its surface that are nearest to its points."""
+    held, surface = Held(context.object), Held(surface_of(context.object))
+    arrays = _read_checked(surface.get(), context)
+    points = to_world(context.object, read_points(context.object.data))
+    binding = yield Task(lambda _: bound_nearest(points, arrays))
+    obj = held.get()
+    check_unchanged(arrays, _read(surface.get()))
+    write_binding(obj, arrays, binding)
+    return obj
 
 
 def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
-    if len(obj.data.vertices) != len(baker.ids):
+    if len(obj.data.vertices) != len(baker.start.ids):
         raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")
 
 
-def _at_frame(surface: Held, frame: int) -> SurfaceArrays:
-    bpy.context.scene.frame_set(frame)
+def _at_frame(surface: Held, frame: int, part: float = 0.0) -> SurfaceArrays:
+    bpy.context.scene.frame_set(frame, subframe=part)
     return _read(surface.get())
 
 

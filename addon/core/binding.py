@@ -6,15 +6,22 @@ from typing import Any
 import numpy as np
 
 from .errors import ScatterError
+from .frames import frames, transport, vertex_normals
+from .keys import Placed
 from .native import package
 from .records import Binding
-from .surface import Floats, Ints
+from .surface import Floats, Ints, SurfaceArrays
 
 
 def binding_of(samples: Any, faces: Ints) -> Binding:
     """Binding of dapple.Samples of a surface with these faces; no angle carried yet."""
     corners = np.ascontiguousarray(faces[samples.faces])
     return Binding(corners, np.asarray(samples.barycentric), np.zeros(len(corners)))
+
+
+def placed_of(samples: Any, faces: Ints) -> Placed:
+    """Where dapple.Samples sit, with the triangles that a key stores."""
+    return Placed(np.asarray(samples.faces, dtype=np.int32), binding_of(samples, faces))
 
 
 def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
@@ -30,6 +37,26 @@ def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
         closest = package().project(surface, points)
         faces[lost], weights[lost] = closest.faces, closest.barycentric
     return package().Samples(surface, faces, weights, ids=ids, classes=classes)
+
+
+def rebound(before: Binding, vertices: Floats, faces: Ints, surface: SurfaceArrays) -> Binding:
+    """Binding to the places of another surface that are nearest to points bound to this one.
+
+    The directions that the points carry are turned as little as the normals ask for.
+    """
+    old = frames(before, vertices, vertex_normals(vertices, faces))
+    after = bound_nearest(before.positions(vertices), surface)
+    new = frames(after, surface.vertices, vertex_normals(surface.vertices, surface.faces))
+    direction = transport(old.direction(before.carry), old.normal, new.normal)
+    return Binding(after.corners, after.barycentric, new.angle(direction))
+
+
+def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:
+    """Binding to the places of a surface that are nearest to points (n, 3)."""
+    native = package().Surface(surface.vertices, surface.faces)
+    closest = package().project(native, points)
+    corners = np.ascontiguousarray(surface.faces[closest.faces])
+    return Binding(corners, np.asarray(closest.barycentric), np.zeros(len(points)))
 
 
 def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:

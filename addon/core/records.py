@@ -2,8 +2,8 @@
 """Records: which attributes a scatter and its baked keys store, and under which schema.
 
 A binding ties each point to the surface by three vertex indices and barycentric coordinates.
-The points of the scatter object store one binding; the points of the key object store one
-row for each key and point, key after key.
+The points of the scatter object store one binding. Baked keys lie in three meshes without faces:
+one point for each key and point, key after key; one for each triangle; one for each frame.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,15 @@ ROW_ATTRIBUTES = {
     "dapple_v2": "INT",
     "dapple_barycentric": "FLOAT_VECTOR",
     "dapple_carry": "FLOAT",
+}
+KEY_ATTRIBUTES = {"dapple_face": "INT"}  # its position: barycentrics 1 and 2, angle carried
+TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
+FRAME_ATTRIBUTES = {
+    "dapple_key": "INT",  # the key at or before the frame
+    "dapple_since": "INT",  # frames since that key
+    "dapple_span": "INT",  # frames from that key to the next, 0 where none is to be mixed in
+    "dapple_vertices": "INT",  # of the surface
+    **{f"dapple_sketch{k}": "FLOAT_VECTOR" for k in range(3)},  # of its shape, see stale.py
 }
 POINT_ATTRIBUTES = {
     "id": "INT",
@@ -61,12 +70,6 @@ def binding_from(columns: Columns) -> Binding:
     weights = np.asarray(columns["dapple_barycentric"], dtype=np.float64)
     carry = np.asarray(columns["dapple_carry"], dtype=np.float64)
     return Binding(corners.astype(np.int32), weights, carry)
-
-
-def joined(bindings: list[Binding]) -> Columns:
-    """Rows of several keys, key after key."""
-    parts = [binding.rows() for binding in bindings]
-    return {name: np.concatenate([part[name] for part in parts]) for name in ROW_ATTRIBUTES}
 
 
 def check_binding(binding: Binding, vertex_count: int, name: str) -> None:

@@ -3,14 +3,13 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from .binding import binding_of, samples_of
+from .binding import binding_of
 from .errors import ScatterError, StoppedError
-from .frames import carried
 from .native import package
 from .records import Binding, Columns, own_random
 from .settings import Settings
@@ -29,6 +28,8 @@ class Report:
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
+    key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
+    key_error_mean: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -66,56 +67,9 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
 
 def report_of(report: Any) -> Report:
     """The shown part of a dapple.Report."""
-    shown = {
-        name: getattr(report, name)
-        for name in Report.__dataclass_fields__
-        if name != "milliseconds"
-    }
-    return Report(milliseconds=1000.0 * report.seconds, **shown)
-
-
-@dataclass
-class Baker:
-    """Carries a binding through the frames of a deforming surface, one key for each."""
-
-    first: SurfaceArrays
-    settings: Settings
-    binding: Binding
-    ids: Ints
-    classes: Ints
-    keys: list[Binding] = field(default_factory=list)
-    reports: list[Report] = field(default_factory=list)
-    _tracker: Any = None
-
-    def advance(self, vertices: Floats, context: Any) -> None:
-        """Add the key of the next frame."""
-        with named(self.first.name):
-            if self._tracker is None:
-                self._tracker = self._new_tracker()
-            samples = self._tracker.advance(vertices, context=context)
-        before = self.keys[-1] if self.keys else self.binding
-        key = carried(before, binding_of(samples, self.first.faces), vertices, self.first.faces)
-        self.keys.append(key)
-        self.reports.append(report_of(samples.report))
-
-    def _new_tracker(self) -> Any:
-        surface = package().Surface(self.first.vertices, self.first.faces)
-        samples = samples_of(self.binding, surface, self.ids, self.classes)
-        return package().Tracker(surface, samples, **self.settings.tracker_options())
-
-    def report(self) -> Report:
-        """The worst spacing and spread of all keys, the mean cost of one."""
-        reports, count = self.reports, max(len(self.reports), 1)
-        return Report(
-            count=len(self.ids),
-            spacing=reports[-1].spacing,
-            alpha_min=min(report.alpha_min for report in reports),
-            alpha_mean=sum(report.alpha_mean for report in reports) / count,
-            capacity_spread=max(report.capacity_spread for report in reports),
-            evaluations=round(sum(report.evaluations for report in reports) / count),
-            milliseconds=sum(report.milliseconds for report in reports) / count,
-            converged=all(report.converged for report in reports),
-        )
+    names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations")
+    shown = {name: getattr(report, name) for name in names}
+    return Report(milliseconds=1000.0 * report.seconds, converged=report.converged, **shown)
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 """The surface as it was read: arrays in world space and what identifies them."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ class SurfaceArrays:
     vertices: Floats  # (v, 3) in world space
     faces: Ints  # (m, 3), triangulated as of this frame
     topology: str  # digest of the polygons' corners, the same however quads are cut
+    matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
 
     @cached_property
     def fingerprint(self) -> str:
@@ -47,7 +48,8 @@ def check_same_topology(first: SurfaceArrays, later: SurfaceArrays, when: str) -
     detail = f"{after} vertices, was {before}" if before != after else "other faces"
     raise ScatterError(
         f"Surface '{first.name}' changes its topology at {when} ({detail}): "
-        "points can only be carried over frames with the same faces"
+        "points can only be carried over frames with the same faces. Set On Topology Change to "
+        "Re-bind to go on from the nearest places"
     )
 
 

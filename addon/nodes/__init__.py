@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
-from .inputs import get_input, set_input
+from .inputs import get_input, has_input, set_input
 from .scatter import GROUP_NAME, VERSION_KEY, ensure_group
 
-__all__ = ["GROUP_NAME", "VERSION_KEY", "ensure_group", "get_input", "set_input"]
+__all__ = ["GROUP_NAME", "VERSION_KEY", "ensure_group", "get_input", "has_input", "set_input"]

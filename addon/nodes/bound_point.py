@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: one row of a binding -> position and rotation on the surface as it is now."""
+"""Node group: a binding -> position and rotation on the surface as it is now."""
 
 import bpy
 
@@ -9,41 +9,31 @@ NAME = "Dapple Bound Point"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Row indexes the binding rows stored on the points of Keys."""
+    """New group; V0 to V2, Weights and Carry are fields of a binding (core/records.py)."""
     tree = new_group(
         NAME,
         [
             ("Surface", "NodeSocketGeometry"),
-            ("Keys", "NodeSocketGeometry"),
-            ("Row", "NodeSocketInt"),
+            *((f"V{k}", "NodeSocketInt") for k in range(3)),
+            ("Weights", "NodeSocketVector"),
+            ("Carry", "NodeSocketFloat"),
             ("Side", "NodeSocketFloat"),
         ],
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    corners = [_row(b, f"dapple_v{k}", "INT") for k in range(3)]
-    weights = _weights(b)
-    positions = _at_corners(b, b.out("GeometryNodeInputPosition"), corners)
-    normals = _at_corners(b, b.out("GeometryNodeInputNormal"), corners)
+    weights = list(b.node("ShaderNodeSeparateXYZ", b.input("Weights")).outputs)
+    positions = _at_corners(b, b.out("GeometryNodeInputPosition"))
+    normals = _at_corners(b, b.out("GeometryNodeInputNormal"))
     b.output("Position", _weighted(b, positions, weights))
     b.output("Rotation", _rotation(b, positions, _weighted(b, normals, weights)))
     b.arrange()
     return tree
 
 
-def _row(b: Builder, name: str, data_type: str) -> Socket:
-    field = b.attribute(name, data_type)
-    return b.sample(b.input("Keys"), field, b.input("Row"), data_type)
-
-
-def _weights(b: Builder) -> list[Socket]:
-    row = _row(b, "dapple_barycentric", "FLOAT_VECTOR")
-    return list(b.node("ShaderNodeSeparateXYZ", row).outputs)
-
-
-def _at_corners(b: Builder, field: Socket, corners: list[Socket]) -> list[Socket]:
+def _at_corners(b: Builder, field: Socket) -> list[Socket]:
     surface = b.input("Surface")
-    return [b.sample(surface, field, corner, "FLOAT_VECTOR") for corner in corners]
+    return [b.sample(surface, field, b.input(f"V{k}"), "FLOAT_VECTOR") for k in range(3)]
 
 
 def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket:
@@ -62,4 +52,4 @@ def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
         primary_axis="Z",
         secondary_axis="X",
     )
-    return b.turned(frame, _row(b, "dapple_carry", "FLOAT"))
+    return b.turned(frame, b.input("Carry"))

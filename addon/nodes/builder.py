@@ -64,7 +64,7 @@ class Builder:
     def compare(self, operation: str, a: Any, b: Any, data_type: str = "INT") -> Socket:
         return self.out("FunctionNodeCompare", a, b, data_type=data_type, operation=operation)
 
-    def boolean(self, operation: str, a: Any, b: Any) -> Socket:
+    def boolean(self, operation: str, a: Any, b: Any = None) -> Socket:
         return self.out("FunctionNodeBooleanMath", a, b, operation=operation)
 
     def mix(self, data_type: str, factor: Any, a: Any, b: Any) -> Socket:

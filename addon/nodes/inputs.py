@@ -13,6 +13,12 @@ def _identifier(group: bpy.types.NodeTree, name: str) -> str:
     raise KeyError(f"node group {group.name!r} has no input {name!r}")
 
 
+def has_input(modifier: bpy.types.NodesModifier, name: str) -> bool:
+    """Whether the node group, perhaps of an older version, has an input called name."""
+    items = modifier.node_group.interface.items_tree
+    return any(item.item_type == "SOCKET" and item.name == name for item in items)
+
+
 def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
     """Value of the input called name."""
     identifier = _identifier(modifier.node_group, name)

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node group: bound points -> instances on the surface of the current (sub-)frame."""
 
+from typing import Any
+
 import bpy
 
-from . import bound_point
+from . import bound_point, playback
 from .builder import Builder, Socket, new_group
 
 GROUP_NAME = "Dapple Scatter"
-VERSION = 1
+VERSION = 2
 VERSION_KEY = "dapple_version"
 
 INPUTS = [
@@ -15,8 +17,12 @@ INPUTS = [
     ("Surface", "NodeSocketObject"),
     ("Surface Vertices", "NodeSocketInt"),
     ("Keys", "NodeSocketObject"),
+    ("Triangles", "NodeSocketObject"),
+    ("Frames", "NodeSocketObject"),
     ("Key Points", "NodeSocketInt"),
     ("First Frame", "NodeSocketInt"),
+    ("Stale", "NodeSocketString"),
+    ("Preview", "NodeSocketObject"),
     ("Instance", "NodeSocketObject"),
     ("Spacing", "NodeSocketFloat"),
     ("Scale", "NodeSocketFloat"),
@@ -40,25 +46,40 @@ def build() -> bpy.types.NodeTree:
     tree[VERSION_KEY] = VERSION
     b = Builder(tree)
     info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
-    keys, baked = _keys(b)
-    points = _placed(b, info, keys)
-    fits = _guards(b, info.outputs["Geometry"], baked)
+    rows, triangles, frames = (_stored(b, name) for name in ("Keys", "Triangles", "Frames"))
+    baked = b.compare("GREATER_THAN", b.count(rows), 0)
+    vertices = b.count(info.outputs["Geometry"])
+    moment = playback.moment(b, frames, vertices)
+    own = playback.own(b)
+    keys = [playback.of_key(b, rows, triangles, key) for key in (moment.first, moment.second)]
+    bindings = [playback.chosen(b, baked, own, key) for key in keys]
+    preview, live = _preview(b)
+    bindings = [playback.chosen(b, live, stored, preview) for stored in bindings]
+    points = _placed(b, info, bindings, moment.fraction)
+    played = b.boolean("AND", baked, b.boolean("NOT", live))
+    bound = b.switch("INT", played, b.input("Surface Vertices"), moment.vertices)
+    fits = _guards(b, b.compare("NOT_EQUAL", vertices, bound), played)
     b.output("Geometry", b.switch("GEOMETRY", fits, None, _instances(b, points)))
     b.arrange()
     return tree
 
 
-def _keys(b: Builder) -> tuple[Socket, Socket]:
-    """Rows to play: those of the key object if it has any, else the points' own."""
-    info = b.node("GeometryNodeObjectInfo", b.input("Keys"), transform_space="ORIGINAL")
-    rows = info.outputs["Geometry"]
-    baked = b.compare("GREATER_THAN", b.count(rows), 0)
-    return b.switch("GEOMETRY", baked, b.input("Geometry"), rows), baked
+def _preview(b: Builder) -> tuple[playback.Bound, Socket]:
+    """The binding of a live preview, and whether to show it: in no render."""
+    rows = _stored(b, "Preview")
+    fits = b.compare("EQUAL", b.count(rows), b.count(b.input("Geometry")))
+    some = b.compare("GREATER_THAN", b.count(rows), 0)
+    live = b.boolean("AND", b.boolean("AND", fits, some), b.out("GeometryNodeIsViewport"))
+    return playback.previewed(b, rows), live
 
 
-def _guards(b: Builder, surface: Socket, baked: Socket) -> Socket:
+def _stored(b: Builder, name: str) -> Socket:
+    info = b.node("GeometryNodeObjectInfo", b.input(name), transform_space="ORIGINAL")
+    return info.outputs["Geometry"]
+
+
+def _guards(b: Builder, stale: Socket, baked: Socket) -> Socket:
     """True when the stored rows fit the surface and the points; else nodes warn."""
-    stale = b.compare("NOT_EQUAL", b.count(surface), b.input("Surface Vertices"))
     lost = b.compare("NOT_EQUAL", b.count(b.input("Geometry")), b.input("Key Points"))
     stale = _warning(b, stale, "The surface has another number of vertices: optimise the scatter")
     lost = _warning(
@@ -66,19 +87,24 @@ def _guards(b: Builder, surface: Socket, baked: Socket) -> Socket:
         b.boolean("AND", baked, lost),
         "Points were added or removed since the bake: bake again",
     )
-    return b.boolean("NOR", stale, lost)
+    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Stale")), 0)
+    said = _warning(b, said, b.input("Stale"))
+    # Settings that changed are told and hide nothing; only a node that is used is evaluated.
+    hidden = b.boolean("OR", stale, lost)
+    return b.boolean("NOR", hidden, b.boolean("AND", said, hidden))
 
 
-def _warning(b: Builder, show: Socket, message: str) -> Socket:
+def _warning(b: Builder, show: Socket, message: Any) -> Socket:
     return b.out("GeometryNodeWarning", show, message, warning_type="WARNING")
 
 
-def _placed(b: Builder, info: bpy.types.Node, keys: Socket) -> Socket:
+def _placed(
+    b: Builder, info: bpy.types.Node, bindings: list[playback.Bound], fraction: Socket
+) -> Socket:
     """Points on the surface, with `rotation` and `scale` attributes."""
-    first, second, fraction = _rows(b, keys)
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
     surface = info.outputs["Geometry"]
-    a, c = (_bound(b, surface, keys, row, side) for row in (first, second))
+    a, c = (_bound(b, surface, binding, side) for binding in bindings)
     position = b.mix("VECTOR", fraction, a.outputs[0], c.outputs[0])
     rotation = b.mix("ROTATION", fraction, a.outputs[1], c.outputs[1])
     turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), b.input("Turn Randomness"))
@@ -88,32 +114,10 @@ def _placed(b: Builder, info: bpy.types.Node, keys: Socket) -> Socket:
     return b.out("GeometryNodeSetPosition", points, True, position)
 
 
-def _rows(b: Builder, keys: Socket) -> tuple[Socket, Socket, Socket]:
-    """Rows of the two keys around the current frame and the fraction between them.
-
-    Integers count the rows: floats run out of digits beyond 2^24 of them.
-    """
-    time = b.node("GeometryNodeInputSceneTime").outputs["Frame"]
-    frame = b.number("FLOOR", time)
-    fraction = b.number("SUBTRACT", time, frame)
-    whole = b.out("FunctionNodeFloatToInt", frame, rounding_mode="FLOOR")
-    key = b.integer("SUBTRACT", whole, b.input("First Frame"))
-    points = b.count(b.input("Geometry"))
-    last = b.integer("SUBTRACT", b.integer("DIVIDE", b.count(keys), points), 1)
-    index = b.out("GeometryNodeInputIndex")
-    rows = []
-    for step in (0, 1):
-        held = b.integer("MINIMUM", b.integer("ADD", key, step), last)
-        held = b.integer("MAXIMUM", held, 0)
-        rows.append(b.integer("MULTIPLY_ADD", held, points))
-        b.tree.links.new(index, rows[-1].node.inputs[2])
-    return rows[0], rows[1], fraction
-
-
-def _bound(b: Builder, surface: Socket, keys: Socket, row: Socket, side: Socket) -> bpy.types.Node:
+def _bound(b: Builder, surface: Socket, binding: playback.Bound, side: Socket) -> bpy.types.Node:
     node = b.tree.nodes.new("GeometryNodeGroup")
     node.node_tree = _bound_point_group()
-    for socket, feed in zip(node.inputs, (surface, keys, row, side), strict=True):
+    for socket, feed in zip(node.inputs, (surface, *binding.sockets(), side), strict=True):
         b.tree.links.new(feed, socket)
     return node
 

@@ -2,6 +2,7 @@
 """Python with bpy in a process of its own: the wheel's Python, or this Blender executable."""
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,19 +26,29 @@ os._exit(0)
 
 def run(script, *arguments, **environment):
     """What a script prints; it finds its arguments in `arguments`."""
+    done = _done(script, *arguments, **environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def killed(script, *arguments, **environment):
+    """Run a script that ends its own process by the signal KILL."""
+    done = _done(script, *arguments, **environment)
+    assert done.returncode == -signal.SIGKILL, done.stdout + done.stderr
+
+
+def _done(script, *arguments, **environment):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "script.py")
         path.write_text(_HEAD + script + _TAIL)
         home = {"BLENDER_USER_RESOURCES": folder}
-        done = subprocess.run(
+        return subprocess.run(
             [*_command(path), "--", *map(str, arguments)],
             env={**os.environ, **home, **environment},
             capture_output=True,
             text=True,
             timeout=120,
         )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
 
 
 def _command(path):

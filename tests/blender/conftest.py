@@ -32,7 +32,8 @@ def addon():
 
 @pytest.fixture(autouse=True)
 def fresh_file(addon):
-    """An empty scene."""
+    """An empty scene, and no work files of another test's bakes."""
+    shutil.rmtree(Path(bpy.app.tempdir, "dapple"), ignore_errors=True)
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
 

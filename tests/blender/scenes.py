@@ -161,3 +161,12 @@ def snapshot():
             for mesh in bpy.data.meshes
         },
     }
+
+
+def curves(owner):
+    """Animation curves of a datablock, in Blender's older and newer layered actions."""
+    action = owner.animation_data.action
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    bags = (strip.channelbags for layer in action.layers for strip in layer.strips)
+    return [curve for group in bags for bag in group for curve in bag.fcurves]

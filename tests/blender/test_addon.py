@@ -88,12 +88,12 @@ def test_without_the_native_package_the_add_on_enables_and_says_what_is_missing(
     assert "False Dapple's native Python package 'dapple' cannot be loaded" in said
 
 
-def test_the_manifest_asks_for_nothing_and_names_the_minimum():
+def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():
     manifest = tomllib.loads((ADDON / "blender_manifest.toml").read_text())
     assert manifest["id"] == "dapple"
     assert manifest["blender_version_min"] == "4.3.0"
     assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
-    assert "permissions" not in manifest
+    assert list(manifest["permissions"]) == ["files"]
 
 
 def test_blender_accepts_the_extension():

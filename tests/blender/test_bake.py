@@ -14,11 +14,11 @@ FRAMES = 6
 def tracked(monkeypatch):
     """Every result of the tracker during the test's bakes."""
     seen = []
-    baker = addon_host.part("core.solve").Baker
+    baker = addon_host.part("core.bake").Baker
     advance = baker.advance
 
-    def noting(self, vertices, context):
-        advance(self, vertices, context)
+    def noting(self, context):
+        advance(self, context)
         seen.append(self._tracker.samples)
 
     monkeypatch.setattr(baker, "advance", noting)
@@ -42,12 +42,10 @@ def at(frame, subframe=0.0):
 
 def key_rows(obj):
     """Stored keys: corners (F, n, 3), barycentric (F, n, 3)."""
-    nodes, meshio = addon_host.part("nodes"), addon_host.part("blender.meshio")
-    records = addon_host.part("core.records")
-    store = nodes.get_input(obj.modifiers[0], "Keys")
-    binding = records.binding_from(meshio.read_columns(store.data, records.ROW_ATTRIBUTES))
-    count = len(obj.data.vertices)
-    return binding.corners.reshape(-1, count, 3), binding.barycentric.reshape(-1, count, 3)
+    stored, count = addon_host.part("blender.store").read_baked(obj), len(obj.data.vertices)
+    bindings = [stored.binding(frame, count)[0] for frame in range(stored.frame_count)]
+    corners = np.stack([binding.corners for binding in bindings])
+    return corners, np.stack([binding.barycentric for binding in bindings])
 
 
 def test_playback_equals_the_tracker_at_whole_frames(tracked):
@@ -92,6 +90,34 @@ def test_outside_the_range_the_first_and_the_last_key_hold():
         vertices = scenes.world_vertices(surface)
         expected = np.einsum("nk,nkd->nd", weights[key], vertices[corners[key]])
         assert np.abs(scenes.positions(obj) - expected).max() < tolerance(surface)
+
+
+def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    obj.dapple.key_every = 3
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert (obj.dapple.baked_keys, obj.dapple.baked_frames) == (3, FRAMES)  # 1, 4, 6
+    stored = addon_host.part("blender.store").read_baked(obj)
+    apart = []
+    for frame, samples in enumerate(tracked, start=1):
+        at(frame)
+        shown = scenes.positions(obj)
+        first, second, share = stored.binding(frame - 1, 60)
+        vertices = scenes.world_vertices(surface)
+        mixed = (1.0 - share) * first.positions(vertices) + share * second.positions(vertices)
+        assert np.abs(shown - mixed).max() < tolerance(surface)
+        distance = np.linalg.norm(shown - samples.positions, axis=1)
+        if frame in (1, 4, 6):
+            assert distance.max() < tolerance(surface)
+        else:
+            apart.append(distance / samples.report.spacing)
+    report = obj.dapple.report
+    assert report.key_error_max == pytest.approx(np.max(apart), rel=1e-3)
+    assert report.key_error_mean == pytest.approx(np.mean(apart), rel=1e-3)
+    assert report.key_error_max > 1e-3
+    line = addon_host.part("blender.ui").baked_line(obj)
+    assert line.startswith("Baked: frames 1 to 6, 3 keys; between them points are ")
 
 
 def test_every_id_is_kept():
@@ -147,8 +173,8 @@ def test_optimise_drops_the_keys():
     _, obj = baked()
     count = len(bpy.data.objects)
     assert bpy.ops.dapple.optimise() == {"FINISHED"}
-    assert len(bpy.data.objects) == count - 1
-    assert obj.dapple.baked_keys == 0
+    assert len(bpy.data.objects) == count - 3  # keys, triangles, frames
+    assert obj.dapple.baked_keys == obj.dapple.baked_frames == 0
     assert not bpy.ops.dapple.clear_bake.poll()
 
 
@@ -196,6 +222,87 @@ def test_a_topology_that_changes_in_the_range_is_refused():
     at(2)
     surface.modifiers.remove(modifier)
     refused("'Tail' changes its topology at frame 4 .1634 vertices, was 410")
+
+
+def subdivided_from(surface, frame):
+    """Keyframes: one level more from this frame on."""
+    modifier = surface.modifiers["Subdivision"]
+    for level, at_frame in ((1, frame - 1), (2, frame)):
+        modifier.levels = modifier.render_levels = level
+        modifier.keyframe_insert("levels", frame=at_frame)
+        modifier.keyframe_insert("render_levels", frame=at_frame)
+    at(1)
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_a_topology_that_changes_is_bound_again_when_asked(every):
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    subdivided_from(surface, 4)
+    obj.dapple.on_topology_change, obj.dapple.key_every = "REBIND", every
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    table = addon_host.part("blender.store").read_baked(obj).frames
+    assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
+    assert table["dapple_span"][2] == 0  # nothing is mixed across the change
+    dapple, before = addon_host.part("core.native").package(), None
+    meshio, staleness = addon_host.part("blender.meshio"), addon_host.part("blender.staleness")
+    for frame in np.arange(1.0, FRAMES + 0.1, 0.25):
+        at(int(frame), frame % 1.0)
+        shown = scenes.positions(obj)
+        assert len(shown) == 60
+        assert staleness.stale_reason(obj, bpy.context) == ""
+        arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+        native = dapple.Surface(arrays.vertices, arrays.faces)
+        apart = np.linalg.norm(dapple.project(native, shown).positions - shown, axis=1)
+        assert apart.max() < 0.02 * scenes.size(arrays.vertices)
+        if before is not None:  # the tip moves by 0.7 a frame
+            assert np.linalg.norm(shown - before, axis=1).max() < 0.4
+        before = shown
+
+
+def test_an_interrupted_bake_over_a_change_of_topology_gives_the_same_bytes(tmp_path):
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    subdivided_from(surface, 3)
+    obj.dapple.on_topology_change = "REBIND"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    read = addon_host.part("blender.store").read_baked
+    expected = read(obj)
+    files = addon_host.part("blender.workfiles").work_files(obj)
+    for frame in (5, 6):
+        files.path(frame).unlink()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    found = read(obj)
+    for name in ("keys", "triangles", "frames"):
+        for column, values in getattr(expected, name).items():
+            assert getattr(found, name)[column].tobytes() == values.tobytes()
+
+
+def test_faces_that_change_with_the_same_number_of_vertices_are_refused():
+    surface = scenes.tail()
+    scenes.scattered(surface)
+    loops = surface.data.loops
+    first, second = loops[0].vertex_index, loops[1].vertex_index
+    loops[0].vertex_index, loops[1].vertex_index = second, first
+    surface.data.update()
+    refused("is stale: surface 'Tail' has 410 vertices as before, but other faces")
+
+
+@pytest.mark.parametrize("operator", ["rebind", "bake"])
+def test_a_modifier_added_after_binding_is_followed_when_asked(operator):
+    surface = scenes.tail()
+    obj = scenes.scattered(surface)
+    before = scenes.positions(obj)
+    array = surface.modifiers.new("Array", "ARRAY")
+    array.relative_offset_displace = (3.0, 0.0, 0.0)
+    assert len(scenes.positions(obj)) == 0
+    if operator == "bake":
+        obj.dapple.on_topology_change = "REBIND"
+    assert getattr(bpy.ops.dapple, operator)() == {"FINISHED"}
+    after = scenes.positions(obj)
+    assert len(after) == 60
+    limit = 1e-5 if operator == "rebind" else 0.5 * obj.dapple.report.spacing
+    assert np.linalg.norm(after - before, axis=1).max() < limit
 
 
 def test_a_stale_scatter_is_refused():

@@ -116,3 +116,18 @@ def test_groups_are_built_once_and_have_no_broken_link():
     links = [link for tree in bpy.data.node_groups for link in tree.links]
     assert links
     assert all(link.is_valid for link in links)
+
+
+def test_a_scatter_of_an_older_version_gets_the_group_of_this_one():
+    nodes, builder = addon_host.part("nodes"), addon_host.part("nodes.builder")
+    obj = scenes.scattered(scenes.sphere())
+    geometry = [("Geometry", "NodeSocketGeometry")]
+    old = builder.new_group("Old", [*geometry, ("Keys", "NodeSocketObject")], geometry)
+    old[nodes.VERSION_KEY] = 1
+    obj.modifiers[0].node_group = old
+    assert len(scenes.positions(obj)) == 0
+    bpy.context.scene.frame_end = 2
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.modifiers[0].node_group == nodes.ensure_group()
+    assert obj.dapple.baked_keys == 2
+    assert len(scenes.positions(obj)) == 60

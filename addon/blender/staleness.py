@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Why a result does not fit any more: surface, faces, settings, frames, motion."""
+
+import bpy
+import numpy as np
+
+from ..core.records import FRAME_ATTRIBUTES
+from ..core.stale import moved
+from ..core.surface import SurfaceArrays
+from .meshio import evaluated_mesh, read_columns, read_surface, topology
+from .properties import settings_reason
+from .store import stored_object
+
+
+def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """The first of the reasons in words; empty when the result fits.
+
+    Motion is compared on whole frames that are baked: call it again on another frame.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    reason = _surface_reason(obj, depsgraph) or settings_reason(obj)
+    if not reason and obj.dapple.baked_keys:
+        reason = _range_reason(obj, context.scene) or _motion_reason(obj, context.scene, depsgraph)
+    return reason
+
+
+def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
+    """How the faces are not those the points are bound to; empty when they are."""
+    bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
+    if bound != now:
+        return f"bound to {bound} vertices, surface '{arrays.name}' has {now}"
+    known = obj.dapple.surface_topology.split()
+    if known and arrays.topology != known[0]:
+        return f"surface '{arrays.name}' has {now} vertices as before, but other faces"
+    return ""
+
+
+def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
+    surface = obj.dapple.surface
+    if surface is None:
+        return "The surface is gone"
+    if not surface.evaluated_get(depsgraph).is_evaluated:
+        return f"Surface '{surface.name}' is not in the view layer"
+    bound = _bound_vertices(obj, depsgraph.scene)
+    with evaluated_mesh(surface, depsgraph) as mesh:
+        now, faces = len(mesh.vertices), topology(mesh)
+    again = "bake" if obj.dapple.baked_keys else "optimise"
+    if now not in bound:
+        return f"Bound to {bound[0]:,} vertices, the surface has {now:,}: {again} again"
+    known = obj.dapple.surface_topology.split()
+    if known and faces not in known:
+        return f"The faces of '{surface.name}' are not those the points are bound to: {again} again"
+    return ""
+
+
+def _bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:
+    """Numbers of vertices that fit now: between two frames, that of either."""
+    if not obj.dapple.baked_keys:
+        return [obj.dapple.surface_vertices]
+    table = frames(obj)["dapple_vertices"]
+    time = scene.frame_current + scene.frame_subframe - obj.dapple.baked_start
+    around = np.clip([np.floor(time), np.ceil(time)], 0, len(table) - 1).astype(int)
+    return [int(count) for count in table[around]]
+
+
+def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    first = obj.dapple.baked_start
+    last = first + obj.dapple.baked_frames - 1
+    if first <= scene.frame_start and scene.frame_end <= last:
+        return ""
+    return (
+        f"Frames {first} to {last} are baked, the scene has {scene.frame_start} to "
+        f"{scene.frame_end}: bake again"
+    )
+
+
+def _motion_reason(
+    obj: bpy.types.Object, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
+) -> str:
+    frame = _baked_frame(obj, scene)
+    if frame is None:
+        return ""
+    columns = frames(obj)
+    stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
+    if not moved(stored, read_surface(obj.dapple.surface, depsgraph)):
+        return ""
+    return (
+        f"Surface '{obj.dapple.surface.name}' moves otherwise than when it was baked "
+        f"(frame {scene.frame_current}): bake again"
+    )
+
+
+def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
+    """Index of the scene's frame in the bake, if it is a whole one of it."""
+    frame = scene.frame_current - obj.dapple.baked_start
+    if scene.frame_subframe or not 0 <= frame < obj.dapple.baked_frames:
+        return None
+    return int(frame)
+
+
+def frames(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """The table of the baked frames."""
+    return read_columns(stored_object(obj, "Frames").data, FRAME_ATTRIBUTES)

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake: points carried through the frames of a deforming surface, as keys.
+
+Frames that an earlier, stopped bake has solved from the same input are taken from its files. The
+tracker cannot be put at such a frame, so before the next one is solved it is led again through
+those that were taken: slower than going on at once, and the same bytes as a bake without a stop.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from .binding import placed_of, rebound, samples_of
+from .errors import ScatterError
+from .frames import carried
+from .keys import Baked, Keyframes, Placed
+from .native import package
+from .records import Binding
+from .settings import Settings
+from .sidecar import Fingerprint, Sidecar, Solved
+from .solve import Report, named, report_of
+from .surface import Floats, Ints, SurfaceArrays, check_same_topology
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a bake begins with: a bound scatter."""
+
+    binding: Binding
+    ids: Ints
+    classes: Ints
+    settings: Settings
+
+
+@dataclass
+class Baker:
+    """Solves one frame after another: enter it, take it or advance, until all are done.
+
+    Where changes() says so, cross() comes before enter().
+    """
+
+    bound: SurfaceArrays  # where the current topology begins
+    start: Start
+    keyframes: Keyframes
+    sidecar: Sidecar | None = None
+    first: int = 1  # number of the first frame
+    rebind: bool = False  # where the topology changes: bind to the nearest places, or refuse
+    reports: list[Report] = field(default_factory=list)
+    taken: int = 0  # frames that came from the sidecar
+    trouble: str = ""  # why frames are not kept
+    fingerprint: str = ""  # of all frames so far
+
+    def __post_init__(self) -> None:
+        start = self.start
+        self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes))
+        self._now = self.bound
+        self.topologies = [self.bound.topology]
+        self.last = start.binding
+        self._tracker: Any = None
+        self._tracked = 0  # frames that the tracker has gone through
+
+    @property
+    def done(self) -> int:
+        """Frames that are solved."""
+        return len(self.reports)
+
+    @property
+    def behind(self) -> range:
+        """Frames, counted from the first, to replay before one can be solved."""
+        return range(self._tracked, self.done)
+
+    def changes(self, frame: SurfaceArrays) -> bool:
+        """Whether the next frame has another topology; ScatterError if it may not."""
+        if not self.rebind:
+            check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+        return frame.topology != self.bound.topology
+
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Bind to the nearest places of a new topology: surfaces just before and after it came."""
+        with named(after.name):
+            self.last = rebound(self.last, before.vertices, self.bound.faces, after)
+        self._chain.add(before)
+        self._chain.add(after)
+        self.start = replace(self.start, binding=self.last)
+        self.bound, self._tracked, self._tracker = after, self.done, None
+        self.topologies.append(after.topology)
+
+    def enter(self, frame: SurfaceArrays) -> None:
+        """The surface of the next frame."""
+        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+        self._now = frame
+        self.fingerprint = self._chain.add(frame)
+
+    def take(self) -> bool:
+        """Whether the frame was solved before; then it is done."""
+        if self.sidecar is None:
+            return False
+        number, points = self.first + self.done, len(self.start.ids)
+        solved = self.sidecar.load(number, self.fingerprint, points, self.bound.faces)
+        if solved is None:
+            return False
+        self.taken += 1
+        self._add(solved)
+        return True
+
+    def replay(self, vertices: Floats, context: Any) -> None:
+        """Lead the tracker through a frame that was taken."""
+        self._track(vertices, context)
+
+    def advance(self, context: Any) -> None:
+        """Solve the frame."""
+        if self.behind:
+            raise RuntimeError(f"frames {self.behind} are to be replayed first")
+        samples = self._track(self._now.vertices, context)
+        placed = placed_of(samples, self.bound.faces)
+        turned = carried(self.last, placed.binding, self._now.vertices, self.bound.faces)
+        solved = Solved(Placed(placed.faces, turned), report_of(samples.report))
+        self._keep(solved)
+        self._add(solved)
+
+    def report(self) -> Report:
+        """The worst spacing and spread of all frames, the mean cost of one."""
+        reports, count = self.reports, max(len(self.reports), 1)
+        return replace(
+            reports[-1],
+            alpha_min=min(report.alpha_min for report in reports),
+            alpha_mean=sum(report.alpha_mean for report in reports) / count,
+            capacity_spread=max(report.capacity_spread for report in reports),
+            evaluations=round(sum(report.evaluations for report in reports) / count),
+            milliseconds=sum(report.milliseconds for report in reports) / count,
+            converged=all(report.converged for report in reports),
+            key_error_max=self.keyframes.error.largest,
+            key_error_mean=self.keyframes.error.mean,
+        )
+
+    def baked(self) -> Baked:
+        """The keys of all frames."""
+        return self.keyframes.packed()
+
+    def _track(self, vertices: Floats, context: Any) -> Any:
+        with named(self.bound.name):
+            if self._tracker is None:
+                self._tracker = self._new_tracker()
+            samples = self._tracker.advance(vertices, context=context)
+        self._tracked += 1
+        if self._tracked == self.done:
+            self._check_replayed(samples)
+        return samples
+
+    def _new_tracker(self) -> Any:
+        surface, start = package().Surface(self.bound.vertices, self.bound.faces), self.start
+        samples = samples_of(start.binding, surface, start.ids, start.classes)
+        return package().Tracker(surface, samples, **start.settings.tracker_options())
+
+    def _check_replayed(self, samples: Any) -> None:
+        same = np.array_equal(samples.barycentric, self.last.barycentric)
+        if not same and self.sidecar is not None:
+            raise ScatterError(
+                f"Frame {self.first + self.done - 1} in '{self.sidecar.folder}' is not what this "
+                "version of Dapple solves: discard the unfinished bake"
+            )
+
+    def _keep(self, solved: Solved) -> None:
+        if self.sidecar is None:
+            return
+        try:
+            self.sidecar.store(self.first + self.done, self.fingerprint, solved)
+        except OSError as error:
+            self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
+            self.sidecar = None
+
+    def _add(self, solved: Solved) -> None:
+        self.last = solved.placed.binding
+        self.reports.append(solved.report)
+        spacing = solved.report.spacing
+        self.keyframes.add(solved.placed, self.bound, self._now, spacing)

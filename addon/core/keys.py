@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked keys: which frames become keys, how they are packed, what the frames between lose.
+
+A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
+(32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
+each), 16 bytes for a point. A second table says for every frame which key is played, and how far
+it is to the next one: docs/bake.md.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .records import Binding, Columns
+from .stale import SKETCH_SUMS, sketch
+from .surface import Floats, Ints, SurfaceArrays
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where points sit in one frame."""
+
+    faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
+    binding: Binding
+
+
+@dataclass(frozen=True)
+class Baked:
+    """Packed keys, ready to be stored; columns named as in records.py."""
+
+    keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle
+    triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle
+    frames: Columns  # FRAME_ATTRIBUTES of each frame
+
+    @property
+    def frame_count(self) -> int:
+        return len(self.frames["dapple_key"])
+
+    def binding(self, frame: int, count: int) -> tuple[Binding, Binding, float]:
+        """Of a whole frame, count points: both keys around it, and the share of the second."""
+        key, since, span = (
+            int(self.frames[f"dapple_{name}"][frame]) for name in ("key", "since", "span")
+        )
+        return (
+            self._key(key, count),
+            self._key(key + min(span, 1), count),
+            since / max(span, 1),
+        )
+
+    def _key(self, key: int, count: int) -> Binding:
+        rows = slice(key * count, (key + 1) * count)
+        faces, places = self.keys["dapple_face"][rows], self.keys["position"][rows].astype(float)
+        corners = np.column_stack([self.triangles[f"dapple_v{k}"][faces] for k in range(3)])
+        first = 1.0 - places[:, 0] - places[:, 1]
+        weights = np.column_stack([first, places[:, 0], places[:, 1]])
+        return Binding(corners, weights, places[:, 2])
+
+
+@dataclass
+class KeyDistance:
+    """Distances of the played from the solved points on frames without a key, in spacings."""
+
+    largest: float = 0.0
+    total: float = 0.0
+    count: int = 0
+
+    @property
+    def mean(self) -> float:
+        return self.total / max(self.count, 1)
+
+    def add(self, distances: Floats) -> None:
+        self.largest = max(self.largest, float(np.max(distances, initial=0.0)))
+        self.total += float(distances.sum())
+        self.count += len(distances)
+
+
+@dataclass(frozen=True)
+class _Waiting:
+    frame: int
+    placed: Placed
+    vertices: Floats
+    spacing: float
+
+
+@dataclass
+class Keyframes:
+    """Collects solved frames: every so many of them become keys, and the last of all.
+
+    Where the topology changes, a key ends what was and a key begins what comes; nothing is
+    mixed across.
+    """
+
+    count: int  # frames in all
+    every: int = 1
+    error: KeyDistance = field(default_factory=KeyDistance)
+    _next: int = 0
+    _start: int = 0  # first frame of this topology
+    _offset: int = 0  # of its triangles in the table of all
+    _topology: str = ""
+    _last: tuple[int, Binding] | None = None
+    _waiting: list[_Waiting] = field(default_factory=list)
+    _triangles: list[Ints] = field(default_factory=list)
+    _rows: list[tuple[Ints, Any]] = field(default_factory=list)
+    _sketches: list[Floats] = field(default_factory=list)
+    _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
+
+    def __post_init__(self) -> None:
+        self._table = np.zeros((self.count, 4), dtype=np.int32)
+
+    def add(
+        self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays, spacing: float
+    ) -> None:
+        """The next frame: bound is the first frame of its topology, surface its own."""
+        vertices = surface.vertices
+        if bound.topology != self._topology:
+            self._begin(bound)
+        frame = self._next
+        self._next += 1
+        self._table[frame, 3] = len(vertices)
+        self._sketches.append(sketch(surface))
+        if (frame - self._start) % self.every == 0 or frame == self.count - 1:
+            self._add_key(frame, placed)
+        else:
+            self._waiting.append(_Waiting(frame, placed, vertices, spacing))
+
+    def packed(self) -> Baked:
+        """All keys, over the triangles that they use."""
+        triangles = np.concatenate(self._triangles)
+        used = np.zeros(len(triangles), dtype=bool)
+        for faces, _ in self._rows:
+            used[faces] = True
+        place = np.cumsum(used, dtype=np.int32) - 1
+        keys = {
+            "dapple_face": np.concatenate([place[faces] for faces, _ in self._rows]),
+            "position": np.concatenate([places for _, places in self._rows]),
+        }
+        corners = triangles[used]
+        names = ("key", "since", "span", "vertices")
+        sketches = np.array(self._sketches, dtype=np.float32)
+        return Baked(
+            keys,
+            {f"dapple_v{k}": np.ascontiguousarray(corners[:, k]) for k in range(3)},
+            {
+                **{f"dapple_{name}": self._table[:, k].copy() for k, name in enumerate(names)},
+                **{f"dapple_sketch{k}": sketches[:, k] for k in range(SKETCH_SUMS)},
+            },
+        )
+
+    def _begin(self, bound: SurfaceArrays) -> None:
+        if self._waiting:
+            last = self._waiting.pop()
+            self._add_key(last.frame, last.placed)
+        self._offset = sum(map(len, self._triangles))
+        self._triangles.append(bound.faces)
+        self._topology, self._start, self._last = bound.topology, self._next, None
+
+    def _add_key(self, frame: int, placed: Placed) -> None:
+        key = len(self._rows)
+        self._table[frame, :3] = key, 0, 0
+        if self._last is not None:
+            begin, binding = self._last
+            for between in range(begin, frame):
+                self._table[between, :3] = key - 1, between - begin, frame - begin
+            for waiting in self._waiting:
+                share = (waiting.frame - begin) / (frame - begin)
+                self.error.add(_distances(waiting, binding, placed.binding, share))
+        self._waiting.clear()
+        self._last = frame, placed.binding
+        places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
+        self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
+
+
+def _distances(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:
+    """Of the two keys mixed on the surface of a frame from where its points were solved."""
+    first, second = before.positions(waiting.vertices), after.positions(waiting.vertices)
+    solved = waiting.placed.binding.positions(waiting.vertices)
+    apart = np.linalg.norm((1.0 - share) * first + share * second - solved, axis=1)
+    return apart / max(waiting.spacing, 1e-30)

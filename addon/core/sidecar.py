@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in progress of a bake: one file for each solved frame, so that it can go on after a stop.
+
+A file is an npz of plain arrays (docs/bake.md lists them). It is written under another name,
+flushed to the disk and renamed, so a frame is there as a whole or not at all. Its fingerprint
+covers all that the frame was solved from; a file that is torn, foreign or of other input is as
+good as none.
+"""
+
+import hashlib
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .keys import Placed
+from .records import Binding
+from .settings import Settings
+from .solve import Report
+from .surface import Ints, SurfaceArrays
+
+FORMAT = 1
+_UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What the tracker found in one frame, in full precision."""
+
+    placed: Placed
+    report: Report
+
+
+class Fingerprint:
+    """Digest of all that a frame is solved from: settings, start, and every frame so far."""
+
+    def __init__(self, settings: Settings, start: Binding, arrays: Iterable[Any]) -> None:
+        head = json.dumps([FORMAT, asdict(settings)], sort_keys=True)
+        self._digest = hashlib.blake2b(head.encode(), digest_size=16)
+        for array in (start.corners, start.barycentric, start.carry, *arrays):
+            self._add(array)
+
+    def add(self, frame: SurfaceArrays) -> str:
+        """The fingerprint with one more frame."""
+        self._digest.update(frame.topology.encode())
+        self._add(frame.vertices)
+        return self._digest.copy().hexdigest()
+
+    def _add(self, array: Any) -> None:
+        values = np.ascontiguousarray(array)
+        self._digest.update(f"{values.dtype.str}{values.shape}".encode())
+        self._digest.update(values.tobytes())
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """A folder of solved frames."""
+
+    folder: Path
+
+    def path(self, frame: int) -> Path:
+        """File of a frame of the scene."""
+        return self.folder / f"frame_{frame:06d}.npz"
+
+    def load(self, frame: int, fingerprint: str, points: int, faces: Ints) -> Solved | None:
+        """The frame if it was solved from the same input: so many points, faces (m, 3)."""
+        try:
+            with np.load(self.path(frame), allow_pickle=False) as stored:
+                if str(stored["fingerprint"]) != fingerprint:
+                    return None
+                return _checked({name: stored[name] for name in stored.files}, points, faces)
+        except _UNREADABLE:
+            return None
+
+    def fingerprint(self, frame: int) -> str:
+        """Of a frame's file; empty where there is none."""
+        try:
+            with np.load(self.path(frame), allow_pickle=False) as stored:
+                return str(stored["fingerprint"])
+        except _UNREADABLE:
+            return ""
+
+    def store(self, frame: int, fingerprint: str, solved: Solved) -> None:
+        """Keep a frame, on the disk when this returns; OSError if that fails."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        part = self.path(frame).with_suffix(f".{os.getpid()}.part")
+        try:
+            with part.open("wb") as file:
+                np.savez(
+                    file,
+                    fingerprint=np.array(fingerprint),
+                    faces=solved.placed.faces,
+                    barycentric=solved.placed.binding.barycentric,
+                    carry=solved.placed.binding.carry,
+                    report=np.array(json.dumps(asdict(solved.report))),
+                )
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(self.path(frame))
+        finally:
+            part.unlink(missing_ok=True)
+        _sync_folder(self.folder)
+
+    def frames(self) -> int:
+        """Number of files of frames that are there, whatever they hold."""
+        return len(list(self.folder.glob("frame_*.npz")))
+
+    def clear(self) -> None:
+        """Remove the frames and what a killed process left; other files stay."""
+        for pattern in ("frame_*.npz", "frame_*.part"):
+            for path in self.folder.glob(pattern):
+                path.unlink(missing_ok=True)
+        for folder in (self.folder, self.folder.parent):
+            try:
+                folder.rmdir()
+            except OSError:  # not there, or not empty
+                return
+
+
+def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
+    """The stored frame; ValueError if its arrays cannot be of such a frame."""
+    wanted = {
+        "faces": ("i4", (points,)),
+        "barycentric": ("f8", (points, 3)),
+        "carry": ("f8", (points,)),
+    }
+    for name, (kind, shape) in wanted.items():
+        if stored[name].dtype != np.dtype(kind) or stored[name].shape != shape:
+            raise ValueError(f"{name} has another type or shape")
+        if not np.isfinite(stored[name]).all():
+            raise ValueError(f"{name} is not finite")
+    if points and not 0 <= stored["faces"].min() <= stored["faces"].max() < len(faces):
+        raise ValueError("faces has an index out of range")
+    binding = Binding(faces[stored["faces"]], stored["barycentric"], stored["carry"])
+    report = Report(**json.loads(str(stored["report"])))
+    return Solved(Placed(stored["faces"], binding), report)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Flush the renaming too, where a folder can be opened (not on Windows)."""
+    if not hasattr(os, "O_DIRECTORY"):
+        return
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in progress: what is kept, what is believed, and a bake that goes on after kill -9."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import addon_host
+import bpy
+import child
+import numpy as np
+import pytest
+import scenes
+
+FRAMES = 6
+
+
+@pytest.fixture
+def sidecar():
+    return addon_host.part("core.sidecar")
+
+
+def solved(sidecar, count=5):
+    records, keys = addon_host.part("core.records"), addon_host.part("core.keys")
+    random = np.random.Generator(np.random.PCG64(2))
+    faces = random.integers(0, len(FACES), count).astype(np.int32)
+    binding = records.Binding(
+        FACES[faces], random.dirichlet((1, 1, 1), count), random.normal(size=count)
+    )
+    report = addon_host.part("core.solve").Report(count=count, spacing=0.25, converged=True)
+    return sidecar.Solved(keys.Placed(faces, binding), report)
+
+
+FACES = np.array([(0, 1, 2), (2, 1, 3), (2, 3, 4)], dtype=np.int32)
+
+
+def test_a_frame_comes_back_as_it_was(sidecar, tmp_path):
+    files, frame = sidecar.Sidecar(tmp_path / "ünfinished"), solved(sidecar)
+    files.store(7, "abc", frame)
+    found = files.load(7, "abc", 5, FACES)
+    assert found.report == frame.report
+    for name in ("corners", "barycentric", "carry"):
+        there, here = getattr(found.placed.binding, name), getattr(frame.placed.binding, name)
+        assert there.tobytes() == here.tobytes()
+    assert [path.name for path in files.folder.iterdir()] == ["frame_000007.npz"]
+    files.clear()
+    assert not files.folder.exists()
+
+
+def test_a_frame_of_other_input_is_not_taken(sidecar, tmp_path):
+    files = sidecar.Sidecar(tmp_path)
+    files.store(7, "abc", solved(sidecar))
+    assert files.load(7, "abd", 5, FACES) is None
+    assert files.load(8, "abc", 5, FACES) is None
+    assert files.load(7, "abc", 4, FACES) is None
+    assert files.load(7, "abc", 5, FACES[:1]) is None
+
+
+def test_a_file_torn_at_any_byte_is_not_taken(sidecar, tmp_path):
+    files = sidecar.Sidecar(tmp_path)
+    files.store(1, "abc", solved(sidecar))
+    whole = files.path(1).read_bytes()
+    for length in range(0, len(whole), 7):
+        files.path(1).write_bytes(whole[:length])
+        assert files.load(1, "abc", 5, FACES) is None
+
+
+def test_a_file_with_any_byte_turned_is_not_taken_as_other_values(sidecar, tmp_path):
+    files, frame = sidecar.Sidecar(tmp_path), solved(sidecar)
+    files.store(1, "abc", frame)
+    whole = files.path(1).read_bytes()
+    expected = frame.placed.binding
+    for place in range(0, len(whole), 11):
+        files.path(1).write_bytes(whole[:place] + bytes([whole[place] ^ 255]) + whole[place + 1 :])
+        found = files.load(1, "abc", 5, FACES)
+        if found is not None:  # a byte that says nothing, such as a date
+            assert (found.placed.binding.barycentric == expected.barycentric).all()
+            assert (found.placed.binding.carry == expected.carry).all()
+
+
+@pytest.mark.parametrize("foreign", [b"", b"hello", b"PK\x05\x06" + bytes(18)])
+def test_a_foreign_file_is_not_taken(sidecar, tmp_path, foreign):
+    files = sidecar.Sidecar(tmp_path)
+    files.path(1).write_bytes(foreign)
+    assert files.load(1, "abc", 5, FACES) is None
+    assert files.fingerprint(1) == ""
+
+
+def test_a_pickle_is_never_opened(sidecar, tmp_path):
+    class Bomb:
+        def __reduce__(self):
+            return (pytest.fail, ("a pickle was opened",))
+
+    files = sidecar.Sidecar(tmp_path)
+    np.savez(files.path(1), fingerprint=np.array([Bomb()], dtype=object))
+    assert files.load(1, "abc", 5, FACES) is None
+
+
+def test_fingerprints_tell_inputs_apart(sidecar):
+    surface, settings = addon_host.part("core.surface"), addon_host.part("core.settings")
+    start, ids = solved(sidecar).placed.binding, np.arange(5, dtype=np.int32)
+    frame = surface.SurfaceArrays("Any", np.eye(3), FACES, "topology")
+
+    def chain(frames, settings=settings.Settings(), start=start):  # noqa: B008
+        digest = sidecar.Fingerprint(settings, start, (ids,))
+        return [digest.add(each) for each in frames][-1]
+
+    moved = replace(frame, vertices=np.eye(3) + 1e-7)
+    found = [
+        chain([frame]),
+        chain([frame, frame]),
+        chain([moved]),
+        chain([moved, frame]),
+        chain([frame, moved]),
+        chain([replace(frame, topology="other")]),
+        chain([frame], settings=settings.Settings(seed=1)),
+        chain([frame], start=replace(start, carry=start.carry + 1e-9)),
+    ]
+    assert len(set(found)) == len(found)
+    assert chain([frame]) == found[0]
+
+
+def packed(obj):
+    stored = addon_host.part("blender.store").read_baked(obj)
+    columns = {**stored.keys, **stored.triangles, **stored.frames}
+    return {name: values.tobytes() for name, values in columns.items()}
+
+
+def saved_scatter(path):
+    obj = scenes.scattered(scenes.tail(frames=FRAMES))
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return obj
+
+
+def opened(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return bpy.context.object
+
+
+def files_of(obj):
+    return addon_host.part("blender.workfiles").work_files(obj)
+
+
+KILLED = """
+import os
+from pathlib import Path
+import numpy as np
+import addon_host
+addon_host.add_repository(Path(arguments[2]))
+addon_host.enable()
+sidecar = addon_host.part("core.sidecar")
+frame, moment = int(arguments[1].split()[0]), arguments[1].split()[1]
+path, replaced, savez = Path, Path.replace, np.savez
+
+def replace(part, target):
+    if target.name == f"frame_{frame:06d}.npz" and moment == "before-renaming":
+        os.kill(os.getpid(), 9)
+    done = replaced(part, target)
+    if target.name == f"frame_{frame:06d}.npz" and moment == "after-renaming":
+        os.kill(os.getpid(), 9)
+    return done
+
+def torn(file, **arrays):
+    savez(file, **arrays)
+    if f"frame_{frame:06d}" in file.name and moment == "while-writing":
+        file.truncate(file.tell() // 2)
+        file.flush()
+        os.kill(os.getpid(), 9)
+
+Path.replace, np.savez = replace, torn
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
+bpy.ops.dapple.bake()
+"""
+
+
+@pytest.mark.parametrize(
+    ("moment", "kept"), [("4 while-writing", 3), ("4 before-renaming", 3), ("3 after-renaming", 3)]
+)
+def test_a_killed_bake_goes_on_to_the_same_bytes(tmp_path, moment, kept):
+    path = tmp_path / "kill me.blend"
+    obj = saved_scatter(path)
+    child.killed(KILLED, path, moment, tmp_path / "repository")
+    obj = opened(path)
+    files = files_of(obj)
+    assert files.folder.parent == tmp_path / "kill me.dapple"
+    assert files.frames() == kept
+    assert addon_host.part("blender.workfiles").unfinished(obj) == kept
+    solves = counted_solves()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    resumed = packed(obj)
+    assert solves() == FRAMES - kept
+    files.clear()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert packed(obj) == resumed
+
+
+def counted_solves():
+    """Counts frames that are stored from here on; call the result to read it and stop."""
+    sidecar = addon_host.part("core.sidecar").Sidecar
+    store, seen = sidecar.store, []
+
+    def noting(self, frame, *rest):
+        seen.append(frame)
+        return store(self, frame, *rest)
+
+    def count():
+        sidecar.store = store
+        return len(seen)
+
+    sidecar.store = noting
+    return count
+
+
+def test_a_bake_that_was_never_saved_is_taken_as_a_whole(tmp_path):
+    path = tmp_path / "crash.blend"
+    obj = saved_scatter(path)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    expected = packed(obj)
+    obj = opened(path)  # as after a crash: the file has no keys
+    assert obj.dapple.baked_keys == 0
+    solves = counted_solves()
+    obj.dapple.key_every = 1
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == 0
+    assert packed(obj) == expected
+
+
+def test_other_settings_or_motion_solve_anew(tmp_path):
+    obj = saved_scatter(tmp_path / "other.blend")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    obj.dapple.gap_weight = 1.0
+    solves = counted_solves()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == FRAMES
+    bpy.data.objects["Rig"].pose.bones["root"].scale = (1.0, 1.2, 1.0)
+    solves = counted_solves()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == FRAMES
+
+
+def test_work_files_go_when_the_bake_is_saved_and_only_then(tmp_path):
+    path = tmp_path / "kept.blend"
+    obj = saved_scatter(path)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    files = files_of(obj)
+    assert files.frames() == FRAMES
+    (files.folder / "notes.txt").write_text("not ours")
+    bpy.ops.wm.save_mainfile()
+    assert files.frames() == 0
+    assert [item.name for item in files.folder.iterdir()] == ["notes.txt"]
+
+
+def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
+    obj = saved_scatter(tmp_path / "unfinished.blend")
+    stop_after(3)
+    assert files_of(obj).frames() == 3
+    bpy.ops.wm.save_mainfile()
+    assert files_of(obj).frames() == 3
+    assert bpy.ops.dapple.discard_bake() == {"FINISHED"}
+    assert files_of(obj).frames() == 0
+    assert not bpy.ops.dapple.discard_bake.poll()
+
+
+def stop_after(count):
+    """Bake in steps, cancelled when so many frames are kept; what was said."""
+    steps, work = addon_host.part("core.steps"), addon_host.part("blender.work")
+    files = files_of(bpy.context.object)
+    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, FRAMES))
+    try:
+        while not stepper.poll(wait=5.0):
+            if files.frames() >= count:
+                stepper.cancel()
+    except addon_host.part("core.errors").StoppedError as stopped:
+        return str(stopped)
+    finally:
+        stepper.close()
+    raise AssertionError("the bake was not stopped")
+
+
+def test_cancelling_says_what_is_kept_and_baking_goes_on(tmp_path):
+    obj = saved_scatter(tmp_path / "cancelled.blend")
+    said = stop_after(2)
+    kept = files_of(obj).frames()
+    assert said.startswith(f"Cancelled: the scatter is as it was; {kept} solved frames are kept in")
+    assert obj.dapple.baked_keys == 0
+    solves = counted_solves()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == FRAMES - kept
+
+
+def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
+    obj = scenes.scattered(scenes.tail(frames=FRAMES))
+    workfiles = addon_host.part("blender.workfiles")
+    assert Path(bpy.app.tempdir) in files_of(obj).folder.parents
+    assert "until Blender closes" in workfiles.unsaved_note()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert files_of(obj).frames() == FRAMES
+    files_of(obj).clear()
+
+
+def test_a_folder_that_cannot_be_written_does_not_stop_the_bake(tmp_path):
+    obj = saved_scatter(tmp_path / "blocked.blend")
+    (tmp_path / "blocked.dapple").write_text("a file where the folder should be")
+    steps, work = addon_host.part("core.steps"), addon_host.part("blender.work")
+    baker = steps.run_now(work.bake_steps(bpy.context, 1, FRAMES))
+    assert baker.trouble.startswith(f"Frames cannot be kept in '{tmp_path}")
+    assert obj.dapple.baked_frames == FRAMES
+
+
+def test_a_frame_that_this_build_would_not_solve_is_refused(tmp_path):
+    obj = saved_scatter(tmp_path / "foreign.blend")
+    stop_after(2)
+    files, sidecar = files_of(obj), addon_host.part("core.sidecar")
+    last = files.frames()
+    fingerprint = files.fingerprint(last)
+    faces = (
+        addon_host.part("blender.meshio")
+        .read_surface(obj.dapple.surface, bpy.context.evaluated_depsgraph_get())
+        .faces
+    )
+    frame = files.load(last, fingerprint, 60, faces)
+    other = frame.placed.binding.barycentric[:, [1, 2, 0]]
+    binding = replace(frame.placed.binding, barycentric=other)
+    placed = replace(frame.placed, binding=binding)
+    files.store(last, fingerprint, sidecar.Solved(placed, frame.report))
+    with pytest.raises(RuntimeError, match=r"is not what this version of Dapple solves: discard"):
+        bpy.ops.dapple.bake()
+    assert obj.dapple.baked_keys == 0
