@@ -18,7 +18,7 @@ from ..core.records import POINT_ATTRIBUTES, Binding, Columns
 from ..core.settings import Settings
 from ..core.solve import scatter
 from ..core.steps import Steps, Task
-from ..core.surface import Floats, SurfaceArrays, check_unchanged
+from ..core.surface import SurfaceArrays, check_unchanged
 from .held import Held
 from .meshio import read_columns, read_points, read_surface, to_world
 from .properties import settings_of
@@ -102,9 +102,6 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
     try:
         if (yield Task(lambda _: baker.take(), *share)):
             return
-        for past in baker.behind:
-            vertices = _at_frame(surface, baker.first + past).vertices
-            yield _replayed(baker, vertices, share[0])
         yield Task(baker.advance, *share)
     except StoppedError as error:
         raise StoppedError(_stopped(baker)) from error
@@ -127,10 +124,6 @@ def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, Surf
         else:  # yet another one on the way
             break
     return before, after
-
-
-def _replayed(baker: Baker, vertices: Floats, at: float) -> Task:
-    return Task(lambda worker: baker.replay(vertices, worker), at, at)
 
 
 def _stopped(baker: Baker) -> str:

@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bake: points carried through the frames of a deforming surface, as keys.
 
-Frames that an earlier, stopped bake has solved from the same input are taken from its files. The
-tracker cannot be put at such a frame, so before the next one is solved it is led again through
-those that were taken: slower than going on at once, and the same bytes as a bake without a stop.
+Frames that an earlier, stopped bake has solved from the same input are taken from its files, and
+the tracker is put at the last of them before the next one is solved: the same bytes as a bake
+without a stop.
 """
 
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from .binding import placed_of, rebound, samples_of
-from .errors import ScatterError
 from .frames import carried
 from .keys import Baked, Keyframes, Placed
 from .native import package
@@ -58,17 +55,14 @@ class Baker:
         self.topologies = [self.bound.topology]
         self.last = start.binding
         self._tracker: Any = None
-        self._tracked = 0  # frames that the tracker has gone through
+        self._tracked = 0  # frames after which the tracker stands
+        self._solved: Solved  # the last frame that is done, and its vertices
+        self._vertices: Floats
 
     @property
     def done(self) -> int:
         """Frames that are solved."""
         return len(self.reports)
-
-    @property
-    def behind(self) -> range:
-        """Frames, counted from the first, to replay before one can be solved."""
-        return range(self._tracked, self.done)
 
     def changes(self, frame: SurfaceArrays) -> bool:
         """Whether the next frame has another topology; ScatterError if it may not."""
@@ -104,18 +98,16 @@ class Baker:
         self._add(solved)
         return True
 
-    def replay(self, vertices: Floats, context: Any) -> None:
-        """Lead the tracker through a frame that was taken."""
-        self._track(vertices, context)
-
     def advance(self, context: Any) -> None:
         """Solve the frame."""
-        if self.behind:
-            raise RuntimeError(f"frames {self.behind} are to be replayed first")
-        samples = self._track(self._now.vertices, context)
+        with named(self.bound.name):
+            tracker = self._ready_tracker()
+            samples = tracker.advance(self._now.vertices, context=context)
+        self._tracked = self.done + 1
         placed = placed_of(samples, self.bound.faces)
         turned = carried(self.last, placed.binding, self._now.vertices, self.bound.faces)
-        solved = Solved(Placed(placed.faces, turned), report_of(samples.report))
+        report = report_of(samples.report)
+        solved = Solved(Placed(placed.faces, turned), report, tracker.settled)
         self._keep(solved)
         self._add(solved)
 
@@ -138,28 +130,28 @@ class Baker:
         """The keys of all frames."""
         return self.keyframes.packed()
 
-    def _track(self, vertices: Floats, context: Any) -> Any:
-        with named(self.bound.name):
-            if self._tracker is None:
-                self._tracker = self._new_tracker()
-            samples = self._tracker.advance(vertices, context=context)
-        self._tracked += 1
-        if self._tracked == self.done:
-            self._check_replayed(samples)
-        return samples
+    def _ready_tracker(self) -> Any:
+        """The tracker, at the last frame that is done."""
+        if self._tracker is None:
+            self._tracker = self._new_tracker()
+        if self._tracked < self.done:
+            samples = self._samples(self._tracker.surface)
+            self._tracker.resume(self._vertices, samples, settled=self._solved.settled)
+            self._tracked = self.done
+        return self._tracker
 
     def _new_tracker(self) -> Any:
         surface, start = package().Surface(self.bound.vertices, self.bound.faces), self.start
         samples = samples_of(start.binding, surface, start.ids, start.classes)
         return package().Tracker(surface, samples, **start.settings.tracker_options())
 
-    def _check_replayed(self, samples: Any) -> None:
-        same = np.array_equal(samples.barycentric, self.last.barycentric)
-        if not same and self.sidecar is not None:
-            raise ScatterError(
-                f"Frame {self.first + self.done - 1} in '{self.sidecar.folder}' is not what this "
-                "version of Dapple solves: discard the unfinished bake"
-            )
+    def _samples(self, surface: Any) -> Any:
+        """Of the last frame that is done, to the last bit."""
+        placed, start = self._solved.placed, self.start
+        weights = placed.binding.barycentric
+        return package().Samples(
+            surface, placed.faces, weights, ids=start.ids, classes=start.classes
+        )
 
     def _keep(self, solved: Solved) -> None:
         if self.sidecar is None:
@@ -171,6 +163,7 @@ class Baker:
             self.sidecar = None
 
     def _add(self, solved: Solved) -> None:
+        self._solved, self._vertices = solved, self._now.vertices
         self.last = solved.placed.binding
         self.reports.append(solved.report)
         spacing = solved.report.spacing

@@ -10,8 +10,6 @@ good as none.
 import hashlib
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,13 +18,13 @@ from typing import Any
 import numpy as np
 
 from .keys import Placed
+from .native import package
 from .records import Binding
 from .settings import Settings
 from .solve import Report
 from .surface import Ints, SurfaceArrays
 
 FORMAT = 1
-_UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True)
@@ -35,13 +33,15 @@ class Solved:
 
     placed: Placed
     report: Report
+    settled: bool = False  # dapple.Tracker.settled, to go on from here
 
 
 class Fingerprint:
-    """Digest of all that a frame is solved from: settings, start, and every frame so far."""
+    """Digest of all that a frame is solved from: version, settings, start, every frame so far."""
 
     def __init__(self, settings: Settings, start: Binding, arrays: Iterable[Any]) -> None:
-        head = json.dumps([FORMAT, asdict(settings)], sort_keys=True)
+        version = package().__version__
+        head = json.dumps([FORMAT, version, asdict(settings)], sort_keys=True)
         self._digest = hashlib.blake2b(head.encode(), digest_size=16)
         for array in (start.corners, start.barycentric, start.carry, *arrays):
             self._add(array)
@@ -75,7 +75,7 @@ class Sidecar:
                 if str(stored["fingerprint"]) != fingerprint:
                     return None
                 return _checked({name: stored[name] for name in stored.files}, points, faces)
-        except _UNREADABLE:
+        except Exception:  # whatever broken bytes make numpy and zipfile raise
             return None
 
     def fingerprint(self, frame: int) -> str:
@@ -83,7 +83,7 @@ class Sidecar:
         try:
             with np.load(self.path(frame), allow_pickle=False) as stored:
                 return str(stored["fingerprint"])
-        except _UNREADABLE:
+        except Exception:  # whatever broken bytes make numpy and zipfile raise
             return ""
 
     def store(self, frame: int, fingerprint: str, solved: Solved) -> None:
@@ -99,6 +99,7 @@ class Sidecar:
                     barycentric=solved.placed.binding.barycentric,
                     carry=solved.placed.binding.carry,
                     report=np.array(json.dumps(asdict(solved.report))),
+                    settled=np.array(solved.settled),
                 )
                 file.flush()
                 os.fsync(file.fileno())
@@ -139,7 +140,7 @@ def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
         raise ValueError("faces has an index out of range")
     binding = Binding(faces[stored["faces"]], stored["barycentric"], stored["carry"])
     report = Report(**json.loads(str(stored["report"])))
-    return Solved(Placed(stored["faces"], binding), report)
+    return Solved(Placed(stored["faces"], binding), report, bool(stored["settled"]))
 
 
 def _sync_folder(folder: Path) -> None:
