@@ -202,8 +202,10 @@ double area_percentile(const Surface& surface, const std::vector<double>& values
     return values[a] != values[b] ? values[a] < values[b] : a < b;
   });
   double reached = 0.0;
-  for (const std::size_t v : order)
-    if ((reached += areas[v]) >= percentile / 100.0 * surface.area()) return values[v];
+  for (const std::size_t v : order) {
+    reached += areas[v];
+    if (reached >= percentile / 100.0 * surface.area()) return values[v];
+  }
   return values[order.back()];
 }
 

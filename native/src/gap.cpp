@@ -46,7 +46,8 @@ class Crowd {
                        const Visit& visit) const {
     const Vec3 from = canonical(point);
     tree_->within(from, distance, found);
-    const std::size_t copies = static_cast<std::size_t>((2 * images_ + 1) * (2 * images_ + 1));
+    const int along = 2 * images_ + 1;
+    const std::size_t copies = static_cast<std::size_t>(along) * static_cast<std::size_t>(along);
     for (const Neighbour& n : found) {
       const auto k = static_cast<std::size_t>(n.index);
       visit(members_[k / copies], from - points_[k]);

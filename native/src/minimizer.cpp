@@ -56,7 +56,9 @@ class Minimizer {
         options_(options),
         context_(context),
         memory_(options.memory),
-        radii_(objective.terms.size()) {}
+        radii_(objective.terms.size()) {
+    if (options.restore && options.method == Method::kTrustRegion) aim_ = &*options.restore;
+  }
 
   Minimum run(const Sites& start, const Sites* home) {
     state_ = evaluate(begin(start, home));
@@ -89,26 +91,22 @@ class Minimizer {
     return [this](Vectors& v) { objective_.restrict(v, state_.normals); };
   }
 
-  [[nodiscard]] bool restoring() const {
-    return options_.restore && options_.method == Method::kTrustRegion;
-  }
+  [[nodiscard]] bool restoring() const { return aim_ != nullptr; }
 
   void begin_restoration() {
-    if (!restoring()) return;
-    const Restoration& aim = *options_.restore;
-    const double above = normalised_cvt(objective_, state_) - (aim.cvt + aim.dead_band);
-    weigh_cvt(objective_, state_, aim.share * std::clamp(above / aim.band, 0.0, 1.0));
-    delta_ = least_delta_ = aim.share;
+    if (!aim_) return;
+    const double above = normalised_cvt(objective_, state_) - (aim_->cvt + aim_->dead_band);
+    weigh_cvt(objective_, state_, aim_->share * std::clamp(above / aim_->band, 0.0, 1.0));
+    delta_ = least_delta_ = aim_->share;
   }
 
   /// Even enough to stop; a frame as even as the first is not even begun.
   [[nodiscard]] bool restored() const {
-    const Restoration& aim = *options_.restore;
     const double spread = capacity_spread(objective_, state_);
-    if (options_.gap_weight > 0.0 && measure_evenness(state_.diagram()).alpha_min < aim.alpha)
+    if (options_.gap_weight > 0.0 && measure_evenness(state_.diagram()).alpha_min < aim_->alpha)
       return false;
-    if (result_.iterations > 0) return spread <= std::max(aim.spread, aim.first_spread);
-    return spread <= std::max(kBegin * aim.spread, kAsFirst * aim.first_spread) &&
+    if (result_.iterations > 0) return spread <= std::max(aim_->spread, aim_->first_spread);
+    return spread <= std::max(kBegin * aim_->spread, kAsFirst * aim_->first_spread) &&
            objective_.cvt_weight < kIdle;
   }
 
@@ -227,7 +225,7 @@ class Minimizer {
   // all together contradict each other, that costs more than it gives.
   [[nodiscard]] Vectors keep_gaps(Vectors direction) const {
     if (radii_.size() > 1) return direction;
-    const Vectors full = direction;
+    Vectors full = direction;
     for (int pass = 0; pass < kGapPasses; ++pass) {
       const std::size_t shortened = shorten_approaches(state_.diagram(), radii_[0], direction);
       if (static_cast<double>(shortened) > kGapMost * static_cast<double>(direction.size()))
@@ -398,6 +396,7 @@ class Minimizer {
   Objective objective_;
   const OptimizerOptions& options_;
   Context* context_;
+  const Restoration* aim_ = nullptr;  // null unless restoring
   State state_;
   Sites home_;
   LbfgsMemory memory_;

@@ -36,11 +36,12 @@ Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after) {
 
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after) {
   if (before.empty()) return {};
-  Motion plain = aligned(before, as_matrix(after));
-  if (plain.extent < kSmall) return plain;
+  Motion best = aligned(before, as_matrix(after));
+  if (best.extent < kSmall) return best;
   const Eigen::Matrix3Xd mirror = -as_matrix(after);
-  Motion mirrored = aligned(before, mirror);
-  return mirrored.extent < plain.extent ? mirrored : plain;
+  if (Motion mirrored = aligned(before, mirror); mirrored.extent < best.extent)
+    best = std::move(mirrored);
+  return best;
 }
 
 std::vector<Vec3> part_way(std::span<const Vec3> before, const Motion& motion, double t) {

@@ -188,8 +188,7 @@ std::vector<bool> PlanarDomain::on_border(const Sites& sites,
 std::unique_ptr<FlatDomain> PlanarDomain::with_density(const Image& density) const {
   if (size_.x() == 0.0)
     throw ArgumentError("density is an image, and the domain a polygon: only rectangles take one");
-  PlanarDomain result = image(size_.x(), size_.y(), density);
-  return result.with_cells(cells_);
+  return image(size_.x(), size_.y(), density).with_cells(cells_);
 }
 
 // ---- the torus ----

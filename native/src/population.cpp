@@ -48,8 +48,10 @@ std::vector<Population::Fading> Population::vanishing(const Samples& before,
                                                       const Samples& after) const {
   const double step = 1.0 / options_.fade;
   std::vector<Fading> result;
-  for (Fading one : vanishing_)
-    if ((one.fade -= step) > 0.5 * step) result.push_back(one);
+  for (Fading one : vanishing_) {
+    one.fade -= step;
+    if (one.fade > 0.5 * step) result.push_back(one);
+  }
   for (std::size_t k = 0; k < before.size(); ++k)
     if (std::find(after.ids.begin(), after.ids.end(), before.ids[k]) == after.ids.end() &&
         fades_[k] - step > 0.5 * step)
@@ -61,7 +63,7 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   Tracker tracker = tracker_;
   tracker.advance(vertices, context);
   const Samples before = tracker.samples();
-  Samples after = resized(tracker, context);
+  const Samples after = resized(tracker, context);
   std::vector<Fading> gone = vanishing(before, after);
   std::map<std::int32_t, double> fade_of;
   for (std::size_t k = 0; k < before.size(); ++k)
