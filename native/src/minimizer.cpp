@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "gauss_newton.hpp"
 #include "hexagonal.hpp"
@@ -24,7 +25,10 @@ constexpr int kBacktracks = 6;      // shortenings of a step before it counts as
 constexpr int kFewBacktracks = 3;   // while restoring: the next frame goes on
 constexpr double kHold = 0.25;      // share of its step that a site beside a jump keeps
 constexpr double kHoldMost = 0.05;  // share of the sites that a jump may be blamed on
-constexpr int kPulls = 8;           // towards the start, of a site that was projected out of reach
+// What a step rises above its slope falls to a quarter when the step is halved, at a crease to
+// half; where more than this is left, the energy jumps, as it does where orphans change owners.
+constexpr double kJump = 0.6;
+constexpr int kPulls = 8;      // towards the start, of a site that was projected out of reach
 constexpr double kPull = 0.8;  // share of its way that is left after each; the last leaves none
 
 // The trust region's delta: how it answers to the outcome of a step.
@@ -154,9 +158,10 @@ class Minimizer {
     double t = 1.0;
     std::optional<State> next = backtrack(direction, t);
     if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
-    // A quasi-Newton step promises half its slope: where even that is small, failing to get it is
-    // convergence.
-    judge(next ? state_.total - next->total : -0.5 * slope, next.has_value());
+    // A quasi-Newton step promises half its slope: where even that is small, or hidden by a jump,
+    // failing to get it is convergence.
+    const double promised = -0.5 * slope > jump_ ? -0.5 * slope : 0.0;
+    judge(next ? state_.total - next->total : promised, next.has_value());
     if (next)
       accept(std::move(*next));
     else
@@ -284,18 +289,28 @@ class Minimizer {
     return excess;
   }
 
-  /// The state after the longest of the shortened steps that decreases the energy enough.
+  /// The state after the longest of the shortened steps that decreases the energy enough. The trust
+  /// region gives up at a jump: another direction is worth more than a shorter step.
   /// \param direction is shortened with it
   /// \param t by how much, for all sites alike
   std::optional<State> backtrack(Vectors& direction, double& t) {
     const int most = restoring() ? kFewBacktracks : kBacktracks;
+    double rise = std::numeric_limits<double>::infinity();
+    jump_ = 0.0;
     for (int k = 0; k < most && result_.evaluations < options_.max_evaluations; ++k) {
       const double slope = std::min(dot(direction, state_.gradient), 0.0);
       Vectors moved = state_.sites.positions;
       add_scaled(moved, 1.0, direction);
       State next = evaluate(project_within_reach(std::move(moved), state_.sites.faces));
       if (next.total <= state_.total + kArmijo * slope) return next;
-      if (options_.method == Method::kTrustRegion && hold_back(next, slope, direction)) continue;
+      const double before = std::exchange(rise, next.total - state_.total - slope);
+      if (options_.method == Method::kTrustRegion) {
+        if (rise > kJump * before && !restoring()) {
+          jump_ = rise;
+          break;
+        }
+        if (hold_back(next, slope, direction)) continue;
+      }
       for (Vec3& v : direction) v *= 0.5;
       t *= 0.5;
     }
@@ -407,6 +422,7 @@ class Minimizer {
   int small_decreases_ = 0;  // in a row
   int failures_ = 0;         // in a row
   int rescues_ = 0;
+  double jump_ = 0.0;  // of the energy, that the last step met
   Minimum result_;
 };
 

@@ -75,13 +75,20 @@ TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
 }
 
+/// Few evaluations too: on the crank the energy jumps, and steps across a jump lead nowhere.
 TEST(ConnectedCells, AreEvenOnThinWalls) {
-  for (const auto& [name, limit] : {std::pair("lilium", 0.03), std::pair("crank", 0.05)}) {
+  struct Limit {
+    const char* name;
+    double spread;
+    int evaluations;
+  };
+  for (const auto& [name, spread, evaluations] : {Limit{"lilium", 0.03, 12}, {"crank", 0.05, 34}}) {
     DAPPLE_NEEDS_MESH(name);
     const Report report = sample(shared_mesh(name).surface(), 2000).report;
     std::cout << name << ": capacity spread " << report.evenness.capacity_spread << ", "
               << report.evaluations << " evaluations\n";
-    EXPECT_LT(report.evenness.capacity_spread, limit) << name;
+    EXPECT_LT(report.evenness.capacity_spread, spread) << name;
+    EXPECT_LE(report.evaluations, evaluations) << name;
   }
 }
 
