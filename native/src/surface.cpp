@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <dapple/surface.hpp>
-#include <numbers>
 #include <string>
 
+#include "hexagonal.hpp"
 #include "integrate.hpp"
 #include "morton.hpp"
 #include "parallel.hpp"
@@ -346,8 +346,7 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
 }
 
 double Surface::spacing(std::size_t count) const {
-  return std::sqrt(2.0 * area() /
-                   (std::numbers::sqrt3 * static_cast<double>(std::max<std::size_t>(count, 1))));
+  return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
 }  // namespace dapple
