@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -17,8 +16,9 @@ from typing import Any
 import dapple
 
 from benchmarks.compare.cases import Case, cases, mesh_files, mesh_folder
+from benchmarks.compare.components import component_rows
+from benchmarks.compare.tables import say, table
 
-Row = Sequence[str]
 Record = dict[str, Any]
 
 
@@ -30,6 +30,10 @@ class Runs:
         self._threads = threads
 
     def sample(self, case: Case, seed: int, **options: Any) -> dapple.Report:
+        return self.keep(case, seed, **options).report
+
+    def keep(self, case: Case, seed: int, **options: Any) -> dapple.Samples:
+        """The samples themselves."""
         samples = dapple.sample(
             case.surface, case.count, seed=seed, threads=self._threads, **options
         )
@@ -37,16 +41,7 @@ class Runs:
             {"mesh": case.mesh, "density_ratio": case.ratio, "seed": seed, "options": options}
             | samples.report.to_dict()
         )
-        return samples.report
-
-
-def say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
-def table(head: Row, rows: Iterable[Row]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+        return samples
 
 
 def energies_at(
@@ -191,6 +186,18 @@ def compare_convergence(given: argparse.Namespace, runs: Runs) -> str:
     return f"Each of {given.seeds} seeds.\n\n{table(head, rows)}"
 
 
+def compare_components(given: argparse.Namespace, runs: Runs) -> str:
+    """The capacity spread of each connected component, and how much of it the counts alone make."""
+    parts = []
+    for case in chosen_cases(given):
+        for seed in range(given.seeds):
+            say(f"{' '.join(case.names)}: seed {seed}")
+            samples = runs.keep(case, seed)
+            title, head, rows = component_rows(case.surface, samples)
+            parts.append(f"{', '.join(case.names)}, seed {seed}: {title}\n\n{table(head, rows)}")
+    return "\n\n".join(parts)
+
+
 def chosen_cases(given: argparse.Namespace) -> Iterable[Case]:
     files = mesh_files(given.folder)
     if given.only:
@@ -232,6 +239,8 @@ def arguments() -> argparse.Namespace:
     kind.add_argument("--tolerance", type=float, default=1e-5)
     kind.add_argument("--energy", type=float, default=0.1650, help="normalised, to be reached")
     kind.add_argument("--gap-weights", type=float, nargs="+", default=[1.0])
+    kind = add("components", compare_components, [2000], [1.0])
+    kind.set_defaults(seeds=1)
     given = parser.parse_args()
     check(parser, given)
     return given
