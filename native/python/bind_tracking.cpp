@@ -14,6 +14,23 @@
 namespace dapple::python {
 namespace {
 
+/// The options that every way of tracking takes.
+TrackerOptions tracker_options(double capacity_weight, double gap_weight, double tolerance,
+                               int max_evaluations, double max_slide, const std::string& method,
+                               const std::string& cells, double stickiness, double memory,
+                               double longest_motion, int threads) {
+  TrackerOptions options;
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+  options.optimizer.max_slide = max_slide;
+  options.optimizer.stickiness = stickiness;
+  options.cells = cells_named(cells);
+  options.memory = memory;
+  options.longest_motion = longest_motion;
+  options.threads = threads;
+  return options;
+}
+
 std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
                                       double capacity_weight, double gap_weight, double tolerance,
                                       int max_evaluations, double max_slide,
@@ -21,16 +38,10 @@ std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& sam
                                       const py::object& classes, double union_weight,
                                       double stickiness, double memory, double longest_motion,
                                       int threads) {
-  TrackerOptions options;
-  options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
-  options.cells = cells_named(cells);
-  options.threads = threads;
-  options.optimizer.max_slide = max_slide;
+  TrackerOptions options =
+      tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide, method,
+                      cells, stickiness, memory, longest_motion, threads);
   options.union_weight = union_weight;
-  options.optimizer.stickiness = stickiness;
-  options.memory = memory;
-  options.longest_motion = longest_motion;
   std::vector<SampleClass> wanted;
   if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
   const py::gil_scoped_release released;
@@ -52,14 +63,15 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
 }
 
 std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
-                                            int fade, double stickiness, double memory,
-                                            double longest_motion, int threads) {
-  PopulationOptions options;
-  options.fade = fade;
-  options.tracker.optimizer.stickiness = stickiness;
-  options.tracker.memory = memory;
-  options.tracker.longest_motion = longest_motion;
-  options.tracker.threads = threads;
+                                            int fade, double capacity_weight, double gap_weight,
+                                            double tolerance, int max_evaluations, double max_slide,
+                                            const std::string& method, const std::string& cells,
+                                            double stickiness, double memory, double longest_motion,
+                                            int threads) {
+  const PopulationOptions options{
+      .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
+                                 method, cells, stickiness, memory, longest_motion, threads),
+      .fade = fade};
   const py::gil_scoped_release released;
   return std::make_shared<Population>(surface, samples, options);
 }
@@ -71,24 +83,22 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
   return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
 }
 
-std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const py::iterable& frames,
-                                                const Samples& samples, bool closed, int sweeps,
-                                                double stickiness, double memory,
-                                                double longest_motion, int threads,
-                                                const ContextPtr& context) {
+std::vector<std::shared_ptr<Samples>> window_of(
+    const Surface& surface, const py::iterable& frames, const Samples& samples, bool closed,
+    int sweeps, double capacity_weight, double gap_weight, double tolerance, int max_evaluations,
+    double max_slide, const std::string& method, const std::string& cells, double stickiness,
+    double memory, double longest_motion, int threads, const ContextPtr& context) {
   std::vector<std::vector<Vec3>> vertices;
   for (const py::handle frame : frames) {
     const DoubleArray points = doubles("frames", py::reinterpret_borrow<py::object>(frame), 3);
     const std::span<const Vec3> span = as_points(points);
     vertices.emplace_back(span.begin(), span.end());
   }
-  WindowOptions options;
-  options.closed = closed;
-  options.sweeps = sweeps;
-  options.tracker.optimizer.stickiness = stickiness;
-  options.tracker.memory = memory;
-  options.tracker.longest_motion = longest_motion;
-  options.tracker.threads = threads;
+  const WindowOptions options{
+      .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
+                                 method, cells, stickiness, memory, longest_motion, threads),
+      .sweeps = sweeps,
+      .closed = closed};
   const py::gil_scoped_release released;
   std::vector<std::shared_ptr<Samples>> result;
   for (Samples& one : track_window(surface, vertices, samples, options, context.get()))
@@ -178,13 +188,16 @@ Args:
     surface: the Surface of the first frame.
     samples: its Samples, of one class; their number per capacity is kept.
     fade: frames that a sample takes to appear or to vanish, >= 1.
-    stickiness, memory, longest_motion, threads: as for Tracker.
+    the others: as for Tracker.
 
 Raises:
     ValueError: the samples are not of the surface, or an option is out of range.)")
       .def(py::init(&make_population), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("fade") = 12, py::arg("stickiness") = 0.0, py::arg("memory") = 0.8,
-           py::arg("longest_motion") = 0.02, py::arg("threads") = 0)
+           py::arg("fade") = 12, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+           py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
+           py::arg("method") = "trust_region", py::arg("cells") = "connected",
+           py::arg("stickiness") = 0.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
+           py::arg("threads") = 0)
       .def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
@@ -210,6 +223,9 @@ Raises:
 void bind_window(py::module_& m) {
   m.def("track_window", &window_of, py::arg("surface"), py::arg("frames"), py::arg("samples"),
         py::kw_only(), py::arg("closed") = false, py::arg("sweeps") = 2,
+        py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5,
+        py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
+        py::arg("method") = "trust_region", py::arg("cells") = "connected",
         py::arg("stickiness") = 1.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
         py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Samples on all frames of a motion at once, smooth both ways in time.
@@ -224,7 +240,7 @@ Args:
     closed: whether the last frame leads back to the first: the loop then closes.
     sweeps: forwards and backwards, >= 0.
     stickiness: gamma >= 0, the weight of the squared distances from those middles; 1 is the weight of E_cvt.
-    memory, longest_motion, threads: as for Tracker.
+    the others: as for Tracker.
     context: a Context to watch and cancel it by.
 
 Returns:
