@@ -223,6 +223,27 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         min=1,
         max=25,
     )
+    stickiness: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Stickiness",
+        description="How much points stay at their places on the deforming surface; more of it, "
+        "and they slide less and are less even",
+        default=_DEFAULT.stickiness,
+        min=0.0,
+        soft_max=100.0,
+    )
+    bake_smoothing: EnumProperty(
+        options=_STILL,
+        name="Smoothing",
+        description="In which order a bake solves the frames",
+        items=[
+            ("FORWARDS", "Forwards", "Frame by frame; solved frames are kept beside the file"),
+            ("BOTH_WAYS", "Both Ways", "All frames together: motion is smooth both ways in time"),
+            ("LOOP", "Loop", "All frames together, and the last leads back to the first"),
+        ],
+        default="FORWARDS",
+    )
     on_topology_change: EnumProperty(
         options=_STILL,
         name="On Topology Change",

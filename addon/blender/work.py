@@ -19,6 +19,7 @@ from ..core.settings import Settings
 from ..core.solve import scatter
 from ..core.steps import Steps, Task
 from ..core.surface import SurfaceArrays, check_unchanged
+from ..core.together import TogetherBaker
 from .held import Held
 from .meshio import read_columns, read_points, read_surface, to_world
 from .properties import settings_of
@@ -28,6 +29,7 @@ from .topology import check_render_topology
 from .workfiles import work_files
 
 _SEAM_STEPS = 6
+_READING = 0.2  # of the progress of a bake that solves all frames together
 
 
 def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
@@ -83,11 +85,14 @@ def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
     begin = arrays = _at_frame(surface, first)
     check_render_topology(surface.get(), bpy.context)
     baker = _baker(held.get(), arrays, first, count)
+    end = _READING if isinstance(baker, TogetherBaker) else 1.0
     for step in range(count):
         if step:
             arrays = _at_frame(surface, first + step)
-        share = (step / count, (step + 1) / count)
+        share = (end * step / count, end * (step + 1) / count)
         yield from _solve(baker, surface, arrays, share)
+    if isinstance(baker, TogetherBaker):
+        yield Task(baker.solve, end, 1.0)
     check_unchanged(begin, _at_frame(surface, first))
     return baker
 
@@ -140,6 +145,9 @@ def _baker(obj: bpy.types.Object, arrays: SurfaceArrays, first: int, count: int)
     binding, columns = _binding(obj, arrays, rebind)
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     keyframes = Keyframes(count, obj.dapple.key_every)
+    smoothing = obj.dapple.bake_smoothing
+    if smoothing != "FORWARDS":
+        return TogetherBaker(arrays, start, keyframes, first=first, closed=smoothing == "LOOP")
     return Baker(arrays, start, keyframes, work_files(obj), first, rebind)
 
 

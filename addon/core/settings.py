@@ -15,14 +15,15 @@ class Settings:
     gap_weight: float = 3.0  # kappa: keeps neighbours apart
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
+    stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
 
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without the count."""
         options = asdict(self)
-        del options["count"]
+        del options["count"], options["stickiness"]
         return options
 
     def tracker_options(self) -> dict[str, Any]:
         """Keyword options of dapple.Tracker, which has a limit of evaluations of its own."""
-        names = ("capacity_weight", "gap_weight", "tolerance")
+        names = ("capacity_weight", "gap_weight", "tolerance", "stickiness")
         return {name: getattr(self, name) for name in names}

@@ -92,7 +92,7 @@ class Window {
 
   /// Move the samples of a frame, and restore it as near to that as can be.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
-    samples_[t] = solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, context_);
+    samples_[t] = solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, nullptr);
   }
 
   void measure(std::size_t t) {

@@ -109,9 +109,10 @@ def test_the_zip_installs_from_disk(tmp_path):
 def test_options_have_the_names_and_defaults_of_the_native_package():
     settings = addon_host.part("core.settings").Settings()
     package = addon_host.part("core.native").package()
-    sample = dict(
-        re.findall(r"(\w+): [^=,)]+(?:= ([\w.-]+))?", package.sample.__doc__.splitlines()[0])
-    )
+    heads = package.sample.__doc__.splitlines() + package.Tracker.__init__.__doc__.splitlines()
+    found = re.findall(r"(\w+): [^=,)]+(?:= ([\w.-]+))?", heads[0])
+    tracker = re.findall(r"(stickiness): float = ([\d.]+)", "".join(heads[1:]))
+    sample = dict([*found, *tracker])
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     for field in fields(settings):
         value = getattr(settings, field.name)

@@ -352,3 +352,61 @@ def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
 
 def evaluated_polygons(surface):
     return surface.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons
+
+
+def slides_of(surface, obj):
+    """Ways (frame, point, 3) from where the frame before carries each point."""
+    corners, weights = key_rows(obj)
+    found = []
+    for frame in range(1, FRAMES):
+        at(frame + 1)
+        vertices = scenes.world_vertices(surface)
+        here, there = (
+            np.einsum("nk,nkd->nd", weights[key], vertices[corners[key]])
+            for key in (frame - 1, frame)
+        )
+        found.append(there - here)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP"])
+def test_frames_solved_together_move_more_smoothly(smoothing):
+    jerks = []
+    for chosen in ("FORWARDS", smoothing):
+        surface = scenes.tail(frames=FRAMES)
+        obj = scenes.scattered(surface)
+        obj.dapple.bake_smoothing = chosen
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert obj.dapple.baked_keys == FRAMES
+        assert obj.dapple.report.capacity_spread < 0.05
+        slides = slides_of(surface, obj)
+        jerks.append(np.linalg.norm(np.diff(slides, axis=0), axis=2).mean())
+    assert jerks[1] < jerks[0]
+
+
+def test_frames_solved_together_need_one_topology():
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    obj.dapple.bake_smoothing = "BOTH_WAYS"
+    build = surface.modifiers.new("Array", "ARRAY")
+    build.show_viewport = build.show_render = False
+    build.keyframe_insert("show_viewport", frame=1)
+    build.keyframe_insert("show_render", frame=1)
+    build.show_viewport = build.show_render = True
+    build.keyframe_insert("show_viewport", frame=4)
+    build.keyframe_insert("show_render", frame=4)
+    bpy.context.scene.frame_set(1)
+    with pytest.raises(RuntimeError, match="frame"):
+        bpy.ops.dapple.bake()
+    assert obj.dapple.baked_keys == 0
+
+
+def test_stickiness_reaches_the_tracker():
+    lengths = []
+    for stickiness in (0.0, 100.0):
+        surface = scenes.tail(frames=FRAMES)
+        obj = scenes.scattered(surface)
+        obj.dapple.stickiness = stickiness
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        lengths.append(np.linalg.norm(slides_of(surface, obj), axis=2).mean())
+    assert lengths[1] < lengths[0]

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames that are solved together, so that motion is smooth both ways in time and loops close."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from .bake import Baker
+from .binding import placed_of, samples_of
+from .errors import ScatterError
+from .frames import carried
+from .keys import Placed
+from .native import package
+from .sidecar import Solved
+from .solve import named, report_of
+from .surface import SurfaceArrays, check_same_topology
+
+
+@dataclass
+class TogetherBaker(Baker):
+    """Holds the frames back until solve() is called; none is kept in files before."""
+
+    closed: bool = False  # the last frame leads back to the first
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.sidecar = None
+        self._held: list[SurfaceArrays] = []
+
+    @property
+    def done(self) -> int:
+        """Frames that are held or solved."""
+        return max(len(self._held), len(self.reports))
+
+    def changes(self, frame: SurfaceArrays) -> bool:
+        """False; ScatterError for another topology, which cannot be solved together."""
+        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+        return False
+
+    def take(self) -> bool:
+        """False: frames are not taken from files."""
+        return False
+
+    def advance(self, context: Any) -> None:
+        """Hold the frame back."""
+        self._held.append(self._now)
+
+    def solve(self, context: Any) -> None:
+        """Solve all frames that are held."""
+        if not self._held:
+            raise ScatterError(f"Surface '{self.bound.name}': there is no frame to solve")
+        start = self.start
+        with named(self.bound.name):
+            surface = package().Surface(self.bound.vertices, self.bound.faces)
+            samples = samples_of(start.binding, surface, start.ids, start.classes)
+            options = start.settings.tracker_options()
+            options["stickiness"] = max(options["stickiness"], 1.0)
+            frames = [frame.vertices for frame in self._held]
+            found = package().track_window(
+                surface, frames, samples, closed=self.closed, context=context, **options
+            )
+        for frame, solved in zip(self._held, found[1:], strict=True):
+            self._now = frame
+            placed = placed_of(solved, self.bound.faces)
+            turned = carried(self.last, placed.binding, frame.vertices, self.bound.faces)
+            self._add(Solved(Placed(placed.faces, turned), report_of(solved.report), settled=True))
