@@ -104,6 +104,7 @@ std::vector<std::int32_t> members_of(const std::vector<std::int32_t>& classes, s
 
 std::vector<double> union_weights(const ClassProblem& problem) {
   std::vector<double> weights;
+  weights.reserve(problem.classes.size());
   for (const ClassProblem::Member& member : problem.classes)
     weights.push_back(static_cast<double>(member.count) / member.domain->mass());
   return weights;
