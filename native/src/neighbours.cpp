@@ -39,11 +39,13 @@ class Ball {
   [[nodiscard]] std::size_t size() const { return found_.size(); }
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] bool full() const { return true; }
+  // NOLINTBEGIN(readability-identifier-naming): nanoflann's names
   [[nodiscard]] double worstDist() const { return squared_radius_; }
   bool addPoint(double squared_distance, std::int32_t index) {
     if (squared_distance < squared_radius_) found_.push_back({index, squared_distance});
     return true;
   }
+  // NOLINTEND(readability-identifier-naming)
   void sort() {}
 
  private:

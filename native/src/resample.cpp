@@ -27,8 +27,9 @@ std::vector<std::size_t> by_crowding(const std::vector<Vec3>& positions) {
   }
   std::vector<std::size_t> order(positions.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return nearest[a] < nearest[b]; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return nearest[a] != nearest[b] ? nearest[a] < nearest[b] : a < b;
+  });
   return order;
 }
 
@@ -57,7 +58,7 @@ std::vector<std::size_t> thin_out(const Samples& samples, std::size_t surplus, d
 
 /// The samples that stay, bound to the surface.
 Samples keep(const Surface& surface, const Samples& samples, std::size_t count) {
-  const Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
+  Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
   if (count >= all.size()) return all;
   std::vector<std::int32_t> faces, ids;
   std::vector<Vec3> barycentric;
