@@ -104,10 +104,7 @@ class Baker:
             tracker = self._ready_tracker()
             samples = tracker.advance(self._now.vertices, context=context)
         self._tracked = self.done + 1
-        placed = placed_of(samples, self.bound.faces)
-        turned = carried(self.last, placed.binding, self._now.vertices, self.bound.faces)
-        report = report_of(samples.report)
-        solved = Solved(Placed(placed.faces, turned), report, tracker.settled)
+        solved = self._solved_of(samples, tracker.settled)
         self._keep(solved)
         self._add(solved)
 
@@ -141,9 +138,18 @@ class Baker:
         return self._tracker
 
     def _new_tracker(self) -> Any:
+        return package().Tracker(*self._beginning(), **self.start.settings.tracker_options())
+
+    def _beginning(self) -> tuple[Any, Any]:
+        """The surface where the topology begins, and the samples on it."""
         surface, start = package().Surface(self.bound.vertices, self.bound.faces), self.start
-        samples = samples_of(start.binding, surface, start.ids, start.classes)
-        return package().Tracker(surface, samples, **start.settings.tracker_options())
+        return surface, samples_of(start.binding, surface, start.ids, start.classes)
+
+    def _solved_of(self, samples: Any, settled: bool) -> Solved:
+        """Samples of the frame, turned as the last frame's were."""
+        placed = placed_of(samples, self.bound.faces)
+        turned = carried(self.last, placed.binding, self._now.vertices, self.bound.faces)
+        return Solved(Placed(placed.faces, turned), report_of(samples.report), settled)
 
     def _samples(self, surface: Any) -> Any:
         """Of the last frame that is done, to the last bit."""

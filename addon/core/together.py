@@ -5,13 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from .bake import Baker
-from .binding import placed_of, samples_of
 from .errors import ScatterError
-from .frames import carried
-from .keys import Placed
 from .native import package
-from .sidecar import Solved
-from .solve import named, report_of
+from .solve import named
 from .surface import SurfaceArrays, check_same_topology
 
 
@@ -48,11 +44,9 @@ class TogetherBaker(Baker):
         """Solve all frames that are held."""
         if not self._held:
             raise ScatterError(f"Surface '{self.bound.name}': there is no frame to solve")
-        start = self.start
         with named(self.bound.name):
-            surface = package().Surface(self.bound.vertices, self.bound.faces)
-            samples = samples_of(start.binding, surface, start.ids, start.classes)
-            options = start.settings.tracker_options()
+            surface, samples = self._beginning()
+            options = self.start.settings.tracker_options()
             options["stickiness"] = max(options["stickiness"], 1.0)
             frames = [frame.vertices for frame in self._held]
             found = package().track_window(
@@ -60,6 +54,4 @@ class TogetherBaker(Baker):
             )
         for frame, solved in zip(self._held, found[1:], strict=True):
             self._now = frame
-            placed = placed_of(solved, self.bound.faces)
-            turned = carried(self.last, placed.binding, frame.vertices, self.bound.faces)
-            self._add(Solved(Placed(placed.faces, turned), report_of(solved.report), settled=True))
+            self._add(self._solved_of(solved, settled=True))

@@ -65,13 +65,7 @@ Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
   Vectors points = from.positions;
   for (std::size_t k = 0; k < moving.size(); ++k)
     points[k] += moves[static_cast<std::size_t>(moving[k])];
-  const Sites found = objective.project(points, from.faces, moving);
-  for (std::size_t k = 0; k < moving.size(); ++k) {
-    const auto site = static_cast<std::size_t>(moving[k]);
-    sites.positions[site] = found.positions[k];
-    sites.faces[site] = found.faces[k];
-    sites.barycentric[site] = found.barycentric[k];
-  }
+  put(sites, moving, objective.project(points, from.faces, moving));
   return sites;
 }
 
@@ -142,8 +136,7 @@ FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const S
   FrameSolver result = *this;
   result.ids_ = now.ids;
   result.class_of_ = now.classes;
-  for (std::size_t c = 0; c < result.classes_.size() && result.classes_.size() == 1; ++c)
-    result.classes_[c].count = now.size();
+  if (classes_.size() == 1) result.classes_[0].count = now.size();
   result.first_ = sites_of(now);
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;

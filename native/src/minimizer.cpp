@@ -386,12 +386,7 @@ class Minimizer {
       pulled.barycentric.push_back(home_.barycentric[k]);
     }
     if (part > 0.0) pulled = objective_.project(pulled.positions, pulled.faces, far);
-    for (std::size_t k = 0; k < far.size(); ++k) {
-      const auto site = static_cast<std::size_t>(far[k]);
-      sites.positions[site] = pulled.positions[k];
-      sites.faces[site] = pulled.faces[k];
-      sites.barycentric[site] = pulled.barycentric[k];
-    }
+    put(sites, far, pulled);
   }
 
   void note_energy() {

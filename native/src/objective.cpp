@@ -54,6 +54,15 @@ Sites select(const Sites& sites, std::span<const std::int32_t> members) {
   return result;
 }
 
+void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen) {
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const auto site = static_cast<std::size_t>(members[k]);
+    sites.positions[site] = chosen.positions[k];
+    sites.faces[site] = chosen.faces[k];
+    sites.barycentric[site] = chosen.barycentric[k];
+  }
+}
+
 double Objective::total_weight() const {
   double sum = 0.0;
   for (const Term& term : terms) sum += term.weight;
@@ -76,13 +85,8 @@ Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hi
           static_cast<std::int32_t>(c))
         members.push_back(static_cast<std::int32_t>(k));
     const Sites mine = select(result, members);
-    Sites found = homes[c]->project(mine.positions, mine.faces);
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      const auto site = static_cast<std::size_t>(members[k]);
-      result.positions[site] = found.positions[k];
-      result.faces[site] = found.faces[k];
-      result.barycentric[site] = found.barycentric[k];
-    }
+    const Sites found = homes[c]->project(mine.positions, mine.faces);
+    put(result, members, found);
   }
   return result;
 }

@@ -49,6 +49,9 @@ struct Objective {
 /// The chosen sites.
 [[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
 
+/// Put chosen sites back: the inverse of select().
+void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
+
 /// One term at given sites.
 struct Part {
   Energy energy;

@@ -4,6 +4,7 @@
 #include <dapple/population.hpp>
 #include <dapple/resample.hpp>
 #include <map>
+#include <set>
 
 #include "validate.hpp"
 
@@ -38,23 +39,24 @@ Samples Population::resized(const Tracker& tracker, Context* context) const {
   options.seed = static_cast<std::uint64_t>(next_id_);
   Samples result = resample(tracker.surface(), now, static_cast<std::size_t>(std::llround(wanted)),
                             options, context);
+  const std::set<std::int32_t> known(now.ids.begin(), now.ids.end());
   std::int32_t next = next_id_;
   for (std::int32_t& id : result.ids)
-    if (std::find(now.ids.begin(), now.ids.end(), id) == now.ids.end()) id = next++;
+    if (!known.contains(id)) id = next++;
   return result;
 }
 
 std::vector<Population::Fading> Population::vanishing(const Samples& before,
                                                       const Samples& after) const {
   const double step = 1.0 / options_.fade;
+  const std::set<std::int32_t> stay(after.ids.begin(), after.ids.end());
   std::vector<Fading> result;
   for (Fading one : vanishing_) {
     one.fade -= step;
     if (one.fade > 0.5 * step) result.push_back(one);
   }
   for (std::size_t k = 0; k < before.size(); ++k)
-    if (std::find(after.ids.begin(), after.ids.end(), before.ids[k]) == after.ids.end() &&
-        fades_[k] - step > 0.5 * step)
+    if (!stay.contains(before.ids[k]) && fades_[k] - step > 0.5 * step)
       result.push_back({before.ids[k], before.faces[k], before.barycentric[k], fades_[k] - step});
   return result;
 }

@@ -31,7 +31,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
       samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids,
                             samples.classes)) {
   samples_.report = samples.report;
-  with_threads(std::max(options.threads, 0), [&] {
+  with_threads(options.threads, [&] {
     solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes));
   });
 }
@@ -60,9 +60,10 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     int evaluations = 0;
     for (int part = 1; part <= parts; ++part) {
       const double share = static_cast<double>(part) / parts;
-      const Surface way =
-          part < parts ? surface_.deformed(part_way(surface_.vertices(), motion, share)) : surface;
-      samples = solve(way, samples, still, context);
+      samples = part < parts
+                    ? solve(surface_.deformed(part_way(surface_.vertices(), motion, share)),
+                            samples, still, context)
+                    : solve(surface, samples, still, context);
       evaluations += samples.report.evaluations;
     }
     samples.report.evaluations = evaluations;

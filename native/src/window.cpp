@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-#include <cmath>
 #include <dapple/window.hpp>
 
-#include "clock.hpp"
 #include "frame_solver.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
@@ -122,7 +119,7 @@ std::vector<Samples> track_window(const Surface& surface, std::span<const std::v
                                   const Samples& samples, const WindowOptions& options,
                                   Context* context) {
   check_at_least("sweeps", options.sweeps, 0);
-  return with_threads(std::max(options.tracker.threads, 0), [&] {
+  return with_threads(options.tracker.threads, [&] {
     return Window(surface, frames, samples, options, context).solve(samples);
   });
 }
