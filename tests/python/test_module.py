@@ -73,11 +73,12 @@ def test_is_typed():
 
 
 # What stubtest holds against classes made by pybind11: their metaclass, an __init__ that only
-# raises; and a library that lies beside the module.
+# raises; a library that lies beside the module; and a name for a Literal.
 ALLOWED = r"""
 dapple\._native\.\w+
 dapple\._native\.\w+\.__init__
 dapple\.libdapple_embree
+dapple\.cli\.meshes\.Place
 """
 
 

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple analyse: how even a point set is."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+import dapple
+from dapple.cli import meshes, options
+from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.points import read_points
+from dapple.cli.report import Reporter
+from dapple.cli.work import Work
+
+# Figure, its name in the table, its format, what it means.
+ROWS = (
+    ("count", "points", "d", ""),
+    ("spacing", "spacing", ".6g", "of a hexagonal lattice of as many points, in the mesh's units"),
+    ("alpha_min", "alpha min", ".4f", "smallest distance / local spacing; 1 for hexagons"),
+    ("alpha_mean", "alpha mean", ".4f", "the mean of the same ratio over the points"),
+    ("capacity_spread", "capacity spread", ".5f", "standard deviation / mean; 0 is the best"),
+    ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
+    ("energy", "energy", ".5f", "normalised; 0.16037 for hexagons"),
+)
+
+
+@click.command("analyse", short_help="How even a point set is.")
+@click.argument("points", type=options.INPUT)
+@click.option(
+    "--mesh",
+    type=options.INPUT,
+    help="The surface they lie on; each point counts where it is nearest.  "
+    "[default: the unit square]",
+)
+@options.density_options
+@click.option(
+    "--plot",
+    type=options.OUTPUT,
+    metavar="FILE.png",
+    help="Draw the power spectrum, its radial mean and anisotropy (needs matplotlib).",
+)
+@options.library_options(dapple.analyse, "capacity_weight", "cells")
+@options.library_options(dapple.spectrum, "threads")
+@options.report_options
+def command(
+    points: Path,
+    mesh: Path | None,
+    density: str | None,
+    density_at: meshes.Place | None,
+    plot: Path | None,
+    threads: int | None,
+    json_out: str | None,
+    quiet: bool,
+    **measure: Any,
+) -> None:
+    """Print how even POINTS are: all of them, and each class.
+
+    POINTS is .ply, .csv (named columns x, y, z and perhaps class; or two or three without names),
+    .npz ('positions', perhaps 'classes'), .obj or .off. Without --mesh they lie in the unit square
+    0 <= x, y <= 1, z = 0.
+
+    \b
+    Examples:
+      dapple analyse points.ply --mesh bunny.ply
+      dapple analyse dots.csv --plot spectrum.png --json figures.json
+    """
+    reporter = Reporter(json_out, quiet)
+    if plot and plot.suffix.lower() != ".png":
+        raise click.ClickException(f"{plot}: the picture is written as .png")
+    check_outputs([points, mesh, options.density_file(density)], [plot, reporter.file])
+    if mesh is None and (density or density_at):
+        raise click.UsageError("--density and --density-at need --mesh")
+    found = read_points(points)
+    with about(points):
+        places = in_space(found.positions)
+    about_mesh: dict[str, Any] = {"mesh": None}
+    if mesh is None:
+        surface = unit_square(points, places)
+    else:
+        source = meshes.read_mesh(mesh)
+        values = meshes.read_density(source, density, density_at)
+        surface = meshes.make_surface(source, values)
+        about_mesh = meshes.describe(source, surface, values)
+    with about(points):
+        distances = dapple.project(surface, places).distances
+    chosen = options.given(measure)
+    report = measured(surface, places, found.classes, chosen)
+    if plot:
+        draw(plot, surface if mesh else None, places, threads, quiet)
+    farthest = float(np.max(distances, initial=0.0) / report["spacing"])
+    reporter.store(
+        "analyse",
+        input={"points": str(points), **about_mesh},
+        settings=options.library_defaults(dapple.analyse) | chosen,
+        report=report,
+        farthest_from_surface=farthest,
+    )
+    if json_out != "-":
+        click.echo(table(report, farthest))
+
+
+def unit_square(path: Path, places: NDArray) -> dapple.Surface:
+    """The square that points without a mesh lie in.
+
+    Raises:
+        ClickException: naming the first point outside.
+    """
+    low, high = np.zeros(3), np.array([1.0, 1.0, 0.0])
+    outside = np.flatnonzero(~((places >= low) & (places <= high)).all(axis=1))
+    if len(outside):
+        k = outside[0]
+        raise click.ClickException(
+            f"{path}: point {k} is {places[k].tolist()}: without --mesh points lie in the unit "
+            "square 0 <= x, y <= 1, z = 0"
+        )
+    return dapple.Plane(1.0, 1.0).surface
+
+
+def in_space(positions: NDArray) -> NDArray:
+    """(n, 3) of (n, 2) or (n, 3); points of the plane get z = 0.
+
+    Raises:
+        ValueError: another shape, or no points.
+    """
+    if positions.ndim != 2 or positions.shape[1] not in (2, 3):
+        raise ValueError(f"positions has the shape {positions.shape}: (n, 2) or (n, 3) is needed")
+    if len(positions) == 0:
+        raise ValueError("holds no points")
+    return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
+
+
+def measured(
+    surface: dapple.Surface, places: NDArray, classes: NDArray | None, chosen: dict[str, Any]
+) -> dict[str, Any]:
+    """The report of all points, with those of each class if there are several."""
+    report = dapple.analyse(surface, places, **chosen).to_dict()
+    kinds = np.unique(classes) if classes is not None else np.zeros(1)
+    if classes is not None and len(kinds) > 1:
+        parts = {int(k): dapple.analyse(surface, places[classes == k], **chosen) for k in kinds}
+        report["classes"] = [
+            {"class": k, **{name: getattr(part, name) for name, *_ in ROWS}}
+            for k, part in parts.items()
+        ]
+    return report
+
+
+def table(report: dict[str, Any], farthest: float) -> str:
+    """One row for each figure; a column for all points and for each class."""
+    columns = [report, *report["classes"]]
+    lines = []
+    if len(columns) > 1:
+        heads = ["all", *(f"class {column['class']}" for column in report["classes"])]
+        lines.append(" " * 16 + "".join(f"{head:>11}" for head in heads))
+    for name, title, form, meaning in ROWS:
+        numbers = "".join(f"{column[name]:>11{form}}" for column in columns)
+        lines.append(f"{title:<16}{numbers}   {meaning}".rstrip())
+    meaning = "farthest point, in spacings"
+    pad = " " * 11 * (len(columns) - 1)
+    lines.append(f"{'off the surface':<16}{farthest:>11.2g}{pad}   {meaning}")
+    return "\n".join(lines)
+
+
+def draw(
+    path: Path, surface: dapple.Surface | None, places: NDArray, threads: int | None, quiet: bool
+) -> None:
+    """Draw the spectrum of points on a surface, or else in the unit square."""
+    from dapple import plot
+
+    given = options.given({"threads": threads})
+    with Work("spectrum", quiet=quiet) as work:
+        spectrum: dapple.Spectrum | dapple.SurfaceSpectrum
+        if surface:
+            spectrum = work.run(partial(dapple.surface_spectrum, surface, places, **given))
+        else:
+            flat = np.ascontiguousarray(places[:, :2])
+            spectrum = work.run(partial(dapple.spectrum, flat, **given))
+    figure = plot.summary(spectrum)
+    with replacing(path) as file:
+        figure.savefig(file, format="png")

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple classes: points of several classes on a mesh."""
+
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+import dapple
+from dapple.cli import meshes, options, points
+from dapple.cli.files import check_outputs
+from dapple.cli.report import Reporter, figures
+from dapple.cli.work import Work
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """One class, as it stands on the command line."""
+
+    count: int
+    radius: float = 0.0
+    density: str | None = None
+
+    def on(self, mesh: meshes.Mesh) -> dapple.SampleClass:
+        """The class with the density that it names."""
+        if self.density is None:
+            return dapple.SampleClass(self.count, radius=self.radius)
+        found = meshes.read_density(mesh, self.density)
+        meshes.make_surface(mesh, found)  # so that its errors name the file
+        return dapple.SampleClass(
+            self.count, density=found.values, density_at=found.at, radius=self.radius
+        )
+
+
+class WantedType(click.ParamType):
+    """COUNT[:radius=R][,density=D]."""
+
+    name = "class"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Wanted:
+        """Parse a class, or say which part is wrong."""
+        head, _, rest = value.partition(":")
+        fields: dict[str, Any] = {}
+        for part in rest.split(",") if rest else ():
+            key, _, text = part.partition("=")
+            if key not in ("radius", "density") or not text or key in fields:
+                self.fail(f"'{part}': radius=R or density=D is needed, each once", param, ctx)
+            fields[key] = click.FLOAT.convert(text, param, ctx) if key == "radius" else text
+        return Wanted(options.COUNT.convert(head, param, ctx), **fields)
+
+
+@click.command("classes", short_help="Several classes of points on a mesh, even together.")
+@click.argument("mesh", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option(
+    "--class",
+    "wanted",
+    type=WantedType(),
+    multiple=True,
+    required=True,
+    metavar="COUNT[:radius=R,density=D]",
+    help="Once for each class. R >= 0, in the units of MESH, keeps things apart by the sum of "
+    "their radii (0: points); D is a density as for --density, else that of MESH.",
+)
+@options.density_options
+@options.library_options(dapple.sample_classes, "seed", "union_weight")
+@click.option("--two-stages", is_flag=True, help="Each class alone first, then all, as the paper.")
+@options.library_options(
+    dapple.sample_classes,
+    *("capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
+    *("method", "start", "cells", "threads"),
+)
+@options.report_options
+def command(
+    mesh: Path,
+    out: Path,
+    wanted: tuple[Wanted, ...],
+    density: str | None,
+    density_at: meshes.Place | None,
+    json_out: str | None,
+    quiet: bool,
+    **solver: Any,
+) -> None:
+    """Put points of several classes on MESH: each class even by itself, and all together.
+
+    MESH and OUT are files as for `dapple sample`; the column 'class' counts the classes from 0 in
+    their order.
+
+    \b
+    Examples:
+      dapple classes meadow.ply plants.ply --class 800 --class 400:radius=0.02
+      dapple classes meadow.npz plants.csv --class 800:density=moist --class 200
+    """
+    reporter = Reporter(json_out, quiet)
+    points.check_extension(out)
+    densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
+    check_outputs([mesh, *densities], [out, reporter.file])
+    source = meshes.read_mesh(mesh)
+    values = meshes.read_density(source, density, density_at)
+    surface = meshes.make_surface(source, values)
+    listed = [one.on(source) for one in wanted]
+    chosen = options.given(solver)
+    with Work("sampling", quiet=quiet) as work:
+        samples = work.run(partial(dapple.sample_classes, surface, listed, **chosen))
+    points.write_points(out, points.points_of(samples))
+    settings = {**options.library_defaults(dapple.sample_classes), **chosen}
+    reporter.store(
+        "classes",
+        input=meshes.describe(source, surface, values),
+        output=str(out),
+        settings={"classes": [asdict(one) for one in wanted], **settings},
+        report=samples.report.to_dict(),
+    )
+    reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}")
+    for k, quality in enumerate(samples.report.classes):
+        reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple sample: points on a mesh."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+import dapple
+from dapple.cli import meshes, options, points
+from dapple.cli.files import check_outputs
+from dapple.cli.report import Reporter, figures
+from dapple.cli.work import Work
+
+PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
+
+
+@click.command("sample", short_help="Points on a mesh, evenly spaced.")
+@click.argument("mesh", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option("-n", "--count", type=options.COUNT, required=True, help="Number of points.")
+@options.density_options
+@click.option(
+    "--preset",
+    type=click.Choice(list(PRESETS)),
+    default="default",
+    show_default=True,
+    help="paper: as in Chen et al. 2012, from white noise by plain L-BFGS; the options "
+    "below change it.",
+)
+@options.library_options(
+    dapple.sample,
+    *("seed", "capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
+    *("method", "start", "cells", "threads"),
+)
+@options.report_options
+def command(
+    mesh: Path,
+    out: Path,
+    count: int,
+    density: str | None,
+    density_at: meshes.Place | None,
+    preset: str,
+    json_out: str | None,
+    quiet: bool,
+    **solver: Any,
+) -> None:
+    """Put COUNT points on MESH, evenly spaced and unpatterned, into OUT.
+
+    MESH is .ply, .obj, .stl, .off, .om or .npz (arrays 'vertices' (v, 3) and 'faces' (m, 3), others
+    for --density). OUT is .ply or .csv (positions, normals, ids, classes), .npz (also the face and
+    the barycentric coordinates of each point), .obj or .off (positions and normals). Numbers keep
+    all their digits.
+
+    \b
+    Examples:
+      dapple sample bunny.ply points.ply -n 2000
+      dapple sample bunny.npz points.csv -n 2000 --density fur --json report.json
+    """
+    reporter = Reporter(json_out, quiet)
+    points.check_extension(out)
+    check_outputs([mesh, options.density_file(density)], [out, reporter.file])
+    source = meshes.read_mesh(mesh)
+    values = meshes.read_density(source, density, density_at)
+    surface = meshes.make_surface(source, values)
+    chosen = PRESETS[preset] | options.given(solver)
+    with Work("sampling", quiet=quiet) as work:
+        samples = work.run(partial(dapple.sample, surface, count, **chosen))
+    points.write_points(out, points.points_of(samples))
+    settings = {"count": count, "preset": preset, **options.library_defaults(dapple.sample)}
+    reporter.store(
+        "sample",
+        input=meshes.describe(source, surface, values),
+        output=str(out),
+        settings=settings | chosen,
+        report=samples.report.to_dict(),
+    )
+    reporter.say(f"{out}: {count} points, {figures(samples.report)}")

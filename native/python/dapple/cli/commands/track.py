@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple track: points that stay put on a moving mesh."""
+
+import json
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+import dapple
+from dapple.cli import meshes, options
+from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.report import Reporter, figures
+from dapple.cli.work import Work
+
+Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
+TRACKER = dapple.Tracker.__init__
+# Arguments of sample(), for the first frame, that mean the same to the tracker.
+START = ("seed", "capacity_weight", "gap_weight", "tolerance", "method", "cells", "threads")
+
+
+@click.command("track", short_help="Points that stay put on a moving mesh.")
+@click.argument("frames", type=options.INPUT, nargs=-1, required=True)
+@click.argument("out", type=options.OUTPUT)
+@click.option("-n", "--count", type=options.COUNT, required=True, help="Number of points.")
+@click.option(
+    "--together",
+    is_flag=True,
+    help="Solve all frames together: smoother in time, about three times as long; the stickiness "
+    f"is then {options.library_defaults(dapple.track_window)['stickiness']} by default.",
+)
+@click.option("--closed", is_flag=True, help="With --together: the last frame leads to the first.")
+@options.library_options(dapple.track_window, "sweeps")
+@options.library_options(dapple.sample, "seed")
+@options.library_options(
+    TRACKER,
+    *("stickiness", "memory", "max_slide", "longest_motion"),
+    *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "method", "cells"),
+    "threads",
+)
+@options.report_options
+def command(
+    frames: tuple[Path, ...],
+    out: Path,
+    count: int,
+    together: bool,
+    closed: bool,
+    sweeps: int | None,
+    seed: int | None,
+    json_out: str | None,
+    quiet: bool,
+    **solver: Any,
+) -> None:
+    """Put COUNT points on the first of FRAMES and keep them even and in place on the others.
+
+    FRAMES are meshes as for `dapple sample` with the same faces, or one .npz with 'vertices'
+    (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals' (frames, n, 3),
+    'faces' (frames, n) and 'barycentric' (frames, n, 3): where on the mesh each point is; 'ids'
+    (n,), and 'reports' (frames,), JSON.
+
+    \b
+    Examples:
+      dapple track walk_0.ply walk_1.ply walk_2.ply points.npz -n 2000
+      dapple track walk.npz points.npz -n 2000 --together --closed
+    """
+    reporter = Reporter(json_out, quiet)
+    if out.suffix.lower() != ".npz":
+        raise click.ClickException(f"{out}: the points of all frames are written as .npz")
+    if not together and (closed or sweeps is not None):
+        raise click.UsageError("--closed and --sweeps need --together")
+    check_outputs(frames, [out, reporter.file])
+    source, motion = read_motion(frames)
+    surface = meshes.make_surface(source, meshes.read_density(source, None))
+    given = options.given(solver)
+    start = options.given({"seed": seed, **given})
+    start = {name: start[name] for name in START if name in start}
+    with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
+        first = work.run(partial(dapple.sample, surface, count, **start))
+        if together:
+            given |= options.given({"closed": closed, "sweeps": sweeps})
+            results = follow_together(work, surface, motion, first, given)
+        else:
+            results = follow(work, surface, motion, first, given)
+    write_motion(out, results)
+    function = dapple.track_window if together else TRACKER
+    reporter.store(
+        "track",
+        input=meshes.describe(source, surface) | {"frames": [name for name, _ in motion]},
+        output=str(out),
+        settings={
+            "count": count,
+            "together": together,
+            "seed": options.library_defaults(dapple.sample)["seed"],
+            **options.library_defaults(function),
+            **start,
+            **given,
+        },
+        reports=[samples.report.to_dict() for samples in results],
+    )
+    slide = max(samples.report.slide_max for samples in results)
+    reporter.say(
+        f"{out}: {count} points on {len(motion)} frames, the last one: "
+        f"{figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
+    )
+
+
+def read_motion(frames: Sequence[Path]) -> tuple[meshes.Mesh, Motion]:
+    """The first frame as a mesh, and the vertices of all, the first's among them.
+
+    Raises:
+        ClickException: naming the frame that has other faces, or arrays that are no motion.
+    """
+    first = meshes.read_mesh(frames[0])
+    if len(frames) == 1:
+        if np.ndim(first.vertices) != 3 or len(first.vertices) == 0:
+            raise click.ClickException(
+                f"{first.path}: 'vertices' has the shape {np.shape(first.vertices)}: "
+                "(frames, v, 3) is needed, or more files"
+            )
+        motion = [(f"{first.path}[{k}]", frame) for k, frame in enumerate(first.vertices)]
+        return meshes.Mesh(first.path, first.vertices[0], first.faces, first.arrays), motion
+    motion = [(str(first.path), first.vertices)]
+    for path in frames[1:]:
+        other = meshes.read_mesh(path)
+        check_same_faces(first, other)
+        motion.append((str(path), other.vertices))
+    return first, motion
+
+
+def check_same_faces(first: meshes.Mesh, other: meshes.Mesh) -> None:
+    """Raise ClickException, naming the first face that differs."""
+    if len(other.faces) != len(first.faces):
+        raise click.ClickException(
+            f"{other.path}: has {len(other.faces)} faces, but {first.path} has {len(first.faces)}: "
+            "all frames need the same faces"
+        )
+    different = np.flatnonzero((other.faces != first.faces).any(axis=1))
+    if len(different):
+        k = different[0]
+        raise click.ClickException(
+            f"{other.path}: faces[{k}] is {other.faces[k].tolist()}, but in {first.path} "
+            f"{first.faces[k].tolist()}: all frames need the same faces"
+        )
+
+
+def follow(
+    work: Work,
+    surface: dapple.Surface,
+    motion: Motion,
+    first: dapple.Samples,
+    given: dict[str, Any],
+) -> list[dapple.Samples]:
+    """Frame after frame."""
+    tracker = dapple.Tracker(surface, first, **given)
+    results = [first]
+    for name, vertices in motion[1:]:
+        with about(name):
+            results.append(work.run(partial(tracker.advance, vertices)))
+    return results
+
+
+def follow_together(
+    work: Work,
+    surface: dapple.Surface,
+    motion: Motion,
+    first: dapple.Samples,
+    given: dict[str, Any],
+) -> list[dapple.Samples]:
+    """All frames at once."""
+    frames = [vertices for _, vertices in motion[1:]]
+    with about(motion[0][0]):
+        return work.run(partial(dapple.track_window, surface, frames, first, **given))
+
+
+def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
+    """Write the frames' samples; without the seconds they took, the same bytes each time."""
+
+    def stacked(name: str) -> NDArray:
+        return np.stack([getattr(samples, name) for samples in results])
+
+    reports = [samples.report.to_dict() for samples in results]
+    texts = [json.dumps({k: v for k, v in report.items() if k != "seconds"}) for report in reports]
+    with replacing(path) as file:
+        np.savez(
+            file,
+            positions=stacked("positions"),
+            normals=stacked("normals"),
+            faces=stacked("faces"),
+            barycentric=stacked("barycentric"),
+            ids=results[0].ids,
+            reports=np.array(texts),
+        )

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces from files: PLY, OBJ, STL, OFF, OM, and npz with densities."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+import dapple
+from dapple.cli.files import Arrays, about, load_npy, load_npz
+
+Place = Literal["vertices", "faces", "corners"]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """What a file holds, unchecked: Surface does that.
+
+    vertices: (v, 3) float64, or (frames, v, 3) in an npz of a motion.
+    faces: (m, 3) int32.
+    arrays: the others of an npz, by name.
+    """
+
+    path: Path
+    vertices: NDArray
+    faces: NDArray
+    arrays: Arrays = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Density:
+    """Values where they are; none is 1 everywhere."""
+
+    values: NDArray | None = None
+    at: Place = "vertices"
+    source: str = ""
+
+
+def read_mesh(path: Path) -> Mesh:
+    """Read a mesh, by the extension of its file.
+
+    Raises:
+        FileError, ClickException: naming the file and what is wrong with it.
+    """
+    if path.suffix.lower() != ".npz":
+        return Mesh(path, *dapple.read_mesh(path))
+    arrays = load_npz(path)
+    for name in ("vertices", "faces"):
+        if name not in arrays:
+            raise click.ClickException(
+                f"{path}: has no array '{name}', only {', '.join(arrays) or 'none'}"
+            )
+    return Mesh(path, arrays.pop("vertices"), arrays.pop("faces"), arrays)
+
+
+def read_density(mesh: Mesh, wanted: str | None, at: Place | None = None) -> Density:
+    """The density that an option names: a .npy file, or an array of the mesh's npz.
+
+    Args:
+        mesh: whose vertices, faces or corners it belongs to.
+        wanted: None is the npz's array 'density', if there is one.
+        at: where the values are; None tells it from their shape, vertices first.
+
+    Raises:
+        ClickException: there is no such array, or it fits neither vertices, faces nor corners.
+    """
+    values, source = _density_values(mesh, wanted)
+    if values is None:
+        return Density()
+    return Density(values, at or _place_of(mesh, values, source), source)
+
+
+def make_surface(mesh: Mesh, density: Density | None = None) -> dapple.Surface:
+    """The checked surface of a mesh; errors name the file of the first offender.
+
+    Raises:
+        ClickException: naming the file, the rule and the first offender.
+    """
+    with about(mesh.path):
+        surface = dapple.Surface(mesh.vertices, mesh.faces)
+    if density is None or density.values is None:
+        return surface
+    with about(density.source):
+        return surface.with_density(density.values, density_at=density.at)
+
+
+def describe(mesh: Mesh, surface: dapple.Surface, density: Density | None = None) -> dict[str, Any]:
+    """What a report says about its input."""
+    return {
+        "mesh": str(mesh.path),
+        "vertices": len(surface.vertices),
+        "faces": len(surface.faces),
+        "area": surface.area,
+        "density": density.source if density and density.source else None,
+        "density_at": surface.density_at,
+    }
+
+
+def _density_values(mesh: Mesh, wanted: str | None) -> tuple[NDArray | None, str]:
+    if wanted is None:
+        return mesh.arrays.get("density"), f"{mesh.path}, array 'density'"
+    if wanted.lower().endswith(".npy"):
+        return load_npy(Path(wanted)), wanted
+    if wanted not in mesh.arrays:
+        known = f"its arrays are {', '.join(mesh.arrays)}" if mesh.arrays else "it holds none"
+        raise click.ClickException(
+            f"{mesh.path}: has no density '{wanted}' ({known}); a file's name ends with .npy"
+        )
+    return mesh.arrays[wanted], f"{mesh.path}, array '{wanted}'"
+
+
+def _place_of(mesh: Mesh, values: NDArray, source: str) -> Place:
+    vertices, faces = len(mesh.vertices), len(mesh.faces)
+    shapes: dict[Place, tuple[int, ...]] = {
+        "vertices": (vertices,),
+        "faces": (faces,),
+        "corners": (faces, 3),
+    }
+    for place, shape in shapes.items():
+        if np.shape(values) == shape:
+            return place
+    needed = " or ".join(f"{shape} at {place}" for place, shape in shapes.items())
+    raise click.ClickException(f"{source}: has the shape {np.shape(values)}: {needed} is needed")

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The vertices of PLY files, as columns; nothing is rounded.
+
+Greg Turk, The PLY Polygon File Format, 1994.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dapple.cli.files import Arrays
+
+# PLY's names of types, old and new, as numpy has them.
+TYPES = {
+    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"float": "f4", "float32": "f4", "double": "f8", "float64": "f8"},
+}
+WRITTEN = {"f": "double", "i": "int"}
+ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
+
+
+@dataclass
+class _Element:
+    name: str
+    count: int
+    fields: list[tuple[str, str]] = field(default_factory=list)  # name, numpy type
+    has_list: bool = False
+
+
+def write(file: IO[bytes], columns: Arrays) -> None:
+    """Write columns of float64 or int32 as vertices, binary and little-endian."""
+    kinds = {name: values.dtype.kind for name, values in columns.items()}
+    dtype = [(name, "<f8" if kind == "f" else "<i4") for name, kind in kinds.items()]
+    count = len(next(iter(columns.values())))
+    rows = np.empty(count, dtype)
+    for name, values in columns.items():
+        rows[name] = values
+    properties = [f"property {WRITTEN[kind]} {name}" for name, kind in kinds.items()]
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {count}", *properties]
+    file.write(("\n".join([*header, "end_header"]) + "\n").encode())
+    file.write(rows.tobytes())
+
+
+def read(path: Path) -> Arrays:
+    """The properties of the vertices by name, each (n,) of its own type.
+
+    Raises:
+        ValueError: the file is broken, or has no vertices.
+    """
+    with path.open("rb") as file:
+        order, elements = _read_header(file)
+        for element in elements:
+            if element.has_list:
+                raise ValueError(f"its element '{element.name}' has a list and must follow vertex")
+            rows = _read_rows(file, order, element)
+            if element.name == "vertex":
+                return {name: rows[name] for name, _ in element.fields}
+    raise ValueError("has no element 'vertex'")
+
+
+def _read_header(file: IO[bytes]) -> tuple[str, list[_Element]]:
+    """The byte order, and the elements up to the vertices."""
+    if file.readline().strip() != b"ply":
+        raise ValueError("is no PLY file: it does not begin with 'ply'")
+    order, elements = "", list[_Element]()
+    for number, line in enumerate(file, 2):
+        try:
+            match line.decode("ascii", "replace").split():
+                case ["end_header"]:
+                    break
+                case ["format", name, _]:
+                    order = ORDERS[name]
+                case ["element", name, count]:
+                    elements.append(_Element(name, int(count)))
+                case ["property", "list", *_]:
+                    elements[-1].has_list = True
+                case ["property", kind, name]:
+                    elements[-1].fields.append((name, TYPES[kind]))
+        except (KeyError, IndexError, ValueError) as error:
+            raise ValueError(f"line {number} of its header is wrong: {line!r}") from error
+    else:
+        raise ValueError("its header has no end")
+    if not order:
+        raise ValueError("its header has no format")
+    last = [element.name == "vertex" for element in elements]
+    return order, elements[: last.index(True) + 1] if any(last) else elements
+
+
+def _read_rows(file: IO[bytes], order: str, element: _Element) -> NDArray:
+    if order == ORDERS["ascii"]:
+        return _read_text(file, element)
+    dtype = np.dtype([(name, order + kind) for name, kind in element.fields])
+    content = file.read(dtype.itemsize * element.count)
+    found = len(content) // dtype.itemsize if dtype.itemsize else 0
+    if found < element.count:
+        raise ValueError(f"ends after {found} of {element.count} '{element.name}'")
+    return np.frombuffer(content, dtype)
+
+
+def _read_text(file: IO[bytes], element: _Element) -> NDArray:
+    rows = np.empty(element.count, np.dtype(element.fields))
+    for k in range(element.count):
+        words = file.readline().split()
+        try:
+            rows[k] = tuple(float(word) for word in words)
+        except (ValueError, IndexError) as error:
+            raise ValueError(
+                f"{element.name} {k} is not {len(element.fields)} numbers: {b' '.join(words)!r}"
+            ) from error
+    return rows

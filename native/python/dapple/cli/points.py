@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Point sets in files: PLY, CSV, npz, OBJ and OFF, by the extension, with every digit."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+import dapple
+from dapple.cli import ply, text
+from dapple.cli.files import Arrays, about, load_npz, replacing
+
+
+@dataclass(frozen=True)
+class Points:
+    """A point set; what a file does not hold is None.
+
+    positions: (n, 2) or (n, 3) float64.
+    normals: (n, 3) float64. ids, classes: (n,) int32.
+    faces, barycentric: (n,) int32 and (n, 3) float64, where on the mesh each point is.
+    """
+
+    positions: NDArray
+    normals: NDArray | None = None
+    ids: NDArray | None = None
+    classes: NDArray | None = None
+    faces: NDArray | None = None
+    barycentric: NDArray | None = None
+
+    def arrays(self) -> Arrays:
+        """Those that are there, by name."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+NAMES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
+
+
+def points_of(samples: dapple.Samples) -> Points:
+    """All arrays of the samples."""
+    return Points(**{name: getattr(samples, name) for name in NAMES})
+
+
+def write_points(path: Path, points: Points) -> None:
+    """Write in the format of the extension; the file is whole or not there.
+
+    Raises:
+        ClickException: no points can be written with this extension.
+        OSError: naming the file.
+    """
+    write = WRITERS[check_extension(path)]
+    with replacing(path) as file:
+        write(file, points)
+
+
+def check_extension(path: Path) -> str:
+    """The extension, in lower case, of a file that points can be written to.
+
+    Raises:
+        ClickException: naming those that there are.
+    """
+    suffix = path.suffix.lower()
+    if suffix in WRITERS:
+        return suffix
+    trouble = "STL holds triangles, no points" if suffix == ".stl" else f"unknown format '{suffix}'"
+    raise click.ClickException(f"{path}: {trouble}; points are written as {_listed(WRITERS)}")
+
+
+def read_points(path: Path) -> Points:
+    """Read points, in the format of the extension.
+
+    Raises:
+        ClickException: naming the file and what is wrong with it.
+        OSError: naming the file.
+    """
+    read = READERS.get(path.suffix.lower())
+    if read is None:
+        raise click.ClickException(
+            f"{path}: unknown format '{path.suffix}'; points are read from {_listed(READERS)}"
+        )
+    with about(path):
+        return read(path)
+
+
+def _listed(formats: Mapping[str, object]) -> str:
+    *first, last = formats
+    return f"{', '.join(first)} or {last}"
+
+
+def _columns(points: Points) -> Arrays:
+    columns = dict(zip("xyz", points.positions.T, strict=False))
+    if points.normals is not None:
+        columns |= dict(zip(("nx", "ny", "nz"), points.normals.T, strict=True))
+    if points.ids is not None:
+        columns["id"] = points.ids
+    if points.classes is not None:
+        columns["class"] = points.classes
+    return columns
+
+
+def _from_columns(columns: Mapping[str, NDArray]) -> Points:
+    def stacked(*names: str) -> NDArray | None:
+        if not all(name in columns for name in names):
+            return None
+        return np.column_stack([columns[name] for name in names]).astype(np.float64)
+
+    def integers(name: str) -> NDArray | None:
+        return columns[name].astype(np.int32) if name in columns else None
+
+    positions = stacked("x", "y", "z") if "z" in columns else stacked("x", "y")
+    if positions is None:
+        raise ValueError(f"has the columns {', '.join(columns)}: x, y (and z) are needed")
+    return Points(positions, stacked("nx", "ny", "nz"), integers("id"), integers("class"))
+
+
+def _read_npz(path: Path) -> Points:
+    arrays = load_npz(path)
+    if "positions" not in arrays:
+        raise ValueError(f"has no array 'positions', only {', '.join(arrays) or 'none'}")
+    return Points(**{name: value for name, value in arrays.items() if name in NAMES})
+
+
+def _write_npz(file: IO[bytes], points: Points) -> None:
+    np.savez(file, **points.arrays())
+
+
+def _write_ply(file: IO[bytes], points: Points) -> None:
+    ply.write(file, _columns(points))
+
+
+def _write_csv(file: IO[bytes], points: Points) -> None:
+    text.write_csv(file, _columns(points))
+
+
+def _write_obj(file: IO[bytes], points: Points) -> None:
+    text.write_obj(file, _columns(points))
+
+
+def _write_off(file: IO[bytes], points: Points) -> None:
+    text.write_off(file, _columns(points))
+
+
+WRITERS: dict[str, Callable[[IO[bytes], Points], None]] = {
+    ".ply": _write_ply,
+    ".csv": _write_csv,
+    ".npz": _write_npz,
+    ".obj": _write_obj,
+    ".off": _write_off,
+}
+READERS: dict[str, Callable[[Path], Points]] = {
+    ".ply": lambda path: _from_columns(ply.read(path)),
+    ".csv": lambda path: _from_columns(text.read_csv(path)),
+    ".npz": _read_npz,
+    ".obj": lambda path: _from_columns(text.read_obj(path)),
+    ".off": lambda path: _from_columns(text.read_off(path)),
+}

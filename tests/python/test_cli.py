@@ -1,0 +1,622 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: what it writes, what it says, and what it refuses."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import sysconfig
+import time
+from pathlib import Path
+
+import dapple
+import numpy as np
+import pytest
+import shapes
+from click.testing import CliRunner, Result
+from dapple.cli import points, work
+from dapple.cli.app import main
+from dapple.cli.options import library_defaults
+
+COMMANDS = ["analyse", "classes", "sample", "track"]
+FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def done(*arguments: object) -> Result:
+    found = run(*arguments)
+    assert found.exit_code == 0, found.output
+    return found
+
+
+def refused(*arguments: object) -> str:
+    """The message of a bad input: one line on stderr, exit code 1."""
+    found = run(*arguments)
+    assert found.exit_code == 1, found.output
+    assert found.stdout == ""
+    assert re.fullmatch(r"Error: [^\n]+\n", found.stderr), found.stderr
+    assert isinstance(found.exception, SystemExit)
+    return found.stderr
+
+
+def command(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "dapple", *map(str, arguments)]
+
+
+@pytest.fixture
+def torus(tmp_path, mesh) -> Path:
+    path = tmp_path / "torus.ply"
+    dapple.write_mesh(path, *mesh)
+    return path
+
+
+@pytest.fixture
+def archive(tmp_path, mesh) -> Path:
+    """An npz with densities at vertices, faces and corners."""
+    vertices, faces = mesh
+    path = tmp_path / "torus.npz"
+    sides = (vertices[faces][:, :, 0] > 0).astype(float)
+    np.savez(
+        path,
+        vertices=vertices,
+        faces=faces,
+        smooth=1.5 + vertices[:, 0],
+        half=sides.min(axis=1),
+        jumps=sides,
+        short=np.ones(7),
+        negative=np.full(len(vertices), -1.0),
+    )
+    return path
+
+
+@pytest.fixture
+def motion(tmp_path, mesh) -> Path:
+    vertices, faces = mesh
+    path = tmp_path / "motion.npz"
+    frames = np.stack([shapes.bent(vertices, time) for time in (0.0, 0.1, 0.2)])
+    np.savez(path, vertices=frames, faces=faces)
+    return path
+
+
+# What is written
+
+
+def test_starts_as_a_module():
+    found = subprocess.run(command("--help"), capture_output=True, text=True, check=False)
+    assert found.returncode == 0
+    assert all(name in found.stdout for name in COMMANDS)
+    assert found.stderr == ""
+
+
+def test_starts_as_a_script():
+    if Path(dapple.__file__).parents[1].resolve() != Path(sysconfig.get_path("purelib")).resolve():
+        pytest.skip("this dapple is not installed beside the Python that runs")
+    script = Path(sysconfig.get_path("scripts")) / "dapple"
+    found = subprocess.run([script, "--version"], capture_output=True, text=True, check=False)
+    assert found.stdout == f"dapple, version {dapple.__version__}\n"
+
+
+def test_the_package_does_not_need_click():
+    code = "import dapple, sys; sys.exit('click' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_says_when_click_is_missing():
+    code = (
+        "import importlib.util as util, runpy; found = util.find_spec\n"
+        "util.find_spec = lambda name, *rest: None if name == 'click' else found(name, *rest)\n"
+        "runpy.run_module('dapple', run_name='__main__')"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert found.returncode == 1
+    assert found.stderr == (
+        "Error: the command line needs click, which is missing: pip install click\n"
+    )
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_helps_with_an_example_and_the_librarys_defaults(name):
+    text = " ".join(done(name, "--help").stdout.split())
+    assert f"Examples: dapple {name} " in text
+
+
+@pytest.mark.parametrize(
+    ("name", "function", "missing"),
+    [
+        ("analyse", dapple.analyse, set()),
+        ("classes", dapple.sample_classes, set()),
+        ("sample", dapple.sample, set()),
+        ("track", dapple.Tracker.__init__, {"union_weight"}),
+    ],
+)
+def test_help_shows_the_librarys_defaults(name, function, missing):
+    subcommand = main.get_command(main.make_context("dapple", [name]), name)
+    shown = {option.name: option.help for option in subcommand.params if hasattr(option, "help")}
+    defaults = library_defaults(function)
+    assert set(defaults) - set(shown) == missing
+    for argument in set(defaults) - missing - {"two_stages"}:
+        assert shown[argument].endswith(f"[default: {defaults[argument]}]")
+
+
+def test_reads_defaults_from_the_library():
+    found = library_defaults(dapple.sample)
+    assert found["start"] == "poisson"
+    assert found["capacity_weight"] == 30.0
+    assert found["seed"] == 0
+    assert "context" not in found
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_every_format_keeps_every_digit(tmp_path, suffix, samples):
+    path = tmp_path / f"points{suffix}"
+    stored = points.points_of(samples)
+    points.write_points(path, stored)
+    found = points.read_points(path).arrays()
+    lost = {
+        ".obj": {"ids", "classes", "faces", "barycentric"},
+        ".csv": {"faces", "barycentric"},
+        ".npz": set(),
+    }
+    lost |= {".ply": lost[".csv"], ".off": lost[".obj"]}
+    assert set(found) == set(points.NAMES) - lost[suffix]
+    for name, array in found.items():
+        assert array.dtype == stored.arrays()[name].dtype
+        assert array.tobytes() == stored.arrays()[name].tobytes(), name
+    assert os.listdir(tmp_path) == [path.name]
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_same_seed_same_bytes(tmp_path, torus, suffix):
+    def bytes_of(name: str, *options: object) -> bytes:
+        out = tmp_path / (name + suffix)
+        done("sample", torus, out, "-n", 100, *options)
+        return out.read_bytes()
+
+    first = bytes_of("a", "--seed", 3, "--threads", 1)
+    assert bytes_of("b", "--seed", 3, "--threads", 2) == first
+    assert bytes_of("c", "--seed", 4) != first
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".stl", ".npz"])
+def test_reads_meshes(tmp_path, suffix):
+    vertices, faces = shapes.grid(8)
+    path = tmp_path / f"grid{suffix}"
+    if suffix == ".npz":
+        np.savez(path, vertices=vertices, faces=faces)
+    else:
+        dapple.write_mesh(path, vertices, faces)
+    out = tmp_path / "points.npz"
+    done("sample", path, out, "-n", 50)
+    expected = dapple.sample(dapple.Surface(vertices, faces), 50)
+    np.testing.assert_array_equal(np.load(out)["positions"], expected.positions)
+
+
+def test_passes_options_on(tmp_path, torus, surface):
+    out = tmp_path / "points.npz"
+    chosen = {"seed": 5, "capacity_weight": 50.0, "gap_weight": 0.5, "tolerance": 1e-4}
+    chosen |= {"max_evaluations": 20, "method": "line_search", "start": "random"}
+    chosen |= {"cells": "euclidean", "threads": 1}
+    flags = [word for k, v in chosen.items() for word in (f"--{k.replace('_', '-')}", v)]
+    found = done("sample", torus, out, "-n", 100, *flags, "--json", "-")
+    expected = dapple.sample(surface, 100, **chosen)
+    np.testing.assert_array_equal(np.load(out)["positions"], expected.positions)
+    settings = json.loads(found.stdout)["settings"]
+    assert settings == {"count": 100, "preset": "default", **chosen}
+
+
+def test_the_paper_is_a_preset(tmp_path, torus, surface):
+    out = tmp_path / "points.npz"
+    done("sample", torus, out, "-n", 60, "--preset", "paper", "--tolerance", 1e-3)
+    expected = dapple.sample(surface, 60, **dapple.PAPER | {"tolerance": 1e-3})
+    np.testing.assert_array_equal(np.load(out)["positions"], expected.positions)
+
+
+@pytest.mark.parametrize(
+    ("name", "place"), [("smooth", "vertices"), ("half", "faces"), ("jumps", "corners")]
+)
+def test_takes_densities_by_name_and_from_files(tmp_path, archive, name, place):
+    arrays = np.load(archive)
+    np.save(tmp_path / "density.npy", arrays[name])
+    by_name, from_file = tmp_path / "name.npz", tmp_path / "file.npz"
+    report = done("sample", archive, by_name, "-n", 80, "--density", name, "--json", "-")
+    done("sample", archive, from_file, "-n", 80, "--density", tmp_path / "density.npy")
+    domain = dapple.Surface(arrays["vertices"], arrays["faces"], arrays[name], density_at=place)
+    expected = dapple.sample(domain, 80).positions
+    np.testing.assert_array_equal(np.load(by_name)["positions"], expected)
+    np.testing.assert_array_equal(np.load(from_file)["positions"], expected)
+    assert json.loads(report.stdout)["input"]["density_at"] == place
+
+
+def test_takes_the_density_of_an_npz(tmp_path, archive):
+    arrays = dict(np.load(archive))
+    own = tmp_path / "own.npz"
+    np.savez(own, vertices=arrays["vertices"], faces=arrays["faces"], density=arrays["half"])
+    done("sample", own, tmp_path / "own_points.npz", "-n", 50)
+    done("sample", archive, tmp_path / "named.npz", "-n", 50, "--density", "half")
+    assert (tmp_path / "own_points.npz").read_bytes() == (tmp_path / "named.npz").read_bytes()
+
+
+def test_reports_as_json(tmp_path, torus):
+    out, report = tmp_path / "points.ply", tmp_path / "report.json"
+    said = done("sample", torus, out, "-n", 100, "--json", report)
+    assert said.stdout.startswith(f"{out}: 100 points, alpha min 0.")
+    found = json.loads(report.read_text())
+    assert found["command"] == "sample"
+    assert found["version"] == dapple.__version__
+    assert found["input"]["mesh"] == str(torus)
+    assert found["input"]["faces"] == 1600
+    assert found["settings"]["seed"] == 0
+    assert set(found["report"]) == set(
+        dapple.sample(dapple.Plane(1, 1).surface, 2).report.to_dict()
+    )
+    assert found["report"]["count"] == 100
+    quiet = done("sample", torus, out, "-n", 100, "--json", report, "--quiet")
+    assert quiet.output == ""
+
+
+def test_classes(tmp_path, archive):
+    out = tmp_path / "points.csv"
+    arrays = np.load(archive)
+    surface = dapple.Surface(arrays["vertices"], arrays["faces"])
+    wanted = ["--class", 80, "--class", "30:radius=0.05", "--class", "20:radius=0.01,density=half"]
+    found = done("classes", archive, out, *wanted, "--json", tmp_path / "report.json")
+    half = dapple.SampleClass(20, radius=0.01, density=arrays["half"], density_at="faces")
+    expected = dapple.sample_classes(surface, [80, dapple.SampleClass(30, radius=0.05), half])
+    stored = points.read_points(out)
+    assert stored.positions.tobytes() == expected.positions.tobytes()
+    assert stored.classes.tolist() == [0] * 80 + [1] * 30 + [2] * 20
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert [entry["count"] for entry in report["report"]["classes"]] == [80, 30, 20]
+    assert report["settings"]["classes"][1] == {"count": 30, "radius": 0.05, "density": None}
+    assert report["settings"]["gap_weight"] == 5.0
+    assert "class 2: 20 points" in found.stdout
+
+
+def test_tracks(tmp_path, motion, surface):
+    out = tmp_path / "points.npz"
+    found = done("track", motion, out, "-n", 100, "--stickiness", 0.5, "--json", "-")
+    frames = np.load(motion)["vertices"]
+    first = dapple.sample(dapple.Surface(frames[0], np.load(motion)["faces"]), 100)
+    tracker = dapple.Tracker(surface.deformed(frames[0]), first, stickiness=0.5)
+    expected = [first, *(tracker.advance(frame) for frame in frames[1:])]
+    stored = np.load(out)
+    for name in ("positions", "normals", "faces", "barycentric"):
+        np.testing.assert_array_equal(stored[name], [getattr(one, name) for one in expected])
+    np.testing.assert_array_equal(stored["ids"], first.ids)
+    reports = [json.loads(text) for text in stored["reports"]]
+    assert [one["slide_max"] for one in reports] == [one.report.slide_max for one in expected]
+    document = json.loads(found.stdout)
+    assert document["input"]["frames"] == [f"{motion}[{k}]" for k in range(3)]
+    assert document["settings"]["stickiness"] == 0.5
+    assert len(document["reports"]) == 3
+
+
+def test_tracks_files_as_one_archive_to_the_same_bytes(tmp_path, motion, mesh):
+    files = [tmp_path / f"frame_{k}.ply" for k in range(3)]
+    for path, frame in zip(files, np.load(motion)["vertices"], strict=True):
+        dapple.write_mesh(path, frame, mesh[1])
+    done("track", motion, tmp_path / "a.npz", "-n", 60, "--threads", 1)
+    done("track", *files, tmp_path / "b.npz", "-n", 60)
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def test_tracks_together(tmp_path, motion, surface):
+    out = tmp_path / "points.npz"
+    found = done("track", motion, out, "-n", 60, "--together", "--closed", "--json", "-")
+    frames = np.load(motion)["vertices"]
+    start = surface.deformed(frames[0])
+    first = dapple.sample(start, 60)
+    expected = dapple.track_window(start, frames[1:], first, closed=True)
+    np.testing.assert_array_equal(
+        np.load(out)["positions"], [samples.positions for samples in expected]
+    )
+    settings = json.loads(found.stdout)["settings"]
+    assert (settings["closed"], settings["sweeps"], settings["stickiness"]) == (True, 2, 1.0)
+
+
+def test_analyses_points_of_a_mesh(tmp_path, torus, surface, samples):
+    path, report = tmp_path / "points.csv", tmp_path / "report.json"
+    points.write_points(path, points.points_of(samples))
+    said = done("analyse", path, "--mesh", torus, "--json", report)
+    expected = dapple.analyse(surface, samples)
+    found = json.loads(report.read_text())
+    assert found["report"]["alpha_min"] == pytest.approx(expected.alpha_min, rel=1e-9)
+    assert found["report"]["energy"] == pytest.approx(expected.energy, rel=1e-9)
+    assert found["farthest_from_surface"] < 1e-12
+    assert re.search(rf"^alpha min +{expected.alpha_min:.4f} ", said.stdout, re.MULTILINE)
+
+
+def test_analyses_each_class(tmp_path, torus, surface):
+    path = tmp_path / "points.ply"
+    both = dapple.sample_classes(surface, [60, 30])
+    points.write_points(path, points.points_of(both))
+    said = done("analyse", path, "--mesh", torus)
+    assert re.search(r"^points +90 +60 +30$", said.stdout, re.MULTILINE)
+    found = json.loads(done("analyse", path, "--mesh", torus, "--json", "-").stdout)
+    expected = dapple.analyse(surface, both.positions[both.classes == 1])
+    assert found["report"]["classes"][1]["class"] == 1
+    assert found["report"]["classes"][1]["energy"] == expected.energy
+
+
+def test_analyses_and_draws_points_of_the_unit_square(tmp_path):
+    path, picture = tmp_path / "points.csv", tmp_path / "spectrum.png"
+    flat = dapple.sample_planar(dapple.Plane(1, 1), 100).positions
+    np.savetxt(path, flat[:, :2], delimiter=",", fmt="%.17g")
+    found = done("analyse", path, "--plot", picture, "--json", "-")
+    assert json.loads(found.stdout)["report"]["spacing"] == pytest.approx(0.107457, rel=1e-5)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_big_endian"])
+def test_reads_ply_of_others(tmp_path, form):
+    path = tmp_path / "points.ply"
+    header = (
+        f"ply\nformat {form} 1.0\ncomment by others\nelement camera 1\nproperty short view\n"
+        "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = np.array([(0.5, 1, -2, 255), (3, 4, 5, 0)], ">f4,>f4,>f4,u1")
+    body = b"7\n0.5 1 -2 255\n3 4 5 0\n2 0 1\n"
+    if form != "ascii":
+        body = np.array(7, ">i2").tobytes() + rows.tobytes() + b"\x02" + bytes(8)
+    path.write_bytes(header.encode() + body)
+    found = points.read_points(path)
+    np.testing.assert_array_equal(found.positions, [[0.5, 1, -2], [3, 4, 5]])
+    assert found.normals is None
+
+
+# What is refused
+
+BAD_POINTS = {
+    "many.csv": ("1,2,3,4\n1,2,3,4\n", "4 columns and no names"),
+    "more.csv": ("x,y,z\n1,2,3\n1,2,3,4\n", "line 3 has 4 columns: 3 are needed"),
+    "word.csv": ("x,y,z\n0,0,0\n0,zero,0\n", "line 3 holds no number: 'zero'"),
+    "nameless.csv": ("a,b\n0,0\n", "columns a, b: x, y"),
+    "twice.csv": ("x,x,y\n0,0,0\n", "names a column twice"),
+    "empty.csv": ("", "is empty"),
+    "none.csv": ("x,y\n", "holds no points"),
+    "far.csv": ("0,0\n0.5,1.5\n", r"point 1 is \[0.5, 1.5, 0.0\].*unit square"),
+    "nan.csv": ("0,0\nnan,0.5\n", r"point 1 is \[nan"),
+    "torn.npz": ("PK", "could not be read as npz"),
+    "text.npz": ("hello", "could not be read as npz"),
+    "text.ply": ("hello", "does not begin with 'ply'"),
+    "endless.ply": ("ply\nformat ascii 1.0\n", "header has no end"),
+    "strange.ply": ("ply\nformat utf9 1.0\nend_header\n", "line 2 of its header is wrong"),
+    "short.ply": (
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+        "end_header\n0 0\n",
+        "vertex 1 is not 2 numbers",
+    ),
+    "half.ply": (
+        "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty double x\nend_header\n"
+        "12345678901",
+        "ends after 1 of 2",
+    ),
+    "faces.ply": ("ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no element 'vertex'"),
+    "short.off": ("OFF\n2 0 0\n0 0 0\n", "ends after 1 of 2 vertices"),
+    "word.off": ("FOFF\n", "does not begin with OFF"),
+    "flat.obj": ("v 0 0 0\nv 0 0\n", "line 2 has 2 columns"),
+    "points.xyz": ("0 0 0\n", "unknown format '.xyz'"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_POINTS)
+def test_refuses_points(tmp_path, name):
+    text, message = BAD_POINTS[name]
+    (tmp_path / name).write_text(text)
+    said = refused("analyse", tmp_path / name)
+    assert name in said
+    assert re.search(message, said), said
+
+
+def bad_mesh(folder: Path, name: str) -> Path:
+    vertices, faces = shapes.grid(2)
+    path = folder / f"{name}.npz"
+    match name:
+        case "nan":
+            vertices[3, 1] = np.nan
+        case "index":
+            faces[2, 0] = 99
+        case "columns":
+            vertices = np.column_stack([vertices, vertices])
+        case "words":
+            vertices = vertices.astype(str)
+    named = {"corners" if name == "names" else "vertices": vertices, "faces": faces}
+    np.savez(path, **named)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("nan", r"vertices\[3\] is not finite: coordinate 1 is nan"),
+        ("index", r"faces\[2\].*99"),
+        ("columns", r"vertices.*\(9, 6\)"),
+        ("words", "vertices"),
+        ("names", "no array 'vertices', only corners, faces"),
+    ],
+)
+def test_refuses_meshes(tmp_path, name, message):
+    path, out = bad_mesh(tmp_path, name), tmp_path / "points.ply"
+    said = refused("sample", path, out, "-n", 10)
+    assert said.startswith(f"Error: {path}: ")
+    assert re.search(message, said), said
+    assert os.listdir(tmp_path) == [path.name]
+
+
+def test_refuses_broken_files(tmp_path):
+    path, out = tmp_path / "mesh.obj", tmp_path / "points.ply"
+    path.write_text("hello\n")
+    assert str(path) in refused("sample", path, out, "-n", 10)
+    path = tmp_path / "mesh.strange"
+    path.write_text("hello\n")
+    assert "known are .off, .obj, .ply" in refused("sample", path, out, "-n", 10)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("density", "message"),
+    [
+        ("short", r"'short': has the shape \(7,\): \(800,\) at vertices or .* is needed"),
+        ("negative", r"'negative': density\[0\].*-1"),
+        ("absent", "no density 'absent' .*smooth, half, jumps"),
+        ("absent.npy", "absent.npy: No such file"),
+    ],
+)
+def test_refuses_densities(tmp_path, archive, density, message):
+    out = tmp_path / "points.ply"
+    said = refused("sample", archive, out, "-n", 10, "--density", density)
+    assert re.search(message, said), said
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("out", "message"),
+    [
+        ("points.stl", "STL holds triangles, no points; points are written as .ply, .csv"),
+        ("points.txt", "unknown format '.txt'"),
+        ("points", "unknown format ''"),
+        ("torus.ply", "is read as an input"),
+        ("absent/points.ply", "the folder .*absent does not exist"),
+        ("folder.ply", "is a folder"),
+    ],
+)
+def test_refuses_outputs(tmp_path, torus, out, message):
+    (tmp_path / "folder.ply").mkdir()
+    before = torus.read_bytes()
+    said = refused("sample", torus, tmp_path / out, "-n", 10)
+    assert re.search(message, said), said
+    assert torus.read_bytes() == before
+
+
+def test_refuses_one_file_for_two_outputs(tmp_path, torus):
+    out = tmp_path / "points.csv"
+    assert "two outputs" in refused("sample", torus, out, "-n", 10, "--json", out)
+    assert "read as an input" in refused("sample", torus, out, "-n", 10, "--json", torus)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sample", "absent.ply", "out.ply", "-n", "10"], "'absent.ply' does not exist"),
+        (["sample", "{mesh}", "out.ply"], "Missing option '-n'"),
+        (["sample", "{mesh}", "out.ply", "-n", "0"], "0 is not in the range"),
+        (["sample", "{mesh}", "out.ply", "-n", "ten"], "'ten' is not a valid integer"),
+        (["sample", "{mesh}", "out.ply", "-n", "10", "--start", "grid"], "'grid' is not one of"),
+        (["sample", "{mesh}", "out.ply", "-n", "10", "--seed", "-1"], "-1 is not in the range"),
+        (["classes", "{mesh}", "out.ply"], "Missing option '--class'"),
+        (["classes", "{mesh}", "out.ply", "--class", "9:size=1"], "'size=1': radius=R"),
+        (["classes", "{mesh}", "out.ply", "--class", "9:radius=big"], "'big' is not a valid float"),
+        (["classes", "{mesh}", "out.ply", "--class", "0"], "0 is not in the range"),
+        (["track", "{mesh}", "out.npz", "-n", "9", "--closed"], "need --together"),
+        (["analyse", "{mesh}", "--density", "x"], "need --mesh"),
+        (["stretch"], "No such command 'stretch'"),
+    ],
+)
+def test_refuses_usage(tmp_path, monkeypatch, torus, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    found = run(*[argument.format(mesh=torus) for argument in arguments])
+    assert found.exit_code == 2
+    assert message in found.stderr
+    assert os.listdir(tmp_path) == [torus.name]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--tolerance", "nan"], "tolerance is nan"),
+        (["--capacity-weight", "inf"], "capacity_weight is inf"),
+    ],
+)
+def test_refuses_what_the_library_refuses(tmp_path, torus, options, message):
+    assert message in refused("sample", torus, tmp_path / "out.ply", "-n", 10, *options)
+    assert os.listdir(tmp_path) == [torus.name]
+
+
+def test_refuses_frames(tmp_path, motion, mesh, torus):
+    out = tmp_path / "points.npz"
+    assert "written as .npz" in refused("track", motion, tmp_path / "out.ply", "-n", 9)
+    assert r"shape (800, 3): (frames, v, 3)" in refused("track", torus, out, "-n", 9)
+    turned = tmp_path / "turned.ply"
+    dapple.write_mesh(turned, mesh[0], np.roll(mesh[1], 1, axis=1))
+    said = refused("track", torus, turned, out, "-n", 9)
+    assert f"{turned}: faces[0] is [" in said
+    fewer = tmp_path / "fewer.ply"
+    dapple.write_mesh(fewer, mesh[0], mesh[1][:-1])
+    assert f"{fewer}: has 1599 faces" in refused("track", torus, fewer, out, "-n", 9)
+    arrays = dict(np.load(motion))
+    arrays["vertices"][2, 5, 0] = np.inf
+    np.savez(motion, **arrays)
+    assert f"{motion}[2]: vertices[5] is not" in refused("track", motion, out, "-n", 9)
+    assert not out.exists()
+
+
+def test_keeps_what_was_there_when_it_fails(tmp_path, torus, monkeypatch):
+    out = tmp_path / "points.ply"
+    out.write_text("precious")
+
+    def torn(file, columns):
+        file.write(b"half")
+        raise OSError(28, "No space left on device", str(out))
+
+    monkeypatch.setattr(points.ply, "write", torn)
+    assert refused("sample", torus, out, "-n", 10) == f"Error: {out}: No space left on device\n"
+    assert out.read_text() == "precious"
+    assert sorted(os.listdir(tmp_path)) == ["points.ply", "torus.ply"]
+
+
+# While it works
+
+
+def test_ctrl_c_ends_the_work_before_the_command(monkeypatch):
+    ended = []
+
+    def interrupted(futures, timeout):
+        raise KeyboardInterrupt
+
+    def endless(*, context: dapple.Context) -> None:
+        while not context.cancelled:
+            time.sleep(0.001)
+        ended.append(context)
+
+    monkeypatch.setattr(work, "wait", interrupted)
+    with pytest.raises(KeyboardInterrupt), work.Work("waiting") as bar:
+        bar.run(endless)
+    assert len(ended) == 1
+
+
+def test_shows_progress_in_a_terminal_and_ends_by_ctrl_c(tmp_path, torus):
+    """The first percents on stderr tell that the long work has begun; then Ctrl-C."""
+    fcntl, pty = pytest.importorskip("fcntl"), pytest.importorskip("pty")
+    out = tmp_path / "points.ply"
+    ours, theirs = pty.openpty()
+    # A shell that started us in the background may have told us to ignore it.
+    process = subprocess.Popen(
+        command("sample", torus, out, "-n", 5000, "--tolerance", 0, "--max-evaluations", 1000),
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    os.close(theirs)
+    shown = b""
+    while not re.search(rb"sampling.* [1-9]\d*%", shown):
+        shown += os.read(ours, 1000)
+    process.send_signal(signal.SIGINT)
+    stdout, _ = process.communicate(timeout=60)
+    fcntl.fcntl(ours, fcntl.F_SETFL, os.O_NONBLOCK)
+    shown += os.read(ours, 10_000)
+    os.close(ours)
+    assert process.returncode == 130, shown
+    assert b"Cancelled: nothing was written." in shown
+    assert b"Traceback" not in shown
+    assert stdout == b""
+    assert os.listdir(tmp_path) == [torus.name]
+
+
+def test_shows_no_progress_elsewhere(tmp_path, torus):
+    assert done("sample", torus, tmp_path / "points.ply", "-n", 50).stderr == ""
