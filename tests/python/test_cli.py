@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import shapes
 from click.testing import CliRunner, Result
-from dapple.cli import points, work
+from dapple.cli import commands, points, work
 from dapple.cli.app import main
 from dapple.cli.options import library_defaults
 
@@ -232,6 +232,21 @@ def test_takes_densities_by_name_and_from_files(tmp_path, archive, name, place):
     assert json.loads(report.stdout)["input"]["density_at"] == place
 
 
+def test_takes_a_property_of_a_ply_as_density(tmp_path):
+    """The corners of a square, all density at x = 0."""
+    path, out = tmp_path / "square.ply", tmp_path / "points.npz"
+    path.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
+        "property double z\nproperty float fur\nelement face 2\n"
+        "property list uchar int vertex_indices\nend_header\n"
+        "0 0 0 1\n1 0 0 0\n1 1 0 0\n0 1 0 1\n3 0 1 2\n3 0 2 3\n"
+    )
+    done("sample", path, out, "-n", 90, "--density", "fur")
+    square = dapple.Surface(*dapple.read_mesh(path), [1, 0, 0, 1])
+    np.testing.assert_array_equal(np.load(out)["positions"], dapple.sample(square, 90).positions)
+    assert "it has x, y, z, fur" in refused("sample", path, out, "-n", 9, "--density", "hair")
+
+
 def test_takes_the_density_of_an_npz(tmp_path, archive):
     arrays = dict(np.load(archive))
     own = tmp_path / "own.npz"
@@ -397,6 +412,19 @@ BAD_POINTS = {
         "12345678901",
         "ends after 1 of 2",
     ),
+    "minus.ply": (
+        "ply\nformat ascii 1.0\nelement vertex -2\nproperty float x\nend_header\n",
+        "line 3 of its header is wrong",
+    ),
+    "vast.ply": (
+        "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n",
+        "too short for 99999999999 'vertex'",
+    ),
+    "list.ply": (
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n",
+        "has a list",
+    ),
+    "bytes.csv": ("x,y\n0,\0\n", "holds no number"),
     "faces.ply": ("ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no element 'vertex'"),
     "short.off": ("OFF\n2 0 0\n0 0 0\n", "ends after 1 of 2 vertices"),
     "word.off": ("FOFF\n", "does not begin with OFF"),
@@ -414,6 +442,35 @@ def test_refuses_points(tmp_path, name):
     assert re.search(message, said), said
 
 
+def test_refuses_points_nowhere_near(tmp_path, torus):
+    path = tmp_path / "far.csv"
+    path.write_text("1,0,0\n1e300,0,0\n")
+    assert f"{path}: point 1 is too far" in refused("analyse", path, "--mesh", torus)
+
+
+@pytest.mark.parametrize(
+    "content", ["positions", "single", "objects", "words", "columns", "classes"]
+)
+def test_refuses_archives(tmp_path, content):
+    path = tmp_path / "points.npz"
+    flat = np.full((3, 2), 0.5)
+    match content:
+        case "positions":
+            np.savez(path, places=flat)
+        case "single":
+            with path.open("wb") as file:
+                np.save(file, flat)
+        case "objects":
+            np.savez(path, positions=np.array([None, {}], dtype=object))
+        case "words":
+            np.savez(path, positions=flat.astype(str))
+        case "columns":
+            np.savez(path, positions=np.hstack([flat, flat]))
+        case "classes":
+            np.savez(path, positions=flat, classes=np.array([0, 1]))
+    assert refused("analyse", path).startswith(f"Error: {path}: ")
+
+
 def bad_mesh(folder: Path, name: str) -> Path:
     vertices, faces = shapes.grid(2)
     path = folder / f"{name}.npz"
@@ -426,6 +483,10 @@ def bad_mesh(folder: Path, name: str) -> Path:
             vertices = np.column_stack([vertices, vertices])
         case "words":
             vertices = vertices.astype(str)
+        case "number":
+            faces = np.array(3)
+        case "motion":
+            vertices = np.stack([vertices] * 2)
     named = {"corners" if name == "names" else "vertices": vertices, "faces": faces}
     np.savez(path, **named)
     return path
@@ -438,6 +499,8 @@ def bad_mesh(folder: Path, name: str) -> Path:
         ("index", r"faces\[2\].*99"),
         ("columns", r"vertices.*\(9, 6\)"),
         ("words", "vertices"),
+        ("number", r"faces \(\) are not .* \(m, 3\)"),
+        ("motion", r"vertices.*\(2, 9, 3\)"),
         ("names", "no array 'vertices', only corners, faces"),
     ],
 )
@@ -453,6 +516,9 @@ def test_refuses_broken_files(tmp_path):
     path, out = tmp_path / "mesh.obj", tmp_path / "points.ply"
     path.write_text("hello\n")
     assert str(path) in refused("sample", path, out, "-n", 10)
+    path = tmp_path / "mesh.ply"
+    path.write_text("ply\nformat ascii 1.0\nproperty float x\nend_header\n")
+    assert f"{path}: line 3 of its header" in refused("sample", path, out, "-n", 10)
     path = tmp_path / "mesh.strange"
     path.write_text("hello\n")
     assert "known are .off, .obj, .ply" in refused("sample", path, out, "-n", 10)
@@ -464,7 +530,7 @@ def test_refuses_broken_files(tmp_path):
     [
         ("short", r"'short': has the shape \(7,\): \(800,\) at vertices or .* is needed"),
         ("negative", r"'negative': density\[0\].*-1"),
-        ("absent", "no density 'absent' .*smooth, half, jumps"),
+        ("absent", "no density 'absent' .it has smooth, half, jumps"),
         ("absent.npy", "absent.npy: No such file"),
     ],
 )
@@ -548,7 +614,7 @@ def test_refuses_frames(tmp_path, motion, mesh, torus):
     assert f"{turned}: faces[0] is [" in said
     fewer = tmp_path / "fewer.ply"
     dapple.write_mesh(fewer, mesh[0], mesh[1][:-1])
-    assert f"{fewer}: has 1599 faces" in refused("track", torus, fewer, out, "-n", 9)
+    assert f"{fewer}: has faces (1599, 3)" in refused("track", torus, fewer, out, "-n", 9)
     arrays = dict(np.load(motion))
     arrays["vertices"][2, 5, 0] = np.inf
     np.savez(motion, **arrays)
@@ -568,6 +634,15 @@ def test_keeps_what_was_there_when_it_fails(tmp_path, torus, monkeypatch):
     assert refused("sample", torus, out, "-n", 10) == f"Error: {out}: No space left on device\n"
     assert out.read_text() == "precious"
     assert sorted(os.listdir(tmp_path)) == ["points.ply", "torus.ply"]
+
+
+def test_a_file_makes_a_command(tmp_path, monkeypatch):
+    (tmp_path / "greet.py").write_text(
+        "import click\n@click.command('greet')\ndef command():\n    click.echo('hello')\n"
+    )
+    monkeypatch.setattr(commands, "__path__", [*commands.__path__, str(tmp_path)])
+    assert done("greet").stdout == "hello\n"
+    assert re.search(r"^  greet", done("--help").stdout, re.MULTILINE)
 
 
 # While it works

@@ -3,6 +3,7 @@
 
 import os
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,19 +57,30 @@ def check_outputs(inputs: Iterable[Path | None], outputs: Iterable[Path | None])
         written.append(path.resolve())
 
 
+@contextmanager
+def _reading(path: Path, form: str) -> Iterator[None]:
+    """Say of whatever numpy and zipfile raise for a broken file that it is broken."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise
+    except (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, RuntimeError) as error:
+        told = " ".join(str(error).split())
+        raise click.ClickException(f"{path}: could not be read as {form}: {told}") from error
+
+
 def load_npz(path: Path) -> Arrays:
     """All arrays of an npz file, by name.
 
     Raises:
         ClickException: the file is broken, or holds pickled objects.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            if not isinstance(file, np.lib.npyio.NpzFile):
-                raise ValueError("is a single array")
-            return {name: file[name] for name in file.files}
-    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise click.ClickException(f"{path}: could not be read as npz: {error}") from error
+    with _reading(path, "npz"):
+        found = np.load(path, allow_pickle=False)
+        if isinstance(found, np.ndarray):
+            raise ValueError("it is a single array")
+        with found:
+            return {name: found[name] for name in found.files}
 
 
 def load_npy(path: Path) -> NDArray:
@@ -77,10 +89,8 @@ def load_npy(path: Path) -> NDArray:
     Raises:
         ClickException: the file is broken, or holds pickled objects.
     """
-    try:
+    with _reading(path, "npy"):
         found = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise click.ClickException(f"{path}: could not be read as npy: {error}") from error
-    if not isinstance(found, np.ndarray):
-        raise click.ClickException(f"{path}: holds several arrays, a single one (.npy) is needed")
-    return found
+        if not isinstance(found, np.ndarray):
+            raise ValueError("it holds several arrays")
+        return found

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple
+from dapple.cli import ply
 from dapple.cli.files import Arrays, about, load_npy, load_npz
 
 Place = Literal["vertices", "faces", "corners"]
@@ -45,6 +46,9 @@ def read_mesh(path: Path) -> Mesh:
     Raises:
         FileError, ClickException: naming the file and what is wrong with it.
     """
+    if path.suffix.lower() == ".ply":
+        with about(path):
+            ply.check_header(path)  # CGAL's reader crashes where a property has no element
     if path.suffix.lower() != ".npz":
         return Mesh(path, *dapple.read_mesh(path))
     arrays = load_npz(path)
@@ -53,7 +57,13 @@ def read_mesh(path: Path) -> Mesh:
             raise click.ClickException(
                 f"{path}: has no array '{name}', only {', '.join(arrays) or 'none'}"
             )
-    return Mesh(path, arrays.pop("vertices"), arrays.pop("faces"), arrays)
+    mesh = Mesh(path, arrays.pop("vertices"), arrays.pop("faces"), arrays)
+    if mesh.vertices.ndim not in (2, 3) or mesh.faces.ndim != 2:
+        raise click.ClickException(
+            f"{path}: vertices {mesh.vertices.shape} and faces {mesh.faces.shape} are not "
+            "(v, 3), or (frames, v, 3), and (m, 3)"
+        )
+    return mesh
 
 
 def read_density(mesh: Mesh, wanted: str | None, at: Place | None = None) -> Density:
@@ -73,30 +83,48 @@ def read_density(mesh: Mesh, wanted: str | None, at: Place | None = None) -> Den
     return Density(values, at or _place_of(mesh, values, source), source)
 
 
-def make_surface(mesh: Mesh, density: Density | None = None) -> dapple.Surface:
-    """The checked surface of a mesh; errors name the file of the first offender.
+@dataclass(frozen=True)
+class Loaded:
+    """The checked surface of a mesh with its density."""
+
+    mesh: Mesh
+    surface: dapple.Surface
+    density: Density
+
+    def describe(self) -> dict[str, Any]:
+        """What a report says about its input."""
+        return {
+            "mesh": str(self.mesh.path),
+            "vertices": len(self.surface.vertices),
+            "faces": len(self.surface.faces),
+            "area": self.surface.area,
+            "density": self.density.source or None,
+            "density_at": self.density.at,
+        }
+
+
+def load(mesh: Mesh, density: str | None = None, at: Place | None = None) -> Loaded:
+    """Check a mesh, and give it the density that an option names.
+
+    Args:
+        mesh: from read_mesh().
+        density, at: as for read_density().
 
     Raises:
         ClickException: naming the file, the rule and the first offender.
     """
     with about(mesh.path):
         surface = dapple.Surface(mesh.vertices, mesh.faces)
-    if density is None or density.values is None:
+    found = read_density(mesh, density, at)
+    return Loaded(mesh, with_density(surface, found), found)
+
+
+def with_density(surface: dapple.Surface, density: Density) -> dapple.Surface:
+    """The surface with the density, if there is one; errors name where it comes from."""
+    if density.values is None:
         return surface
     with about(density.source):
         return surface.with_density(density.values, density_at=density.at)
-
-
-def describe(mesh: Mesh, surface: dapple.Surface, density: Density | None = None) -> dict[str, Any]:
-    """What a report says about its input."""
-    return {
-        "mesh": str(mesh.path),
-        "vertices": len(surface.vertices),
-        "faces": len(surface.faces),
-        "area": surface.area,
-        "density": density.source if density and density.source else None,
-        "density_at": surface.density_at,
-    }
 
 
 def _density_values(mesh: Mesh, wanted: str | None) -> tuple[NDArray | None, str]:
@@ -104,12 +132,16 @@ def _density_values(mesh: Mesh, wanted: str | None) -> tuple[NDArray | None, str
         return mesh.arrays.get("density"), f"{mesh.path}, array 'density'"
     if wanted.lower().endswith(".npy"):
         return load_npy(Path(wanted)), wanted
-    if wanted not in mesh.arrays:
-        known = f"its arrays are {', '.join(mesh.arrays)}" if mesh.arrays else "it holds none"
+    arrays = mesh.arrays
+    if mesh.path.suffix.lower() == ".ply":
+        with about(mesh.path):
+            arrays = ply.read(mesh.path)
+    if wanted not in arrays:
+        known = f"it has {', '.join(arrays)}" if arrays else "it holds none"
         raise click.ClickException(
             f"{mesh.path}: has no density '{wanted}' ({known}); a file's name ends with .npy"
         )
-    return mesh.arrays[wanted], f"{mesh.path}, array '{wanted}'"
+    return arrays[wanted], f"{mesh.path}, array '{wanted}'"
 
 
 def _place_of(mesh: Mesh, values: NDArray, source: str) -> Place:

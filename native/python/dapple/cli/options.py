@@ -134,8 +134,9 @@ def density_options(command: Decorated) -> Decorated:
     return click.option(
         "--density",
         metavar="FILE.npy|NAME",
-        help="Values >= 0, points per area in relation: a .npy file, or an array of MESH's npz.  "
-        "[default: the npz's array 'density', else the same everywhere]",
+        help="Values >= 0, points per area in relation: a .npy file, an array of MESH's npz, or a "
+        "property of the vertices of MESH's ply.  [default: the npz's array 'density', else the "
+        "same everywhere]",
     )(command)
 
 

@@ -4,6 +4,7 @@
 Greg Turk, The PLY Polygon File Format, 1994.
 """
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -45,6 +46,18 @@ def write(file: IO[bytes], columns: Arrays) -> None:
     file.write(rows.tobytes())
 
 
+def check_header(path: Path) -> None:
+    """Look at the header alone.
+
+    Raises:
+        ValueError: it is broken, or has no vertices.
+    """
+    with path.open("rb") as file:
+        _, elements = _read_header(file)
+    if not elements or elements[-1].name != "vertex":
+        raise ValueError("has no element 'vertex'")
+
+
 def read(path: Path) -> Arrays:
     """The properties of the vertices by name, each (n,) of its own type.
 
@@ -75,7 +88,7 @@ def _read_header(file: IO[bytes]) -> tuple[str, list[_Element]]:
                 case ["format", name, _]:
                     order = ORDERS[name]
                 case ["element", name, count]:
-                    elements.append(_Element(name, int(count)))
+                    elements.append(_Element(name, _not_negative(count)))
                 case ["property", "list", *_]:
                     elements[-1].has_list = True
                 case ["property", kind, name]:
@@ -90,7 +103,15 @@ def _read_header(file: IO[bytes]) -> tuple[str, list[_Element]]:
     return order, elements[: last.index(True) + 1] if any(last) else elements
 
 
+def _not_negative(word: str) -> int:
+    if not word.isdecimal():
+        raise ValueError(f"{word} is no count")
+    return int(word)
+
+
 def _read_rows(file: IO[bytes], order: str, element: _Element) -> NDArray:
+    if element.count > os.fstat(file.fileno()).st_size:  # before memory is asked for
+        raise ValueError(f"is too short for {element.count} '{element.name}'")
     if order == ORDERS["ascii"]:
         return _read_text(file, element)
     dtype = np.dtype([(name, order + kind) for name, kind in element.fields])
@@ -98,7 +119,7 @@ def _read_rows(file: IO[bytes], order: str, element: _Element) -> NDArray:
     found = len(content) // dtype.itemsize if dtype.itemsize else 0
     if found < element.count:
         raise ValueError(f"ends after {found} of {element.count} '{element.name}'")
-    return np.frombuffer(content, dtype)
+    return np.frombuffer(content, dtype, element.count)
 
 
 def _read_text(file: IO[bytes], element: _Element) -> NDArray:

@@ -120,7 +120,19 @@ def _read_npz(path: Path) -> Points:
     arrays = load_npz(path)
     if "positions" not in arrays:
         raise ValueError(f"has no array 'positions', only {', '.join(arrays) or 'none'}")
-    return Points(**{name: value for name, value in arrays.items() if name in NAMES})
+    positions = arrays["positions"]
+    if positions.ndim != 2 or positions.shape[1] not in (2, 3) or positions.dtype.kind not in "fiu":
+        raise ValueError(
+            f"positions is {positions.dtype.name} {positions.shape}: numbers (n, 2) or (n, 3) are "
+            "needed"
+        )
+    stored = {name: value for name, value in arrays.items() if name in NAMES}
+    for name, value in stored.items():
+        if value.shape[:1] != positions.shape[:1]:
+            raise ValueError(
+                f"{name} has the shape {value.shape}: {len(positions)} rows are needed"
+            )
+    return Points(**stored | {"positions": positions.astype(np.float64)})
 
 
 def _write_npz(file: IO[bytes], points: Points) -> None:

@@ -77,16 +77,10 @@ def command(
     found = read_points(points)
     with about(points):
         places = in_space(found.positions)
-    about_mesh: dict[str, Any] = {"mesh": None}
-    if mesh is None:
-        surface = unit_square(points, places)
-    else:
-        source = meshes.read_mesh(mesh)
-        values = meshes.read_density(source, density, density_at)
-        surface = meshes.make_surface(source, values)
-        about_mesh = meshes.describe(source, surface, values)
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at) if mesh else None
+    surface = loaded.surface if loaded else unit_square(points, places)
     with about(points):
-        distances = dapple.project(surface, places).distances
+        distances = distances_to(surface, places)
     chosen = options.given(measure)
     report = measured(surface, places, found.classes, chosen)
     if plot:
@@ -94,7 +88,7 @@ def command(
     farthest = float(np.max(distances, initial=0.0) / report["spacing"])
     reporter.store(
         "analyse",
-        input={"points": str(points), **about_mesh},
+        input={"points": str(points), **(loaded.describe() if loaded else {"mesh": None})},
         settings=options.library_defaults(dapple.analyse) | chosen,
         report=report,
         farthest_from_surface=farthest,
@@ -124,13 +118,24 @@ def in_space(positions: NDArray) -> NDArray:
     """(n, 3) of (n, 2) or (n, 3); points of the plane get z = 0.
 
     Raises:
-        ValueError: another shape, or no points.
+        ValueError: there are no points.
     """
-    if positions.ndim != 2 or positions.shape[1] not in (2, 3):
-        raise ValueError(f"positions has the shape {positions.shape}: (n, 2) or (n, 3) is needed")
     if len(positions) == 0:
         raise ValueError("holds no points")
     return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
+
+
+def distances_to(surface: dapple.Surface, places: NDArray) -> NDArray:
+    """(n,) float64, from the nearest point of the surface.
+
+    Raises:
+        ValueError: naming the first point that is not finite, or so far that none is nearest.
+    """
+    near = dapple.project(surface, places)
+    lost = np.flatnonzero(near.faces < 0)
+    if len(lost):
+        raise ValueError(f"point {lost[0]} is too far from the mesh: {places[lost[0]].tolist()}")
+    return near.distances
 
 
 def measured(

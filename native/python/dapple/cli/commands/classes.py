@@ -23,12 +23,12 @@ class Wanted:
     radius: float = 0.0
     density: str | None = None
 
-    def on(self, mesh: meshes.Mesh) -> dapple.SampleClass:
+    def on(self, loaded: meshes.Loaded) -> dapple.SampleClass:
         """The class with the density that it names."""
         if self.density is None:
             return dapple.SampleClass(self.count, radius=self.radius)
-        found = meshes.read_density(mesh, self.density)
-        meshes.make_surface(mesh, found)  # so that its errors name the file
+        found = meshes.read_density(loaded.mesh, self.density)
+        meshes.with_density(loaded.surface, found)  # so that its errors name the file
         return dapple.SampleClass(
             self.count, density=found.values, density_at=found.at, radius=self.radius
         )
@@ -99,18 +99,16 @@ def command(
     points.check_extension(out)
     densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
     check_outputs([mesh, *densities], [out, reporter.file])
-    source = meshes.read_mesh(mesh)
-    values = meshes.read_density(source, density, density_at)
-    surface = meshes.make_surface(source, values)
-    listed = [one.on(source) for one in wanted]
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
+    listed = [one.on(loaded) for one in wanted]
     chosen = options.given(solver)
     with Work("sampling", quiet=quiet) as work:
-        samples = work.run(partial(dapple.sample_classes, surface, listed, **chosen))
+        samples = work.run(partial(dapple.sample_classes, loaded.surface, listed, **chosen))
     points.write_points(out, points.points_of(samples))
     settings = {**options.library_defaults(dapple.sample_classes), **chosen}
     reporter.store(
         "classes",
-        input=meshes.describe(source, surface, values),
+        input=loaded.describe(),
         output=str(out),
         settings={"classes": [asdict(one) for one in wanted], **settings},
         report=samples.report.to_dict(),

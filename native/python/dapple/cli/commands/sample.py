@@ -61,17 +61,15 @@ def command(
     reporter = Reporter(json_out, quiet)
     points.check_extension(out)
     check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    source = meshes.read_mesh(mesh)
-    values = meshes.read_density(source, density, density_at)
-    surface = meshes.make_surface(source, values)
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:
-        samples = work.run(partial(dapple.sample, surface, count, **chosen))
+        samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
     points.write_points(out, points.points_of(samples))
     settings = {"count": count, "preset": preset, **options.library_defaults(dapple.sample)}
     reporter.store(
         "sample",
-        input=meshes.describe(source, surface, values),
+        input=loaded.describe(),
         output=str(out),
         settings=settings | chosen,
         report=samples.report.to_dict(),

@@ -20,7 +20,7 @@ from dapple.cli.work import Work
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 TRACKER = dapple.Tracker.__init__
 # Arguments of sample(), for the first frame, that mean the same to the tracker.
-START = ("seed", "capacity_weight", "gap_weight", "tolerance", "method", "cells", "threads")
+START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threads")
 
 
 @click.command("track", short_help="Points that stay put on a moving mesh.")
@@ -74,31 +74,25 @@ def command(
         raise click.UsageError("--closed and --sweeps need --together")
     check_outputs(frames, [out, reporter.file])
     source, motion = read_motion(frames)
-    surface = meshes.make_surface(source, meshes.read_density(source, None))
-    given = options.given(solver)
-    start = options.given({"seed": seed, **given})
-    start = {name: start[name] for name in START if name in start}
+    loaded = meshes.load(source)
+    tracking = options.given(solver)
+    sampling = {name: tracking[name] for name in START if name in tracking}
+    sampling |= options.given({"seed": seed})
+    if together:
+        tracking |= options.given({"closed": closed, "sweeps": sweeps})
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
-        first = work.run(partial(dapple.sample, surface, count, **start))
-        if together:
-            given |= options.given({"closed": closed, "sweeps": sweeps})
-            results = follow_together(work, surface, motion, first, given)
-        else:
-            results = follow(work, surface, motion, first, given)
+        first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
+        follow = follow_together if together else follow_each
+        results = follow(work, loaded.surface, motion, first, tracking)
     write_motion(out, results)
     function = dapple.track_window if together else TRACKER
+    settings = {"count": count, "together": together} | options.library_defaults(function)
+    settings["seed"] = options.library_defaults(dapple.sample)["seed"]
     reporter.store(
         "track",
-        input=meshes.describe(source, surface) | {"frames": [name for name, _ in motion]},
+        input=loaded.describe() | {"frames": [name for name, _ in motion]},
         output=str(out),
-        settings={
-            "count": count,
-            "together": together,
-            "seed": options.library_defaults(dapple.sample)["seed"],
-            **options.library_defaults(function),
-            **start,
-            **given,
-        },
+        settings=settings | sampling | tracking,
         reports=[samples.report.to_dict() for samples in results],
     )
     slide = max(samples.report.slide_max for samples in results)
@@ -133,9 +127,9 @@ def read_motion(frames: Sequence[Path]) -> tuple[meshes.Mesh, Motion]:
 
 def check_same_faces(first: meshes.Mesh, other: meshes.Mesh) -> None:
     """Raise ClickException, naming the first face that differs."""
-    if len(other.faces) != len(first.faces):
+    if other.faces.shape != first.faces.shape:
         raise click.ClickException(
-            f"{other.path}: has {len(other.faces)} faces, but {first.path} has {len(first.faces)}: "
+            f"{other.path}: has faces {other.faces.shape}, but {first.path} {first.faces.shape}: "
             "all frames need the same faces"
         )
     different = np.flatnonzero((other.faces != first.faces).any(axis=1))
@@ -147,7 +141,7 @@ def check_same_faces(first: meshes.Mesh, other: meshes.Mesh) -> None:
         )
 
 
-def follow(
+def follow_each(
     work: Work,
     surface: dapple.Surface,
     motion: Motion,
