@@ -22,7 +22,7 @@ from .held import Held
 from .meshio import read_surface, write_columns, write_points
 from .properties import is_scatter, scatter_modifier, settings_of
 from .staleness import other_faces
-from .store import ensure_modifier, read_binding
+from .store import ensure_modifier, own_points, read_binding
 
 _INPUT = "Preview"
 _TICK = 0.05  # seconds between two looks at the surface
@@ -70,6 +70,10 @@ def start(obj: bpy.types.Object) -> None:
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
+    if not own_points(obj).all():
+        raise ScatterError(
+            f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
+        )
     binding, columns = read_binding(obj, len(arrays.vertices))
     begin = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     follower = Follower(arrays, begin)

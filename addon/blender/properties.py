@@ -244,6 +244,28 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         ],
         default="FORWARDS",
     )
+    count_over_time: EnumProperty(
+        options=_STILL,
+        name="Count Over Time",
+        description="What a bake keeps while the surface grows and shrinks",
+        items=[
+            ("KEEP_COUNT", "Keep Count", "The same points in all frames"),
+            (
+                "KEEP_DENSITY",
+                "Keep Density",
+                "As many points per area as at the start: some appear, some vanish; they fade",
+            ),
+        ],
+        default="KEEP_COUNT",
+    )
+    fade_frames: IntProperty(
+        options=_STILL,
+        name="Fade",
+        description="Frames that a point takes to appear or to vanish",
+        default=12,
+        min=1,
+        soft_max=100,
+    )
     on_topology_change: EnumProperty(
         options=_STILL,
         name="On Topology Change",

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing results into the file: the scatter object and its baked keys."""
 
+import bmesh
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import ScatterError
 from ..core.keys import Baked
+from ..core.population import Born
 from ..core.records import (
     FRAME_ATTRIBUTES,
+    GONE_ATTRIBUTES,
     KEY_ATTRIBUTES,
     POINT_ATTRIBUTES,
     ROW_ATTRIBUTES,
@@ -23,7 +27,7 @@ from ..core.solve import Report, Scattered
 from ..core.stale import settings_text
 from ..core.surface import Floats, SurfaceArrays
 from ..nodes import GROUP_NAME, ensure_group, get_input, has_input, set_input
-from .meshio import read_columns, to_local, write_columns, write_points
+from .meshio import read_columns, read_points, to_local, write_columns, write_points
 from .properties import (
     scatter_modifier,
     settings_of,
@@ -89,18 +93,61 @@ def write_binding(obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding
 
 
 def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Columns]:
-    """Stored binding and point columns, checked against the surface."""
-    binding = binding_from(read_columns(obj.data, ROW_ATTRIBUTES))
+    """Stored binding and point columns, checked against the surface; without added points."""
+    own = own_points(obj)
+    rows = read_columns(obj.data, ROW_ATTRIBUTES)
+    binding = binding_from({name: values[own] for name, values in rows.items()})
     check_binding(binding, vertex_count, obj.name)
-    return binding, read_columns(obj.data, POINT_ATTRIBUTES)
+    columns = read_columns(obj.data, POINT_ATTRIBUTES)
+    return binding, {name: values[own] for name, values in columns.items()}
 
 
-def write_baked(obj: bpy.types.Object, baked: Baked, start: int, report: Report) -> None:
-    """Store baked keys, the first frame of the bake being start."""
+def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
+    """Per point whether it was optimised, not added by a bake with births."""
+    if "dapple_gone" not in obj.data.attributes:
+        return np.ones(len(obj.data.vertices), dtype=bool)
+    return read_columns(obj.data, GONE_ATTRIBUTES)["dapple_gone"] < 0.5
+
+
+def _add_points(obj: bpy.types.Object, born: Born) -> None:
+    mesh, count = obj.data, len(obj.data.vertices)
+    before = read_columns(mesh, {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES})
+    mesh.vertices.add(len(born.positions))
+    places = np.concatenate([read_points(mesh)[:count], to_local(obj, born.positions)])
+    mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    after = {**born.binding.rows(), **born.columns}
+    joined = {name: np.concatenate([values, after[name]]) for name, values in before.items()}
+    joined["dapple_gone"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
+    write_columns(mesh, joined, {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **GONE_ATTRIBUTES})
+    mesh.update()
+
+
+def _drop_added(obj: bpy.types.Object) -> None:
+    own = own_points(obj)
+    if own.all():
+        return
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.verts.ensure_lookup_table()
+    added = [edited.verts[k] for k in np.flatnonzero(~own)]
+    bmesh.ops.delete(edited, geom=added, context="VERTS")
+    edited.to_mesh(obj.data)
+    edited.free()
+
+
+def write_baked(
+    obj: bpy.types.Object, baked: Baked, start: int, report: Report, born: Born | None = None
+) -> None:
+    """Store baked keys, the first frame of the bake being start, and the points they add."""
     clear_keys(obj)
+    if born is not None:
+        _add_points(obj, born)
     modifier = ensure_modifier(obj)
     places = baked.keys["position"]
-    set_input(modifier, "Keys", _stored(obj, "Keys", baked.keys, KEY_ATTRIBUTES, places))
+    types = KEY_ATTRIBUTES
+    if "dapple_gone" in baked.keys:
+        types = {**types, **GONE_ATTRIBUTES}
+    set_input(modifier, "Keys", _stored(obj, "Keys", baked.keys, types, places))
     for name, columns, types in (
         ("Triangles", baked.triangles, TRIANGLE_ATTRIBUTES),
         ("Frames", baked.frames, FRAME_ATTRIBUTES),
@@ -152,7 +199,8 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Forget baked keys; the points ride on the binding they were optimised with."""
+    """Forget baked keys and the points they added; the others ride as they were optimised."""
+    _drop_added(obj)
     modifier = scatter_modifier(obj)
     if modifier is None:
         return

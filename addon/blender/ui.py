@@ -153,7 +153,11 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(context.scene, "frame_start", text="Frame Start")
         layout.prop(context.scene, "frame_end", text="End")
-        layout.prop(settings, "bake_smoothing")
+        layout.prop(settings, "count_over_time", text="Over Time")
+        if settings.count_over_time == "KEEP_DENSITY":
+            layout.prop(settings, "fade_frames")
+        else:
+            layout.prop(settings, "bake_smoothing")
         layout.prop(settings, "stickiness")
         layout.prop(settings, "key_every")
         layout.prop(settings, "on_topology_change", text="If Faces Change")

@@ -14,6 +14,7 @@ from ..core.bake import Baker, Start
 from ..core.binding import bound_nearest
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
+from ..core.population import PopulationBaker
 from ..core.records import POINT_ATTRIBUTES, Binding, Columns
 from ..core.settings import Settings
 from ..core.solve import scatter
@@ -24,7 +25,14 @@ from .held import Held
 from .meshio import read_columns, read_points, read_surface, to_world
 from .properties import settings_of
 from .staleness import other_faces
-from .store import new_scatter, read_binding, write_baked, write_binding, write_scattered
+from .store import (
+    new_scatter,
+    own_points,
+    read_binding,
+    write_baked,
+    write_binding,
+    write_scattered,
+)
 from .topology import check_render_topology
 from .workfiles import work_files
 
@@ -73,7 +81,8 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
         baker = yield from _carry(held, surface, first, last)
     obj = held.get()
     _check_points(obj, baker)
-    write_baked(obj, baker.baked(), first, baker.report())
+    born = baker.born() if isinstance(baker, PopulationBaker) else None
+    write_baked(obj, baker.baked(), first, baker.report(), born)
     obj.dapple.bake_fingerprint = baker.fingerprint
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)
@@ -146,6 +155,8 @@ def _baker(obj: bpy.types.Object, arrays: SurfaceArrays, first: int, count: int)
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     keyframes = Keyframes(count, obj.dapple.key_every)
     smoothing = obj.dapple.bake_smoothing
+    if obj.dapple.count_over_time == "KEEP_DENSITY":
+        return PopulationBaker(arrays, start, keyframes, first=first, fade=obj.dapple.fade_frames)
     if smoothing != "FORWARDS":
         return TogetherBaker(arrays, start, keyframes, first=first, closed=smoothing == "LOOP")
     return Baker(arrays, start, keyframes, work_files(obj), first, rebind)
@@ -161,15 +172,18 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
             f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
             "Topology Change to Re-bind"
         )
-    binding = bound_nearest(to_world(obj, read_points(obj.data)), arrays)
-    return binding, read_columns(obj.data, POINT_ATTRIBUTES)
+    own = own_points(obj)
+    binding = bound_nearest(to_world(obj, read_points(obj.data)[own]), arrays)
+    columns = read_columns(obj.data, POINT_ATTRIBUTES)
+    return binding, {name: values[own] for name, values in columns.items()}
 
 
 def rebind_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     arrays = _read_checked(surface.get(), context)
-    points = to_world(context.object, read_points(context.object.data))
+    own = own_points(context.object)
+    points = to_world(context.object, read_points(context.object.data)[own])
     binding = yield Task(lambda _: bound_nearest(points, arrays))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))
@@ -178,7 +192,7 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
 
 
 def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
-    if len(obj.data.vertices) != len(baker.start.ids):
+    if own_points(obj).sum() != len(baker.start.ids):
         raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")
 
 

@@ -23,13 +23,15 @@ class Placed:
 
     faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
     binding: Binding
+    gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
 
 
 @dataclass(frozen=True)
 class Baked:
     """Packed keys, ready to be stored; columns named as in records.py."""
 
-    keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle
+    keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
+    # dapple_gone where points appear or vanish
     triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle
     frames: Columns  # FRAME_ATTRIBUTES of each frame
 
@@ -102,6 +104,7 @@ class Keyframes:
     _waiting: list[_Waiting] = field(default_factory=list)
     _triangles: list[Ints] = field(default_factory=list)
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
+    _gone: list[Floats | None] = field(default_factory=list)
     _sketches: list[Floats] = field(default_factory=list)
     _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
 
@@ -126,6 +129,7 @@ class Keyframes:
 
     def packed(self) -> Baked:
         """All keys, over the triangles that they use."""
+        self._fill_up()
         triangles = np.concatenate(self._triangles)
         used = np.zeros(len(triangles), dtype=bool)
         for faces, _ in self._rows:
@@ -135,6 +139,8 @@ class Keyframes:
             "dapple_face": np.concatenate([place[faces] for faces, _ in self._rows]),
             "position": np.concatenate([places for _, places in self._rows]),
         }
+        if any(gone is not None for gone in self._gone):
+            keys["dapple_gone"] = np.concatenate(self._gone, dtype=np.float32)  # type: ignore[arg-type]
         corners = triangles[used]
         names = ("key", "since", "span", "vertices")
         sketches = np.array(self._sketches, dtype=np.float32)
@@ -146,6 +152,20 @@ class Keyframes:
                 **{f"dapple_sketch{k}": sketches[:, k] for k in range(SKETCH_SUMS)},
             },
         )
+
+    def _fill_up(self) -> None:
+        """Give each key rows for the points that appear later: where they will, not there yet."""
+        for key in range(len(self._rows) - 2, -1, -1):
+            (faces, places), (later_faces, later_places) = self._rows[key], self._rows[key + 1]
+            known, more = len(faces), len(later_faces) - len(faces)
+            if more:
+                gone = self._gone[key]
+                assert gone is not None
+                self._rows[key] = (
+                    np.concatenate([faces, later_faces[known:]]),
+                    np.concatenate([places, later_places[known:]]),
+                )
+                self._gone[key] = np.concatenate([gone, np.ones(more)])
 
     def _begin(self, bound: SurfaceArrays) -> None:
         if self._waiting:
@@ -169,11 +189,14 @@ class Keyframes:
         self._last = frame, placed.binding
         places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
+        self._gone.append(placed.gone)
 
 
 def _distances(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:
     """Of the two keys mixed on the surface of a frame from where its points were solved."""
-    first, second = before.positions(waiting.vertices), after.positions(waiting.vertices)
-    solved = waiting.placed.binding.positions(waiting.vertices)
+    known = len(before.corners)  # points that appear in between have no place before
+    first = before.positions(waiting.vertices)
+    second = after.positions(waiting.vertices)[:known]
+    solved = waiting.placed.binding.positions(waiting.vertices)[:known]
     apart = np.linalg.norm((1.0 - share) * first + share * second - solved, axis=1)
     return apart / max(waiting.spacing, 1e-30)

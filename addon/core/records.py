@@ -25,6 +25,9 @@ ROW_ATTRIBUTES = {
     "dapple_carry": "FLOAT",
 }
 KEY_ATTRIBUTES = {"dapple_face": "INT"}  # its position: barycentrics 1 and 2, angle carried
+# 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
+# has added. Nodes read 0 where there is none.
+GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
 TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
 FRAME_ATTRIBUTES = {
     "dapple_key": "INT",  # the key at or before the frame

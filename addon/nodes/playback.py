@@ -21,11 +21,12 @@ class Moment:
 
 @dataclass(frozen=True)
 class Bound:
-    """Fields of one binding: three vertices, their weights, the angle carried."""
+    """Fields of one binding: three vertices, their weights, the angle carried; is it there."""
 
     corners: list[Socket]
     weights: Socket
     carry: Socket
+    gone: Socket  # 1 - fade
 
     def sockets(self) -> list[Socket]:
         return [*self.corners, self.weights, self.carry]
@@ -69,6 +70,7 @@ def own(b: Builder) -> Bound:
         [b.attribute(f"dapple_v{k}", "INT") for k in range(3)],
         b.attribute("dapple_barycentric", "FLOAT_VECTOR"),
         b.attribute("dapple_carry", "FLOAT"),
+        b.attribute("dapple_gone", "FLOAT"),
     )
 
 
@@ -84,6 +86,7 @@ def previewed(b: Builder, rows: Socket) -> Bound:
         [row(corner, "INT") for corner in bound.corners],
         row(bound.weights, "FLOAT_VECTOR"),
         row(bound.carry, "FLOAT"),
+        row(bound.gone, "FLOAT"),
     )
 
 
@@ -99,12 +102,13 @@ def of_key(b: Builder, rows: Socket, triangles: Socket, key: Socket) -> Bound:
         [b.sample(triangles, b.attribute(f"dapple_v{k}", "INT"), face, "INT") for k in range(3)],
         b.out("ShaderNodeCombineXYZ", first, second, third),
         carry,
+        b.sample(rows, b.attribute("dapple_gone", "FLOAT"), row, "FLOAT"),
     )
 
 
 def chosen(b: Builder, condition: Socket, false: Bound, true: Bound) -> Bound:
     """One of two bindings."""
-    kinds = ("INT", "INT", "INT", "VECTOR", "FLOAT")
-    pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
-    *corners, weights, carry = (b.switch(kind, condition, x, y) for kind, x, y in pairs)
-    return Bound(corners, weights, carry)
+    kinds = ("INT", "INT", "INT", "VECTOR", "FLOAT", "FLOAT")
+    pairs = zip(kinds, [*false.sockets(), false.gone], [*true.sockets(), true.gone], strict=True)
+    *corners, weights, carry, gone = (b.switch(kind, condition, x, y) for kind, x, y in pairs)
+    return Bound(corners, weights, carry, gone)

@@ -9,7 +9,7 @@ from . import bound_point, playback
 from .builder import Builder, Socket, new_group
 
 GROUP_NAME = "Dapple Scatter"
-VERSION = 2
+VERSION = 3
 VERSION_KEY = "dapple_version"
 
 INPUTS = [
@@ -101,7 +101,7 @@ def _warning(b: Builder, show: Socket, message: Any) -> Socket:
 def _placed(
     b: Builder, info: bpy.types.Node, bindings: list[playback.Bound], fraction: Socket
 ) -> Socket:
-    """Points on the surface, with `rotation` and `scale` attributes."""
+    """Points on the surface, with `rotation`, `fade` and `scale` attributes."""
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
     surface = info.outputs["Geometry"]
     a, c = (_bound(b, surface, binding, side) for binding in bindings)
@@ -110,6 +110,8 @@ def _placed(
     turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), b.input("Turn Randomness"))
     points = b.input("Geometry")
     points = b.store(points, "rotation", b.turned(rotation, turn), "QUATERNION")
+    gone = b.mix("FLOAT", fraction, *(binding.gone for binding in bindings))
+    points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
     points = b.store(points, "scale", _size(b), "FLOAT_VECTOR")
     return b.out("GeometryNodeSetPosition", points, True, position)
 
@@ -132,10 +134,11 @@ def _bound_point_group() -> bpy.types.NodeTree:
 
 
 def _size(b: Builder) -> Socket:
-    """Scale * (1 - randomness * own random number)."""
+    """Scale * fade * (1 - randomness * own random number)."""
     own = b.attribute("dapple_scale", "FLOAT")
     less = b.number("MULTIPLY", own, b.input("Scale Randomness"))
     factor = b.number("MULTIPLY", b.input("Scale"), b.number("SUBTRACT", 1.0, less))
+    factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
     return b.scaled((1.0, 1.0, 1.0), factor)
 
 
@@ -148,7 +151,7 @@ def _instances(b: Builder, points: Socket) -> Socket:
     return b.out(
         "GeometryNodeInstanceOnPoints",
         points,
-        True,
+        b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT"),
         shape,
         False,
         None,

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake at a constant density per area: points appear where the surface grows, others vanish.
+
+Every point that is ever there has a row in every key, in the order in which they appear, so that
+things keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that is
+not there yet or no more.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .bake import Baker
+from .errors import ScatterError
+from .frames import carried
+from .keys import Placed
+from .native import package
+from .records import Binding, Columns
+from .sidecar import Solved
+from .solve import named, point_columns, report_of
+from .surface import Floats, Ints, SurfaceArrays, check_same_topology
+
+
+@dataclass(frozen=True)
+class Born:
+    """Points that appear during a bake, where they appear."""
+
+    binding: Binding
+    positions: Floats  # (k, 3) in world space
+    columns: Columns  # named as in POINT_ATTRIBUTES
+
+
+@dataclass
+class PopulationBaker(Baker):
+    """Bakes births and deaths; frames are not kept in files before the end."""
+
+    fade: int = 12  # frames that a point takes to appear or to vanish
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.sidecar = None
+        self.ids = np.asarray(self.start.ids, dtype=np.int32)
+        self._population: Any = None
+        self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
+        self._births: list[tuple[Binding, Floats]] = []
+
+    def changes(self, frame: SurfaceArrays) -> bool:
+        """False; ScatterError for another topology, over which nothing can grow or shrink."""
+        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+        return False
+
+    def take(self) -> bool:
+        """False: frames are not taken from files."""
+        return False
+
+    def advance(self, context: Any) -> None:
+        """Solve the frame."""
+        with named(self.bound.name):
+            if self._population is None:
+                options = self.start.settings.tracker_options()
+                self._population = package().Population(
+                    *self._beginning(), fade=self.fade, **options
+                )
+            samples = self._population.advance(self._now.vertices, context=context)
+        self._add(Solved(self._rows(samples), report_of(samples.report)))
+
+    def born(self) -> Born | None:
+        """The points that were not there at the start."""
+        first = len(self.start.ids)
+        ids = self.ids[first:]
+        if not len(ids):
+            return None
+        bindings = [binding for binding, _ in self._births]
+        columns = point_columns(ids, np.zeros(len(ids), np.int32), self.start.settings.seed)
+        positions = np.concatenate([places for _, places in self._births])
+        return Born(_joined(bindings), positions, columns)
+
+    def _rows(self, samples: Any) -> Placed:
+        """The samples as rows: known ids first, each at its own, then those that appear."""
+        order = {int(one): row for row, one in enumerate(self.ids)}
+        new = np.array([one not in order for one in samples.ids.tolist()], dtype=bool)
+        self._appear(samples, new)
+        for one in self.ids[len(order) :].tolist():
+            order[one] = len(order)
+        rows = np.array([order[one] for one in samples.ids.tolist()], dtype=np.int64)
+        gone = np.ones(len(self.ids))
+        faces, weights = self._faces.copy(), self.last.barycentric.copy()
+        faces[rows], weights[rows], gone[rows] = (
+            samples.faces,
+            samples.barycentric,
+            1.0 - samples.fade,
+        )
+        self._faces = faces
+        after = Binding(self.bound.faces[faces], weights, np.zeros(len(faces)))
+        turned = carried(self.last, after, self._now.vertices, self.bound.faces)
+        return Placed(faces, turned, gone)
+
+    def _appear(self, samples: Any, new: Any) -> None:
+        """Give new ids rows at their first places."""
+        if not len(self._faces):
+            self._faces = _faces_at_start(samples, self.ids)
+        if not new.any():
+            return
+        faces = np.asarray(samples.faces, dtype=np.int32)[new]
+        binding = Binding(
+            self.bound.faces[faces], np.asarray(samples.barycentric)[new], np.zeros(len(faces))
+        )
+        self._births.append((binding, np.asarray(samples.positions)[new]))
+        self._faces = np.concatenate([self._faces, faces])
+        self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
+        self.last = _joined([self.last, binding])
+
+
+def _faces_at_start(samples: Any, ids: Ints) -> Ints:
+    """Faces of the first rows on the first frame, on which nothing can have vanished for good."""
+    of = dict(zip(samples.ids.tolist(), samples.faces.tolist(), strict=True))
+    missing = [one for one in ids.tolist() if one not in of]
+    if missing:
+        raise ScatterError(f"Point {missing[0]} vanished on the first frame: optimise the scatter")
+    return np.array([of[one] for one in ids.tolist()], dtype=np.int32)
+
+
+def _joined(bindings: list[Binding]) -> Binding:
+    return Binding(
+        np.concatenate([one.corners for one in bindings]),
+        np.concatenate([one.barycentric for one in bindings]),
+        np.concatenate([one.carry for one in bindings]),
+    )

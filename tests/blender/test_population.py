@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Births and deaths in a bake: a body that grows and shrinks keeps its density, nothing pops."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+FRAMES, FADE = 12, 3
+
+
+@pytest.fixture
+def breathing():
+    """A scatter on a ball that grows to 1.3 times its size and shrinks to 0.8 times."""
+    surface = scenes.sphere()
+    for frame, size in ((1, 1.0), (5, 1.3), (12, 0.8)):
+        surface.scale = (size, size, size)
+        surface.keyframe_insert("scale", frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, FRAMES
+    scene.frame_set(1)
+    obj = scenes.scattered(surface, count=80)
+    obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.fade_frames = FADE
+    return surface, obj
+
+
+def shown(obj, frame, subframe=0.0):
+    """Ids and sizes of the instances."""
+    bpy.context.scene.frame_set(frame, subframe=subframe)
+    found = {}
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        if instance.is_instance and instance.parent.original == obj:
+            found[instance.random_id] = np.cbrt(abs(instance.matrix_world.to_3x3().determinant()))
+    return found
+
+
+def fades(obj, frame, subframe=0.0):
+    """1 - dapple_gone, of each row, from the keys."""
+    scene = bpy.context.scene
+    scene.frame_set(frame, subframe=subframe)
+    stored = addon_host.part("blender.store").stored_object(obj, "Keys").data
+    values = np.empty(len(stored.vertices), dtype=np.float32)
+    stored.attributes["dapple_gone"].data.foreach_get("value", values)
+    return 1.0 - values.reshape(-1, len(obj.data.vertices))[frame - 1]
+
+
+def test_the_count_follows_the_area(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame, size in ((1, 1.0), (5, 1.3), (FRAMES, 0.8)):
+        # On the frame on which it is born a point's fade is still 0.
+        there = (fades(obj, frame) > 0.0) | (fades(obj, min(frame + 1, FRAMES)) > 0.0)
+        wanted = 80 * size**2
+        assert 0.97 * wanted <= there.sum() <= 1.03 * wanted + 80 * 0.35  # some still vanish
+
+
+def test_points_fade_in_and_out_and_never_pop(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    table = np.stack([fades(obj, frame) for frame in range(1, FRAMES + 1)])
+    assert (np.abs(np.diff(table, axis=0)) <= 1.0 / FADE + 1e-5).all()
+    assert (table[0, :80] == 1.0).all()
+    assert (table[0, 80:] == 0.0).all()
+    assert (table[-1] == 0.0).any()
+    born_again = (np.diff((table > 0.0).astype(int), axis=0) == 1).sum(axis=0)
+    assert (born_again <= 1).all()
+
+
+def test_instances_are_those_that_are_there_and_as_large_as_they_are(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame, subframe in ((1, 0.0), (4, 0.0), (4, 0.5), (FRAMES, 0.0)):
+        now = fades(obj, frame)
+        if subframe:
+            now = (1.0 - subframe) * now + subframe * fades(obj, frame + 1)
+        sizes = np.sort(list(shown(obj, frame, subframe).values()))
+        assert len(sizes) == (now > 0.0).sum()
+        assert np.allclose(sizes, np.sort(now[now > 0.0]), atol=1e-4)
+
+
+def test_ids_stay_and_are_new(breathing):
+    _, obj = breathing
+    before = ids(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    after = ids(obj)
+    assert after[:80] == before
+    assert len(set(after)) == len(after)
+
+
+def ids(obj):
+    values = np.empty(len(obj.data.vertices), dtype=np.int32)
+    obj.data.attributes["id"].data.foreach_get("value", values)
+    return values.tolist()
+
+
+def test_clearing_and_baking_again_leaves_the_points_as_they_were(breathing):
+    _, obj = breathing
+    before = scenes.positions(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    first = [fades(obj, frame) for frame in (1, 5, FRAMES)]
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for old, new in zip(first, (fades(obj, frame) for frame in (1, 5, FRAMES)), strict=True):
+        assert (old == new).all()
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    bpy.context.scene.frame_set(1)
+    assert len(obj.data.vertices) == 80
+    assert np.abs(scenes.positions(obj) - before).max() < 1e-6
+
+
+def test_a_bake_of_a_constant_count_after_it_has_the_first_points(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    obj.dapple.count_over_time = "KEEP_COUNT"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert len(obj.data.vertices) == 80
+    assert len(shown(obj, 5)) == 80
+
+
+def test_every_third_frame_as_a_key(breathing):
+    _, obj = breathing
+    obj.dapple.key_every = 3
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.dapple.baked_keys == 5
+    assert len(shown(obj, 1)) == 80
+
+
+def test_the_preview_says_why_it_does_not_start(breathing):
+    assert breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="clear the bake to preview"):
+        bpy.ops.dapple.preview()
