@@ -52,6 +52,12 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
         )
 
 
+def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Rest positions (v, 3) of the evaluated surface's vertices."""
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        return _column(mesh, "rest_position", "FLOAT_VECTOR").astype(np.float64)
+
+
 def topology(mesh: bpy.types.Mesh) -> str:
     """Digest of a mesh's polygons."""
     corners = np.empty(len(mesh.loops), dtype=np.int32)

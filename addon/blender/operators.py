@@ -12,7 +12,7 @@ from ..core.settings import Settings
 from ..core.steps import Steps
 from . import preview
 from .job import Answer, StepsOperator
-from .properties import is_scatter
+from .properties import BIND_TO, is_scatter
 from .store import clear_keys
 from .topology import differences, match_subdivision
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps
@@ -52,12 +52,19 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         name="Seed", description="Another seed, another scatter", default=_DEFAULT.seed, min=0
     )
 
+    bind_to: EnumProperty(
+        name="Bind To",
+        description="What the points hold on to while the surface deforms",
+        items=BIND_TO,
+        default="FACES",
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return _ready(cls, context, scatter=False)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return add_steps(context, Settings(count=self.count, seed=self.seed))
+        return add_steps(context, Settings(count=self.count, seed=self.seed), self.bind_to)
 
     def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
         for obj in context.selected_objects:

@@ -21,7 +21,7 @@ from ..nodes import get_input, has_input, set_input
 from .held import Held
 from .meshio import read_surface, write_columns, write_points
 from .properties import is_scatter, scatter_modifier, settings_of
-from .staleness import other_faces
+from .staleness import check_bound_to_faces, other_faces
 from .store import ensure_modifier, own_points, read_binding
 
 _INPUT = "Preview"
@@ -70,6 +70,7 @@ def start(obj: bpy.types.Object) -> None:
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
+    check_bound_to_faces(obj, "preview")
     if not own_points(obj).all():
         raise ScatterError(
             f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"

@@ -20,6 +20,15 @@ from ..core.stale import changed_settings
 from ..nodes import GROUP_NAME, VERSION_KEY, has_input, set_input
 
 _DEFAULT = Settings()
+BIND_TO = [
+    ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
+    (
+        "REST",
+        "Rest Position",
+        "The shape before all modifiers: they may make other faces in every frame or in the "
+        "render; points ride and cannot be baked. Turns on the surface's Rest Position",
+    ),
+]
 _STILL: set[str] = set()  # not animatable: update functions do not run during playback
 
 
@@ -62,6 +71,8 @@ def settings_reason(obj: bpy.types.Object) -> str:
     if not obj.dapple.solved_settings:
         return ""
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if obj.dapple.bind_to != obj.dapple.bound_to:
+        names.append("bind to")
     if not names:
         return ""
     again = "bake" if obj.dapple.baked_keys else "optimise"
@@ -244,6 +255,14 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         ],
         default="FORWARDS",
     )
+    bind_to: EnumProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Bind To",
+        description="What the points hold on to while the surface deforms",
+        items=BIND_TO,
+        default="FACES",
+    )
     count_over_time: EnumProperty(
         options=_STILL,
         name="Count Over Time",
@@ -295,6 +314,9 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     baked_start: IntProperty(name="First Baked Frame")
     bake_fingerprint: StringProperty(
         name="Bake Fingerprint", description="Digest of all that the keys were solved from"
+    )
+    bound_to: EnumProperty(
+        name="Bound To", description="What the points hold on to now", items=BIND_TO
     )
     surface_topology: StringProperty(
         name="Surface Topology", description="Digest of the faces the points are bound to"

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 
+from ..core.errors import ScatterError
 from ..core.records import FRAME_ATTRIBUTES
 from ..core.stale import moved
 from ..core.surface import SurfaceArrays
@@ -24,6 +25,15 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     return reason
 
 
+def check_bound_to_faces(obj: bpy.types.Object, action: str) -> None:
+    """ScatterError for points bound to the rest position, which ride whatever the faces are."""
+    if obj.dapple.bound_to == "REST":
+        raise ScatterError(
+            f"Scatter '{obj.name}' is bound to the rest position: its points ride on whatever "
+            f"faces the modifiers make. To {action}, set Bind To to Faces and optimise"
+        )
+
+
 def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
     """How the faces are not those the points are bound to; empty when they are."""
     bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
@@ -41,6 +51,8 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> st
         return "The surface is gone"
     if not surface.evaluated_get(depsgraph).is_evaluated:
         return f"Surface '{surface.name}' is not in the view layer"
+    if obj.dapple.bound_to == "REST":
+        return ""
     bound = _bound_vertices(obj, depsgraph.scene)
     with evaluated_mesh(surface, depsgraph) as mesh:
         now, faces = len(mesh.vertices), topology(mesh)

@@ -14,6 +14,7 @@ from ..core.records import (
     GONE_ATTRIBUTES,
     KEY_ATTRIBUTES,
     POINT_ATTRIBUTES,
+    REST_ATTRIBUTES,
     ROW_ATTRIBUTES,
     SCHEMA,
     SCHEMA_KEY,
@@ -67,10 +68,13 @@ def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifie
     """Tell the node group what the points are bound to."""
     set_input(modifier, "Surface", obj.dapple.surface)
     set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
+    set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
     set_input(modifier, "Spacing", obj.dapple.report.spacing)
 
 
-def write_scattered(obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered) -> None:
+def write_scattered(
+    obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: Columns | None = None
+) -> None:
     """Store a result: points, bindings, figures. Keys of an older result go."""
     clear_keys(obj)
     write_points(obj.data, to_local(obj, solved.positions))
@@ -78,14 +82,19 @@ def write_scattered(obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scatte
     obj.data[SCHEMA_KEY] = SCHEMA
     obj.dapple.solved_settings = settings_text(settings_of(obj))
     write_report(obj, solved.report)
-    write_binding(obj, arrays, solved.binding)
+    write_binding(obj, arrays, solved.binding, rest)
     write_stale_input(obj)
 
 
-def write_binding(obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding) -> None:
-    """Store where the points sit on a surface. Keys of an older binding go."""
+def write_binding(
+    obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, rest: Columns | None = None
+) -> None:
+    """Store where the points sit on a surface, or on its rest shape. Keys of an older one go."""
     clear_keys(obj)
     write_columns(obj.data, binding.rows(), ROW_ATTRIBUTES)
+    if rest is not None:
+        write_columns(obj.data, rest, REST_ATTRIBUTES)
+    obj.dapple.bound_to = "FACES" if rest is None else "REST"
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
     write_surface_inputs(obj, ensure_modifier(obj))

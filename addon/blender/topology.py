@@ -37,7 +37,8 @@ def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> 
         rendered = len(mesh.vertices)
     raise ScatterError(
         f"Surface '{obj.name}' has {count} vertices in the viewport and {rendered} in the render "
-        f"({'; '.join(causes)}): use Match Subdivision to make both equal"
+        f"({'; '.join(causes)}): use Match Subdivision to make both equal, or "
+        "set Bind To to Rest Position"
     )
 
 

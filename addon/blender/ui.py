@@ -66,7 +66,9 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "surface")
     layout.prop(settings, "count")
     layout.prop(settings, "seed")
-    _draw_mismatch(layout, context)
+    layout.prop(settings, "bind_to")
+    if settings.bind_to == "FACES":
+        _draw_mismatch(layout, context)
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")

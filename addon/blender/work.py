@@ -16,15 +16,16 @@ from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
 from ..core.records import POINT_ATTRIBUTES, Binding, Columns
+from ..core.rest import rest_columns
 from ..core.settings import Settings
 from ..core.solve import scatter
 from ..core.steps import Steps, Task
 from ..core.surface import SurfaceArrays, check_unchanged
 from ..core.together import TogetherBaker
 from .held import Held
-from .meshio import read_columns, read_points, read_surface, to_world
+from .meshio import read_columns, read_points, read_rest, read_surface, to_world
 from .properties import settings_of
-from .staleness import other_faces
+from .staleness import check_bound_to_faces, other_faces
 from .store import (
     new_scatter,
     own_points,
@@ -47,34 +48,38 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     return obj.dapple.surface
 
 
-def add_steps(context: bpy.types.Context, settings: Settings) -> Steps:
+def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FACES") -> Steps:
     """Scatter over the active object; returns the new scatter object."""
     surface = Held(context.object)
-    arrays = _read_checked(surface.get(), context)
+    arrays = _read_checked(surface.get(), context, bind_to)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
     check_unchanged(arrays, _read(surface.get()))
+    rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
     for name in settings.__dataclass_fields__:
         setattr(obj.dapple, name, getattr(settings, name))
-    write_scattered(obj, arrays, solved)
+    obj.dapple.bind_to = bind_to
+    write_scattered(obj, arrays, solved, rest)
     return obj
 
 
 def optimise_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
     held, surface = Held(context.object), Held(surface_of(context.object))
-    settings = settings_of(context.object)
-    arrays = _read_checked(surface.get(), context)
+    settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
+    arrays = _read_checked(surface.get(), context, bind_to)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))
-    write_scattered(obj, arrays, solved)
+    rest = _rest(surface.get(), arrays, solved.binding, bind_to)
+    write_scattered(obj, arrays, solved, rest)
     return obj
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     """Keys of the frames from first to last, each re-optimised; returns the Baker."""
     held, surface = Held(context.object), Held(surface_of(context.object))
+    check_bound_to_faces(context.object, "bake")
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
     with _frame_kept(context.scene):
@@ -181,13 +186,14 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
 def rebind_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
     held, surface = Held(context.object), Held(surface_of(context.object))
-    arrays = _read_checked(surface.get(), context)
+    bind_to = context.object.dapple.bind_to
+    arrays = _read_checked(surface.get(), context, bind_to)
     own = own_points(context.object)
     points = to_world(context.object, read_points(context.object.data)[own])
     binding = yield Task(lambda _: bound_nearest(points, arrays))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))
-    write_binding(obj, arrays, binding)
+    write_binding(obj, arrays, binding, _rest(surface.get(), arrays, binding, bind_to))
     return obj
 
 
@@ -205,9 +211,23 @@ def _read(surface: bpy.types.Object) -> SurfaceArrays:
     return read_surface(surface, bpy.context.evaluated_depsgraph_get())
 
 
-def _read_checked(surface: bpy.types.Object, context: bpy.types.Context) -> SurfaceArrays:
-    check_render_topology(surface, context)
+def _read_checked(
+    surface: bpy.types.Object, context: bpy.types.Context, bind_to: str
+) -> SurfaceArrays:
+    if bind_to == "FACES":
+        check_render_topology(surface, context)
     return _read(surface)
+
+
+def _rest(
+    surface: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, bind_to: str
+) -> Columns | None:
+    """Places on the rest shape, if the points are to be bound to it."""
+    if bind_to == "FACES":
+        return None
+    surface.add_rest_position_attribute = True
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return rest_columns(binding, read_rest(surface, depsgraph), arrays)
 
 
 def _collection_of(surface: bpy.types.Object, context: bpy.types.Context) -> bpy.types.Collection:

@@ -25,6 +25,8 @@ ROW_ATTRIBUTES = {
     "dapple_carry": "FLOAT",
 }
 KEY_ATTRIBUTES = {"dapple_face": "INT"}  # its position: barycentrics 1 and 2, angle carried
+# Places of the rest shape, where points are bound to it: rest.py.
+REST_ATTRIBUTES = {"dapple_rest": "FLOAT_VECTOR", "dapple_ahead": "FLOAT_VECTOR"}
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}

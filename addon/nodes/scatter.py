@@ -5,17 +5,19 @@ from typing import Any
 
 import bpy
 
-from . import bound_point, playback
+from . import bound_point, playback, rest_point
 from .builder import Builder, Socket, new_group
 
 GROUP_NAME = "Dapple Scatter"
 VERSION = 3
 VERSION_KEY = "dapple_version"
+_PART_KEY = "dapple_part"  # of groups inside
 
 INPUTS = [
     ("Geometry", "NodeSocketGeometry"),
     ("Surface", "NodeSocketObject"),
     ("Surface Vertices", "NodeSocketInt"),
+    ("Rest Binding", "NodeSocketBool"),
     ("Keys", "NodeSocketObject"),
     ("Triangles", "NodeSocketObject"),
     ("Frames", "NodeSocketObject"),
@@ -58,7 +60,9 @@ def build() -> bpy.types.NodeTree:
     points = _placed(b, info, bindings, moment.fraction)
     played = b.boolean("AND", baked, b.boolean("NOT", live))
     bound = b.switch("INT", played, b.input("Surface Vertices"), moment.vertices)
-    fits = _guards(b, b.compare("NOT_EQUAL", vertices, bound), played)
+    other = b.compare("NOT_EQUAL", vertices, bound)
+    other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
+    fits = _guards(b, other, played)
     b.output("Geometry", b.switch("GEOMETRY", fits, None, _instances(b, points)))
     b.arrange()
     return tree
@@ -107,6 +111,9 @@ def _placed(
     a, c = (_bound(b, surface, binding, side) for binding in bindings)
     position = b.mix("VECTOR", fraction, a.outputs[0], c.outputs[0])
     rotation = b.mix("ROTATION", fraction, a.outputs[1], c.outputs[1])
+    by_rest, rest = b.input("Rest Binding"), _rest(b, surface, side)
+    position = b.switch("VECTOR", by_rest, position, rest.outputs[0])
+    rotation = b.switch("ROTATION", by_rest, rotation, rest.outputs[1])
     turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), b.input("Turn Randomness"))
     points = b.input("Geometry")
     points = b.store(points, "rotation", b.turned(rotation, turn), "QUATERNION")
@@ -117,19 +124,30 @@ def _placed(
 
 
 def _bound(b: Builder, surface: Socket, binding: playback.Bound, side: Socket) -> bpy.types.Node:
+    return _inner(b, bound_point, (surface, *binding.sockets(), side))
+
+
+def _rest(b: Builder, surface: Socket, side: Socket) -> bpy.types.Node:
+    places = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
+    return _inner(b, rest_point, (surface, *places, side))
+
+
+def _inner(b: Builder, part: Any, feeds: tuple[Socket, ...]) -> bpy.types.Node:
+    """A node with the group that a module builds."""
     node = b.tree.nodes.new("GeometryNodeGroup")
-    node.node_tree = _bound_point_group()
-    for socket, feed in zip(node.inputs, (surface, *binding.sockets(), side), strict=True):
+    node.node_tree = _inner_group(part)
+    for socket, feed in zip(node.inputs, feeds, strict=True):
         b.tree.links.new(feed, socket)
     return node
 
 
-def _bound_point_group() -> bpy.types.NodeTree:
+def _inner_group(part: Any) -> bpy.types.NodeTree:
     for group in bpy.data.node_groups:
-        if group.library is None and group.get(VERSION_KEY) == -VERSION:
+        known = group.get(VERSION_KEY) == -VERSION and group.get(_PART_KEY) == part.NAME
+        if known and group.library is None:
             return group
-    group = bound_point.build()
-    group[VERSION_KEY] = -VERSION
+    group = part.build()
+    group[VERSION_KEY], group[_PART_KEY] = -VERSION, part.NAME
     return group
 
 

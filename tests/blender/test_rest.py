@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points bound to the rest position ride on whatever faces the modifiers make."""
+
+import bpy
+import mathutils
+import numpy as np
+import pytest
+import scenes
+
+
+def nearest(surface, points):
+    """Distances of points from the evaluated surface."""
+    evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    inverse = evaluated.matrix_world.inverted()
+    found = []
+    for point in points:
+        hit, where, _, _ = evaluated.closest_point_on_mesh(inverse @ _vector(point))
+        assert hit
+        found.append((evaluated.matrix_world @ where - _vector(point)).length)
+    return np.array(found)
+
+
+def _vector(point):
+    return mathutils.Vector(point)
+
+
+def bound(surface, count=60):
+    bpy.context.view_layer.objects.active = surface
+    assert bpy.ops.dapple.add(count=count, bind_to="REST") == {"FINISHED"}
+    return bpy.context.object
+
+
+def test_it_rides_like_a_binding_to_faces():
+    surface = scenes.tail(frames=6)
+    by_faces = scenes.scattered(surface)
+    by_rest = bound(surface)
+    for frame, part in ((1, 0.0), (3, 0.0), (4, 0.5), (6, 0.0)):
+        bpy.context.scene.frame_set(frame, subframe=part)
+        size = scenes.size(scenes.world_vertices(surface))
+        apart = np.linalg.norm(scenes.positions(by_rest) - scenes.positions(by_faces), axis=1)
+        assert apart.max() < 2e-3 * size
+
+
+def test_it_stays_on_a_surface_whose_faces_change():
+    surface = scenes.tail(frames=6)
+    obj = bound(surface)
+    before = scenes.positions(obj)
+    for levels in (0, 2, 1):
+        surface.modifiers["Subdivision"].levels = levels
+        bpy.context.view_layer.update()
+        now = scenes.positions(obj)
+        assert len(now) == 60
+        size = scenes.size(scenes.world_vertices(surface))
+        assert nearest(surface, now).max() < 1e-5 * size
+        assert np.linalg.norm(now - before, axis=1).max() < 0.05 * size
+        assert not scenes.node_warnings(obj)
+
+
+def test_viewport_and_render_may_have_other_faces():
+    surface = scenes.tail(levels=1, render_levels=2, frames=6)
+    with pytest.raises(RuntimeError, match="set Bind To to Rest Position"):
+        bpy.ops.dapple.add(count=60)
+    assert len(scenes.positions(bound(surface))) == 60
+
+
+def test_things_turn_with_the_surface():
+    surface = scenes.sphere()
+    obj = bound(surface)
+    obj.dapple.turn_randomness = 0.0
+    before = scenes.rotations(obj)
+    surface.rotation_euler = (0.3, 0.5, -0.4)
+    bpy.context.view_layer.update()
+    turn = np.array(surface.matrix_world.to_3x3())
+    assert np.abs(scenes.rotations(obj) - turn @ before).max() < 1e-3
+
+
+def test_copies_of_the_rest_shape_are_refused_and_nothing_is_written():
+    surface = scenes.sphere()
+    array = surface.modifiers.new("Array", "ARRAY")
+    array.relative_offset_displace = (2.0, 0.0, 0.0)
+    before = sorted(bpy.data.objects.keys())
+    with pytest.raises(RuntimeError, match=r"point \d+ has the rest position of another place"):
+        bpy.ops.dapple.add(count=60, bind_to="REST")
+    assert sorted(bpy.data.objects.keys()) == before
+
+
+@pytest.mark.parametrize("operator", ["bake", "preview"])
+def test_what_needs_faces_says_so(operator):
+    surface = scenes.tail(frames=6)
+    bound(surface)
+    with pytest.raises(RuntimeError, match="set Bind To to Faces and optimise"):
+        getattr(bpy.ops.dapple, operator)()
+
+
+def test_back_to_faces():
+    surface = scenes.tail(frames=6)
+    obj = bound(surface)
+    obj.dapple.bind_to = "FACES"
+    assert any("bind to" in warning for warning in scenes.node_warnings(obj))
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert not scenes.node_warnings(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
