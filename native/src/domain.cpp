@@ -19,9 +19,16 @@ RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* contex
 
 Sites SurfaceDomain::project(std::span<const Vec3> points,
                              std::span<const std::int32_t> hints) const {
-  Projection found = projector_.project(points, hints);
-  if (!hints.empty()) LocalProjection(surface_).mend(points, hints, found);
+  const bool walks = steps_ == Steps::kConnected && !hints.empty();
+  Projection found =
+      walks ? LocalProjection(surface_).walk(points, hints) : projector().project(points, hints);
+  if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+const Projector& SurfaceDomain::projector() const {
+  std::call_once(once_, [&] { projector_.emplace(surface_, /*support_only=*/true); });
+  return *projector_;
 }
 
 Vec3 SurfaceDomain::normal(std::int32_t face) const {

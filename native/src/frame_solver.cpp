@@ -40,7 +40,7 @@ std::vector<SampleClass> deformed(std::vector<SampleClass> classes,
 struct Frame {
   Frame(const Surface& surface, std::span<const SampleClass> classes,
         const std::vector<std::int32_t>& class_of, const TrackerOptions& options)
-      : problem(surface_classes(surface, classes, options.cells)),
+      : problem(surface_classes(surface, classes, options.cells, Steps::kConnected)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
             {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
@@ -115,21 +115,34 @@ Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const S
                         {now.positions, normals}, options_.memory);
 }
 
-Samples FrameSolver::restore(const Surface& surface, const Sites& start, const Vectors& moves,
-                             const Sites* home, bool idle, Context* context) const {
-  const std::vector<SampleClass> classes = deformed(classes_, surface.vertices());
-  const Frame frame(surface, classes, class_of_, options_);
+OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
-  if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   if (options.method == Method::kTrustRegion)
     options.restore = restoration_;
   else
     options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
+  return options;
+}
+
+Samples FrameSolver::restore(const Surface& surface, const Sites& start, const Vectors& moves,
+                             const Sites* home, bool idle, Context* context) const {
+  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  OptimizerOptions options = aims();
+  if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Minimum found =
       minimize(frame.objective, move(start, moves, frame.objective), options, context, home);
-  Samples samples = to_samples(surface, frame.objective, found, classes.size(), ids_);
+  Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
   return samples;
+}
+
+FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
+                                      const Vectors& moves, const Sites& home,
+                                      Context* context) const {
+  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  Minimum found =
+      minimize(frame.objective, move(start, moves, frame.objective), aims(), context, &home);
+  return {std::move(found.state.sites), found.evaluations};
 }
 
 FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const Samples& now) const {

@@ -31,6 +31,14 @@ class FrameSolver {
   [[nodiscard]] Samples restore(const Surface& surface, const Sites& start, const Vectors& moves,
                                 const Sites* home, bool idle, Context* context) const;
 
+  struct Passed {
+    Sites sites;
+    int evaluations;
+  };
+  /// Even sites part of the way to a frame, where nobody asks how even.
+  [[nodiscard]] Passed pass(const Surface& surface, const Sites& start, const Vectors& moves,
+                            const Sites& home, Context* context) const;
+
   /// For other samples of the same body.
   /// \param origin per sample its index so far, or -1 for one that is new
   /// \param now where they are, on the present frame
@@ -40,6 +48,8 @@ class FrameSolver {
   [[nodiscard]] const TrackerOptions& options() const { return options_; }
 
  private:
+  [[nodiscard]] OptimizerOptions aims() const;
+
   TrackerOptions options_;
   std::vector<SampleClass> classes_;
   std::vector<std::int32_t> ids_, class_of_;  // per sample

@@ -11,7 +11,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kTurned = 0.5;  // cosine: a hit turned further than this is looked at
+constexpr std::size_t kGrain = 64;
+constexpr double kRounding = 1e-9;  // of a distance ...
+constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes from
+constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
 
 /// The nearest point found so far, on an ordered face.
 struct Hit {
@@ -27,7 +30,10 @@ class Walk {
   /// The nearest point among the faces connected to `start` within the ball that touches it.
   Hit from(std::int32_t start) {
     Hit best = closest(start);
-    const double ball = best.squared_distance;
+    // The ball touches the edge where the nearest point is: rounding must not part them.
+    const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
+                          kDigits * point_.cwiseAbs().maxCoeff();
+    const double ball = radius * radius;
     visit(start);
     while (!pending_.empty()) {
       const std::int32_t face = pending_.back();
@@ -88,19 +94,36 @@ bool suspicious(const Surface& surface, std::int32_t from, std::int32_t hit) {
 
 }  // namespace
 
+Projection LocalProjection::walk(std::span<const Vec3> points,
+                                 std::span<const std::int32_t> from) const {
+  const std::size_t count = points.size();
+  Projection hits{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
+                  std::vector<Vec3>(count), std::vector<double>(count)};
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      walk_to(points[k], surface_->ordered_face(from[k]), k, hits);
+  });
+  return hits;
+}
+
 void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
                            Projection& hits) const {
-  parallel_chunks(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t start = surface_->ordered_face(from[k]);
       if (!suspicious(*surface_, start, surface_->ordered_face(hits.faces[k]))) continue;
-      const Hit hit = Walk(*surface_, points[k]).from(start);
-      hits.faces[k] = surface_->original_face(hit.face);
-      hits.barycentric[k] = hit.barycentric;
-      hits.positions[k] = surface_->point(hits.faces[k], hit.barycentric);
-      hits.distances[k] = std::sqrt(hit.squared_distance);
+      walk_to(points[k], start, k, hits);
     }
   });
+}
+
+void LocalProjection::walk_to(const Vec3& point, std::int32_t start, std::size_t k,
+                              Projection& hits) const {
+  const Hit hit = Walk(*surface_, point).from(start);
+  hits.faces[k] = surface_->original_face(hit.face);
+  hits.barycentric[k] = hit.barycentric;
+  hits.positions[k] = surface_->point(hits.faces[k], hit.barycentric);
+  hits.distances[k] = std::sqrt(hit.squared_distance);
 }
 
 }  // namespace dapple

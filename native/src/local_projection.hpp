@@ -9,17 +9,24 @@ namespace dapple {
 ///
 /// A point that left face f at distance D is projected to the nearest point among those that are
 /// connected to f within the ball of radius D around the point: walking along the surface one would
-/// meet no better one first. Only hits on another component or on a face turned away are looked at,
-/// and only faces with density are hit.
+/// meet no better one first. Only faces with density are hit.
 class LocalProjection {
  public:
   explicit LocalProjection(const Surface& surface) : surface_(&surface) {}
 
-  /// Mend the hits of `points`, which left the faces `from` (caller's indices), in place.
+  /// The nearest points met by walking from the faces `from` (caller's indices), one per point.
+  [[nodiscard]] Projection walk(std::span<const Vec3> points,
+                                std::span<const std::int32_t> from) const;
+
+  /// Mend the hits of `points`, which left the faces `from`, in place. Only hits on another
+  /// component or on a face turned away are looked at.
   void mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
             Projection& hits) const;
 
  private:
+  /// Put the point where a walk from the ordered face `start` ends.
+  void walk_to(const Vec3& point, std::int32_t start, std::size_t k, Projection& hits) const;
+
   const Surface* surface_;
 };
 

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "parallel.hpp"
 #include "tangent_basis.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr double kRebuilt = 0.5;   // misfit, in distances to neighbours, from where memory ends
 constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbours
 constexpr std::size_t kLeast = 4;  // neighbours: three determine an affine map, without a misfit
+constexpr double kInLine = 1e-12;  // determinant of offsets that have no width, of their square
 constexpr std::size_t kGrain = 256;
 
 /// The best affine map of planar offsets to others, as far as recall needs it.
@@ -24,13 +26,16 @@ struct Fit {
 
 /// \param from, to offsets in columns
 Fit fit_affine(const Eigen::Matrix2Xd& from, const Eigen::Matrix2Xd& to) {
-  Eigen::Matrix3Xd lifted(3, from.cols());
-  lifted << from, Eigen::RowVectorXd::Ones(from.cols());
-  const Eigen::Matrix3d normal = lifted * lifted.transpose();
-  const Eigen::Matrix<double, 3, 2> map =
-      normal.completeOrthogonalDecomposition().solve(lifted * to.transpose());
-  const double square = (map.transpose() * lifted - to).squaredNorm();
-  return {map.row(2).transpose(), std::sqrt(square / static_cast<double>(from.cols()))};
+  const Eigen::Vector2d middle_from = from.rowwise().mean();
+  const Eigen::Vector2d middle_to = to.rowwise().mean();
+  const Eigen::Matrix2Xd x = from.colwise() - middle_from;
+  const Eigen::Matrix2Xd y = to.colwise() - middle_to;
+  const Eigen::Matrix2d square = x * x.transpose();
+  if (!(square.determinant() > kInLine * square.squaredNorm()))
+    return {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()};
+  const Eigen::Matrix2d map = y * x.transpose() * square.inverse();
+  const double misfit = (map * x - y).squaredNorm() / static_cast<double>(from.cols());
+  return {middle_to - map * middle_from, std::sqrt(misfit)};
 }
 
 /// Of a ring from its middle, in the tangent plane; in columns.

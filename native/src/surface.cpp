@@ -15,6 +15,7 @@ namespace {
 // A face thinner than this against its longest edge has no usable normal; it counts as having no
 // area.
 constexpr double kDegenerate = 1e-14;
+constexpr std::size_t kGrain = 4096;  // faces a chunk
 
 void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
   if (faces.empty()) throw SurfaceError("faces is empty: a surface needs at least one triangle");
@@ -270,7 +271,7 @@ Surface Surface::with_density(const Density& density) const {
 void Surface::measure() {
   auto result = std::make_shared<SurfaceGeometry>();
   result->faces.resize(face_count());
-  parallel_chunks(result->faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const auto face = static_cast<std::int32_t>(f);
       const auto [a, b, c] = corners(face);
@@ -321,16 +322,30 @@ Vec3 Surface::point(std::int32_t face, const Vec3& weights) const {
   return weights[0] * vertex(a) + weights[1] * vertex(b) + weights[2] * vertex(c);
 }
 
+/// The angle at each corner that is a vertex of one of the faces (caller's indices); 0 elsewhere.
+std::vector<double> Surface::corner_angles(std::span<const std::int32_t> of) const {
+  std::vector<bool> wanted(vertex_count(), false);
+  for (const std::int32_t face : of)
+    for (const std::int32_t v : corners(ordered_face(face)))
+      wanted[static_cast<std::size_t>(v)] = true;
+  std::vector<double> angles(3 * face_count(), 0.0);
+  parallel_chunks(angles.size(), 3 * kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const Face& v = connectivity_->faces[c / 3];
+      if (wanted[static_cast<std::size_t>(v[c % 3])])
+        angles[c] = angle_at(vertex(v[c % 3]), vertex(v[(c + 1) % 3]), vertex(v[(c + 2) % 3]));
+    }
+  });
+  return angles;
+}
+
 std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
                                    std::span<const Vec3> weights) const {
+  const std::vector<double> angles = corner_angles(faces);
   std::vector<Vec3> at_vertices(vertex_count(), Vec3::Zero());
-  for (std::size_t f = 0; f < face_count(); ++f)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Face& v = connectivity_->faces[f];
-      at_vertices[static_cast<std::size_t>(v[k])] +=
-          angle_at(vertex(v[k]), vertex(v[(k + 1) % 3]), vertex(v[(k + 2) % 3])) *
-          geometry_->faces[f].normal;
-    }
+  for (std::size_t c = 0; c < angles.size(); ++c)
+    at_vertices[static_cast<std::size_t>(connectivity_->faces[c / 3][c % 3])] +=
+        angles[c] * geometry_->faces[c / 3].normal;
   for (Vec3& normal : at_vertices) normal.stableNormalize();
   std::vector<Vec3> result(faces.size());
   for (std::size_t k = 0; k < faces.size(); ++k) {

@@ -36,18 +36,18 @@ void check_faces(const Surface& surface, std::span<const SampleClass> classes) {
 }  // namespace
 
 ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass> classes,
-                             Cells cells) {
+                             Cells cells, Steps steps) {
   check_faces(surface, classes);
-  const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells);
+  const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells, steps);
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one
   std::size_t filled = 0;
   bool alike = true;  // all have the surface's own density
   for (const SampleClass& member : classes) {
-    problem.classes.push_back({member.surface
-                                   ? std::make_shared<const SurfaceDomain>(*member.surface, cells)
-                                   : own_domain,
-                               member.count, member.radius, member.locked});
+    problem.classes.push_back(
+        {member.surface ? std::make_shared<const SurfaceDomain>(*member.surface, cells, steps)
+                        : own_domain,
+         member.count, member.radius, member.locked});
     alike = alike && !member.surface;
     if (member.count == 0) continue;
     only = &member;
@@ -58,7 +58,8 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
   else if (filled == 1)
     problem.all = problem.classes[static_cast<std::size_t>(only - classes.data())].domain;
   else
-    problem.all = std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells);
+    problem.all =
+        std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells, steps);
   return problem;
 }
 

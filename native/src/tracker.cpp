@@ -23,6 +23,22 @@ int part_count(const Motion& motion, double longest) {
   return std::clamp(static_cast<int>(std::ceil(motion.extent / longest)), 1, kMostParts);
 }
 
+/// Even sites on each part of the way to a frame but the last, which is the frame itself.
+FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, const Sites& first,
+                             const Motion& motion, int parts, Context* context) {
+  FrameSolver::Passed passed{first, 0};
+  for (int part = 1; part < parts; ++part) {
+    const double share = static_cast<double>(part) / parts;
+    const Surface way = surface.deformed(part_way(surface.vertices(), motion, share));
+    const Sites now = carried(way, passed.sites);
+    const Sites home = carried(way, first);
+    const int evaluations = passed.evaluations;
+    passed = solver.pass(way, now, solver.recall(way, passed.sites, now), home, context);
+    passed.evaluations += evaluations;
+  }
+  return passed;
+}
+
 }  // namespace
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
@@ -36,17 +52,6 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
   });
 }
 
-/// \param last the samples on the last frame, or part of this one
-/// \param still whether the surface has not changed its shape since then
-Samples Tracker::solve(const Surface& surface, const Samples& last, bool still,
-                       Context* context) const {
-  const Sites before = sites_of(last);
-  const Sites now = carried(surface, before);
-  const Sites home = carried(surface, sites_of(samples_));
-  const Vectors moves = solver_->recall(surface, before, now);
-  return solver_->restore(surface, now, moves, &home, still && settled_, context);
-}
-
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
   const Clock clock;
   if (context) context->check();
@@ -56,20 +61,15 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     const Motion motion = motion_between(surface_.vertices(), vertices);
     const bool still = motion.extent < kStill;
     const int parts = part_count(motion, options.longest_motion);
-    Samples samples = samples_;
-    int evaluations = 0;
-    for (int part = 1; part <= parts; ++part) {
-      const double share = static_cast<double>(part) / parts;
-      samples = part < parts
-                    ? solve(surface_.deformed(part_way(surface_.vertices(), motion, share)),
-                            samples, still, context)
-                    : solve(surface, samples, still, context);
-      evaluations += samples.report.evaluations;
-    }
-    samples.report.evaluations = evaluations;
+    const Sites before = sites_of(samples_);
+    const FrameSolver::Passed last = approach(*solver_, surface_, before, motion, parts, context);
+    const Sites now = carried(surface, last.sites);
+    const Sites home = carried(surface, before);
+    const Vectors moves = solver_->recall(surface, last.sites, now);
+    Samples samples = solver_->restore(surface, now, moves, &home, still && settled_, context);
+    samples.report.evaluations += last.evaluations;
     samples.report.parts = parts;
-    measure_slide(samples.report, samples.positions,
-                  carried(surface, sites_of(samples_)).positions);
+    measure_slide(samples.report, samples.positions, home.positions);
     samples.report.seconds = clock.seconds();
     settled_ =
         (still && settled_) || (samples.report.converged &&

@@ -5,6 +5,7 @@
 #include <dapple/analysis.hpp>
 #include <dapple/domain.hpp>
 #include <dapple/energy.hpp>
+#include <dapple/poisson_start.hpp>
 #include <dapple/sampler.hpp>
 #include <iostream>
 #include <numeric>
@@ -108,6 +109,34 @@ TEST(SurfaceDomain, DoesNotHopToAnotherSheet) {
   const Sites moved = domain.project(std::vector<Vec3>{{0.42, 0.4, 0.04}}, start.faces);
   EXPECT_NEAR(moved.positions[0].z(), 0.0, 1e-15);
   EXPECT_NEAR(moved.positions[0].x(), 0.42, 1e-12);
+}
+
+/// Sheets that look the same way: nothing but the way along the surface tells them apart.
+TEST(SurfaceDomain, WalksWithoutHoppingBetweenSheetsThatLookAlike) {
+  Shape shape = grid(8);
+  const Shape upper = grid(8);
+  const auto count = static_cast<std::int32_t>(shape.vertices.size());
+  for (const Vec3& x : upper.vertices) shape.vertices.push_back(x + Vec3(0.0, 0.0, 0.05));
+  for (const Face& f : upper.faces)
+    shape.faces.push_back({f[0] + count, f[1] + count, f[2] + count});
+  const Surface surface = shape.surface();
+  const SurfaceDomain domain(surface, Cells::kConnected, Steps::kConnected);
+  const std::vector<std::int32_t> from = {0};
+  const Sites moved = domain.project(std::vector<Vec3>{{0.42, 0.4, 0.04}}, from);
+  EXPECT_NEAR((moved.positions[0] - Vec3(0.42, 0.4, 0.0)).norm(), 0.0, 1e-12);
+}
+
+/// On a ball nothing near is out of reach.
+TEST(SurfaceDomain, WalksToTheNearestPoint) {
+  const Surface surface = icosphere(4).surface();
+  const SurfaceDomain walking(surface, Cells::kConnected, Steps::kConnected);
+  const Sites start = random_start(surface, 200, 1);
+  std::vector<Vec3> points = start.positions;
+  for (Vec3& point : points) point += Vec3(0.05, 0.02, 0.03);
+  const Sites walked = walking.project(points, start.faces);
+  const Projection nearest = Projector(surface).project(points);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    EXPECT_NEAR((walked.positions[k] - nearest.positions[k]).norm(), 0.0, 1e-9) << "point " << k;
 }
 
 TEST(SurfaceDomain, KeepsSitesWhereThereIsDensity) {

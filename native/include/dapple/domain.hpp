@@ -3,6 +3,8 @@
 
 #include <dapple/projector.hpp>
 #include <dapple/restricted_voronoi.hpp>
+#include <mutex>
+#include <optional>
 
 namespace dapple {
 
@@ -46,12 +48,20 @@ class Domain {
   virtual void check(const Sites& sites) const = 0;
 };
 
+/// Where a point goes that has left a face near it.
+enum class Steps {
+  kAnywhere,  ///< to the nearest point of the surface, unless that is on another sheet
+  kConnected  ///< to the nearest one met by walking from that face: needs no projector, whose
+              ///< making takes longer than a few steps on a surface that soon changes again
+};
+
 /// A surface with its projector. Sites stay where there is density, and a step does not carry them
 /// to another sheet.
 class SurfaceDomain final : public Domain {
  public:
-  explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected)
-      : surface_(surface), projector_(surface, /*support_only=*/true), cells_(cells) {}
+  explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
+                         Steps steps = Steps::kAnywhere)
+      : surface_(surface), cells_(cells), steps_(steps) {}
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points,
@@ -66,9 +76,13 @@ class SurfaceDomain final : public Domain {
   void check(const Sites& sites) const override;
 
  private:
+  [[nodiscard]] const Projector& projector() const;
+
   Surface surface_;
-  Projector projector_;
   Cells cells_;
+  Steps steps_;
+  mutable std::once_flag once_;
+  mutable std::optional<Projector> projector_;  // made when it is first needed
 };
 
 }  // namespace dapple

@@ -148,6 +148,7 @@ class Surface {
 
  private:
   void measure();
+  [[nodiscard]] std::vector<double> corner_angles(std::span<const std::int32_t> of) const;
 
   std::shared_ptr<const SurfaceConnectivity> connectivity_;
   std::shared_ptr<const std::vector<Vec3>> vertices_;

@@ -56,8 +56,6 @@ class Tracker {
 
  private:
   friend class Population;
-  [[nodiscard]] Samples solve(const Surface& surface, const Samples& last, bool still,
-                              Context* context) const;
   void exchange(const Samples& samples);
 
   Surface surface_;
