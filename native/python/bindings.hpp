@@ -44,5 +44,6 @@ void bind_density(py::module_& m);
 void bind_planar(py::module_& m);
 void bind_class_samplers(py::module_& m);
 void bind_analysis(py::module_& m);
+void bind_stipple(py::module_& m);
 
 }  // namespace dapple::python

@@ -45,6 +45,7 @@ PYBIND11_MODULE(_native, m) {
   bind_planar(m);
   bind_class_samplers(m);
   bind_analysis(m);
+  bind_stipple(m);
 }
 
 }  // namespace dapple::python

@@ -494,3 +494,32 @@ def sample_planar_classes(
     threads: int = 0,
     context: Context | None = None,
 ) -> PlanarSamples: ...
+
+class Stipples:
+    def __len__(self) -> int: ...
+    @property
+    def positions(self) -> NDArray[np.float64]: ...
+    @property
+    def classes(self) -> NDArray[np.int32]: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def report(self) -> Report: ...
+
+def separate_inks(channels: ArrayLike) -> NDArray[np.float64]: ...
+def mix_inks(inks: ArrayLike) -> NDArray[np.float64]: ...
+def stipple_inks(
+    inks: ArrayLike,
+    count: int,
+    *,
+    counts: Sequence[int] = [],
+    radius: float = 0.0,
+    seed: int = 0,
+    union_weight: float = 1.0,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 3.0,
+    tolerance: float = 5e-5,
+    max_evaluations: int = 200,
+    threads: int = 0,
+    context: Context | None = None,
+) -> Stipples: ...

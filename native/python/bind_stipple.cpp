@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <dapple/stipple.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "options.hpp"
+
+namespace dapple::python {
+namespace {
+
+/// Numbers of the shape (first, second, third).
+DoubleArray volume(const char* name, const py::object& value, const char* needed) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 3)
+    throw ArgumentError(std::string(name) +
+                        (array ? " has the shape " + shape_text(array) : " is not an array") +
+                        ": " + needed + " is needed");
+  if (array.size() > 0 && std::string("fiu").find(array.dtype().kind()) == std::string::npos)
+    throw ArgumentError(std::string(name) + " has the dtype " +
+                        py::str(array.dtype()).cast<std::string>() + ": numbers are needed");
+  return DoubleArray(array);
+}
+
+std::vector<Image> inks_of(const py::object& value) {
+  const DoubleArray array = volume("inks", value, "(inks, rows, columns)");
+  const auto rows = static_cast<std::size_t>(array.shape(1));
+  const auto columns = static_cast<std::size_t>(array.shape(2));
+  std::vector<Image> inks;
+  for (py::ssize_t c = 0; c < array.shape(0); ++c) {
+    const double* first = array.data() + static_cast<std::size_t>(c) * rows * columns;
+    inks.push_back({rows, columns, {first, first + rows * columns}});
+  }
+  return inks;
+}
+
+py::array to_array(std::span<const Image> images) {
+  std::vector<double> values;
+  for (const Image& image : images)
+    values.insert(values.end(), image.values.begin(), image.values.end());
+  const std::vector<py::ssize_t> shape = {static_cast<py::ssize_t>(images.size()),
+                                          static_cast<py::ssize_t>(images[0].rows),
+                                          static_cast<py::ssize_t>(images[0].columns)};
+  return give(std::move(values)).attr("reshape")(shape);
+}
+
+py::array separate_channels(const py::object& channels) {
+  const std::vector<Image> images = inks_of(channels);
+  if (images.size() != 3)
+    throw ArgumentError("channels holds " + std::to_string(images.size()) +
+                        ": red, green and blue are needed");
+  return to_array(separate({images[0], images[1], images[2]}));
+}
+
+py::array mix_seven(const py::object& value) {
+  const std::vector<Image> images = inks_of(value);
+  if (images.size() != kInks)
+    throw ArgumentError("inks holds " + std::to_string(images.size()) + ": 7 are needed");
+  std::array<Image, kInks> inks;
+  std::copy(images.begin(), images.end(), inks.begin());
+  return to_array(mix(inks));
+}
+
+std::shared_ptr<Stipples> stipple_inks(const py::object& inks, std::int64_t count,
+                                       const std::vector<std::int64_t>& counts, double radius,
+                                       std::uint64_t seed, double union_weight,
+                                       double capacity_weight, double gap_weight, double tolerance,
+                                       int max_evaluations, int threads,
+                                       const ContextPtr& context) {
+  StippleOptions options;
+  options.seed = seed;
+  options.union_weight = union_weight;
+  options.optimizer =
+      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, "trust_region");
+  for (const std::int64_t one : counts) options.counts.push_back(checked_count(one));
+  options.radius = radius;
+  options.threads = threads;
+  const std::vector<Image> images = inks_of(inks);
+  const std::size_t checked = checked_count(count);
+  const py::gil_scoped_release released;
+  return std::make_shared<Stipples>(stipple(images, checked, options, context.get()));
+}
+
+py::array positions_of(const py::object& self) {
+  const std::vector<Vec2>& points = self.cast<const Stipples&>().positions;
+  return view(self, points.empty() ? nullptr : points[0].data(),
+              {static_cast<py::ssize_t>(points.size()), 2});
+}
+
+}  // namespace
+
+void bind_stipple(py::module_& m) {
+  py::class_<Stipples, std::shared_ptr<Stipples>>(m, "Stipples",
+                                                  "Dots that render a picture; see stipple_inks().")
+      .def("__len__", [](const Stipples& s) { return s.positions.size(); })
+      .def_property_readonly(
+          "positions", &positions_of,
+          "(n, 2) float64, a read-only view: x and y in pixels; pixel [row, column] is [column, "
+          "column + 1] x [row, row + 1].")
+      .def_property_readonly("classes", array_property(&Stipples::classes),
+                             "(n,) int32: which ink each dot is of.")
+      .def_readonly("radius", &Stipples::radius, "Of each dot, in pixels.")
+      .def_readonly("report", &Stipples::report, "A Report.");
+
+  m.def("separate_inks", &separate_channels, py::arg("channels"),
+        R"(How much of each pixel each of seven inks covers: 1 - the sum is paper.
+
+With c = 1 - red, m = 1 - green, y = 1 - blue: black takes what all three have in common, then blue (c and m), green
+(c and y) or red (m and y) what the two others have in common, then cyan, magenta or yellow what is left of one.
+
+Args:
+    channels: (3, rows, columns) float64 in [0, 1]: red, green, blue.
+
+Returns:
+    (7, rows, columns) float64 in [0, 1]: red, green, blue, cyan, magenta, yellow, black.
+
+Raises:
+    ValueError: naming the first value that is not in [0, 1].)");
+
+  m.def("mix_inks", &mix_seven, py::arg("inks"),
+        R"(The colour that coverages mix to side by side: the inverse of separate_inks().
+
+Args:
+    inks: (7, rows, columns) float64.
+
+Returns:
+    (3, rows, columns) float64: red, green, blue.)");
+
+  m.def("stipple_inks", &stipple_inks, py::arg("inks"), py::arg("count"), py::kw_only(),
+        py::arg("counts") = std::vector<std::int64_t>(), py::arg("radius") = 0.0,
+        py::arg("seed") = 0, py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
+        py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
+        py::arg("threads") = 0, py::arg("context") = nullptr,
+        R"(Exactly count dots that render the coverages of one or several inks.
+
+Error diffusion, then the planar optimisation on a density that is constant on each pixel (Chen et al. 2012, sections
+5.1 and 5.2). dapple.stipple() does this for a picture.
+
+Args:
+    inks: (inks, rows, columns) float64 >= 0: how much of each pixel each ink covers.
+    count: number of dots, >= 1.
+    counts: of each ink, with the sum count; empty: in proportion to the inks' sums, by largest remainders.
+    radius: of each dot, in pixels; 0: sqrt(sum of all coverages / (pi count)), so that the dots have the area of the ink.
+    seed: the same input and seed give the same bytes.
+    union_weight: evenness of all dots together against that of each ink, as for sample_classes().
+    capacity_weight, gap_weight, tolerance, max_evaluations, threads, context: as for sample().
+
+Returns:
+    Stipples.
+
+Raises:
+    ValueError: an option out of range, the first value that is negative or not finite, a picture without any ink.
+    Cancelled: through the context.)");
+}
+
+}  // namespace dapple::python

@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures as dots: stipple them, draw the dots, write them to files.
+
+>>> from dapple import stippling
+>>> dots = stippling.stipple(stippling.read_picture("portrait.png"), 10_000)
+>>> stippling.write(dots, "portrait.svg")
+
+PNG files and reading need Pillow; SVG and PDF files need nothing.
+"""
+
+import os
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import Context, Report, separate_inks, stipple_inks
+
+__all__ = [
+    "COLOURS",
+    "INKS",
+    "Dots",
+    "draw",
+    "read_picture",
+    "stipple",
+    "to_pdf",
+    "to_svg",
+    "write",
+]
+
+INKS: Final = ("red", "green", "blue", "cyan", "magenta", "yellow", "black")
+"""The classes of a colour picture, in order; a grey one has black alone."""
+
+COLOURS: Final[dict[str, tuple[int, int, int]]] = {
+    "red": (255, 0, 0),
+    "green": (0, 255, 0),
+    "blue": (0, 0, 255),
+    "cyan": (0, 255, 255),
+    "magenta": (255, 0, 255),
+    "yellow": (255, 255, 0),
+    "black": (0, 0, 0),
+}
+"""What the inks look like, in 0..255: red, green, blue."""
+
+PLACES = 100  # to a pixel, in SVG and PDF files
+
+
+@dataclass(frozen=True)
+class Dots:
+    """Dots that render a picture.
+
+    Attributes:
+        positions: (n, 2) float64, x and y in pixels of the picture; its pixel [row, column] is
+            [column, column + 1] x [row, row + 1], row 0 at the top.
+        classes: (n,) int32, indices into inks.
+        radius: of each dot, in pixels.
+        inks: names of the classes.
+        size: width and height of the picture in pixels.
+        report: how even the dots are and what it took.
+    """
+
+    positions: NDArray[np.float64]
+    classes: NDArray[np.int32]
+    radius: float
+    inks: tuple[str, ...]
+    size: tuple[int, int]
+    report: Report
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    @property
+    def colours(self) -> NDArray[np.uint8]:
+        """(n, 3) uint8: red, green and blue of each dot."""
+        return np.array([COLOURS[name] for name in self.inks], np.uint8)[self.classes]
+
+
+def stipple(
+    image: ArrayLike,
+    count: int,
+    *,
+    counts: Sequence[int] | None = None,
+    radius: float = 0.0,
+    seed: int = 0,
+    union_weight: float = 1.0,
+    capacity_weight: float = 30.0,
+    gap_weight: float = 3.0,
+    tolerance: float = 5e-5,
+    max_evaluations: int = 200,
+    threads: int = 0,
+    context: Context | None = None,
+) -> Dots:
+    """Render a picture with exactly count dots; dark places get many.
+
+    Error diffusion, then the planar optimisation with density 1 - grey (Chen et al. 2012, section
+    5.1). A colour picture is separated into seven inks, which are optimised as classes (section
+    5.2).
+
+    Args:
+        image: (rows, columns) grey, or (rows, columns, 3 or 4) red, green, blue and alpha, over
+            white; unsigned integers of the full range, or numbers in [0, 1].
+        count: number of dots, >= 1.
+        counts: of each of INKS, with the sum count; None: in proportion to the area that each ink
+            covers, by largest remainders. For colour only.
+        radius: of each dot, in pixels; 0: sqrt(ink / (pi count)), where ink is the area that is to
+            be covered, so that the tone is right wherever dots do not overlap. 1.1 times as much
+            leaves no gap where all is black.
+        seed: the same input and seed give the same bytes, whatever the number of threads.
+        union_weight: evenness of all dots together against that of each ink.
+        capacity_weight, gap_weight, tolerance, max_evaluations, threads, context: as for sample().
+
+    Raises:
+        ValueError: an option out of range, the first value outside [0, 1], or a white picture.
+        Cancelled: through the context.
+    """
+    picture = _as_picture(image)
+    grey = picture.ndim == 2
+    if grey and counts is not None:
+        raise ValueError("counts is given and the image is grey: it has one ink, black")
+    if picture.size == 0:
+        raise ValueError(f"image has the shape {picture.shape}: it has no pixel")
+    found = stipple_inks(
+        (1.0 - picture)[None] if grey else separate_inks(np.moveaxis(picture, 2, 0)),
+        count,
+        counts=[] if counts is None else list(counts),
+        radius=radius,
+        seed=seed,
+        union_weight=union_weight,
+        capacity_weight=capacity_weight,
+        gap_weight=gap_weight,
+        tolerance=tolerance,
+        max_evaluations=max_evaluations,
+        threads=threads,
+        context=context,
+    )
+    return Dots(
+        found.positions,
+        found.classes,
+        found.radius,
+        ("black",) if grey else INKS,
+        (picture.shape[1], picture.shape[0]),
+        found.report,
+    )
+
+
+def _as_picture(image: ArrayLike) -> NDArray[np.float64]:
+    """Numbers in [0, 1], grey or red, green, blue."""
+    array = np.asarray(image)
+    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)):
+        raise ValueError(
+            f"image has the shape {array.shape}: (rows, columns) or (rows, columns, 3 or 4) "
+            "is needed"
+        )
+    if array.dtype.kind not in "bfiu":
+        raise ValueError(f"image has the dtype {array.dtype}: numbers are needed")
+    full = float(np.iinfo(array.dtype).max) if array.dtype.kind == "u" else 1.0
+    values = array.astype(np.float64) / full
+    outside = ~((values >= 0.0) & (values <= 1.0))
+    if outside.any():
+        first = tuple(int(k) for k in np.argwhere(outside)[0])
+        raise ValueError(f"image{list(first)} is {values[first]:g}: it must be in [0, 1]")
+    if values.ndim == 3 and values.shape[2] == 4:
+        alpha = values[:, :, 3:]
+        values = 1.0 - alpha * (1.0 - values[:, :, :3])
+    return values
+
+
+def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
+    """Read a picture: (rows, columns) if it is grey, else (rows, columns, 4), all uint8.
+
+    Args:
+        path: any format that Pillow knows; deeper ones are reduced to 8 bits.
+
+    Raises:
+        OSError: the file is missing, or no picture.
+        ImportError: Pillow is not installed.
+    """
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        if picture.mode in ("1", "L"):
+            return np.asarray(picture.convert("L"))
+        if picture.mode.startswith(("I", "F")):  # 16 bits
+            return (np.asarray(picture, np.float64) / 257.0 + 0.5).astype(np.uint8)
+        colour = np.asarray(picture.convert("RGBA"))
+    alike = np.array_equal(colour[..., 0], colour[..., 1]) and np.array_equal(
+        colour[..., 1], colour[..., 2]
+    )
+    return colour[..., 0] if alike and (colour[..., 3] == 255).all() else colour
+
+
+def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:
+    """Draw the dots as discs on white, smoothed at their rims.
+
+    Args:
+        dots: from stipple().
+        scale: pixels to draw for each of the picture's, > 0; best if radius * scale is 1 or more.
+
+    Returns:
+        (rows, columns) uint8 for grey, (rows, columns, 3) for colour.
+    """
+    if not scale > 0.0:
+        raise ValueError(f"scale is {scale:g}: it must be > 0")
+    width, height = (max(1, round(side * scale)) for side in dots.size)
+    paper = np.ones((height, width, 3))
+    for index, name in enumerate(dots.inks):
+        places = dots.positions[dots.classes == index] * scale
+        cover = _cover(places, dots.radius * scale, width, height)[..., None]
+        paper += cover * (np.array(COLOURS[name]) / 255.0 - paper)
+    drawn = (255.0 * paper + 0.5).astype(np.uint8)
+    return drawn if len(dots.inks) > 1 else drawn[..., 0]
+
+
+def _cover(
+    places: NDArray[np.float64], radius: float, width: int, height: int
+) -> NDArray[np.float64]:
+    """How much of each pixel is within the radius of a place."""
+    cover = np.zeros((height, width))
+    cells = np.floor(places).astype(np.intp)
+    reach = int(np.ceil(radius + 0.5))
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            at = cells + np.array([right, down])
+            seen = ((at >= 0) & (at < (width, height))).all(axis=1)
+            distance = np.hypot(*(at[seen] + 0.5 - places[seen]).T)
+            part = np.clip(radius + 0.5 - distance, 0.0, 1.0)
+            np.maximum.at(cover, (at[seen, 1], at[seen, 0]), part)
+    return cover
+
+
+def to_svg(dots: Dots) -> str:
+    """Write the dots as SVG, one path for each ink: about eleven bytes a dot.
+
+    A dot is a line of no length with round ends; places are rounded to 1/100 pixel.
+    """
+    width, height = dots.size
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
+        f'width="{width}" height="{height}">\n'
+        f'<rect width="{width}" height="{height}" fill="#fff"/>\n'
+        f'<g fill="none" stroke-linecap="round" stroke-width="{2.0 * dots.radius:.6g}">\n'
+    ]
+    for name, places in _by_ink(dots):
+        steps = np.diff(places, axis=0, prepend=np.zeros((1, 2), np.int64))
+        path = "".join(f"m{_decimal(x)} {_decimal(y)}h0" for x, y in steps.tolist())
+        colour = "#{:02x}{:02x}{:02x}".format(*COLOURS[name])
+        parts.append(f'<path stroke="{colour}" d="{path}"/>\n')
+    parts.append("</g>\n</svg>\n")
+    return "".join(parts)
+
+
+def to_pdf(dots: Dots) -> bytes:
+    """Write the dots as a PDF page, a pixel to a point: about six bytes a dot.
+
+    Places are rounded to 1/100 pixel.
+    """
+    width, height = dots.size
+    lines = [f"1 J {2.0 * dots.radius:.6g} w"]
+    for name, places in _by_ink(dots):
+        lines.append("{:g} {:g} {:g} RG".format(*(level / 255 for level in COLOURS[name])))
+        for x, y in places.tolist():
+            place = f"{_decimal(x)} {_decimal(PLACES * height - y)}"
+            lines.append(f"{place} m {place} l")
+        lines.append("S")
+    stream = zlib.compress("\n".join(lines).encode(), 9)
+    objects = [
+        b"<</Type/Catalog/Pages 2 0 R>>",
+        b"<</Type/Pages/Kids[3 0 R]/Count 1>>",
+        f"<</Type/Page/Parent 2 0 R/MediaBox[0 0 {width} {height}]/Resources<<>>"
+        "/Contents 4 0 R>>".encode(),
+        f"<</Length {len(stream)}/Filter/FlateDecode>>\nstream\n".encode()
+        + stream
+        + b"\nendstream",
+    ]
+    return _pdf_file(objects)
+
+
+def _pdf_file(objects: list[bytes]) -> bytes:
+    """Objects 1, 2, ... behind each other and the table of their starts; 1 is the catalogue."""
+    body = b"%PDF-1.4\n"
+    starts = []
+    for number, content in enumerate(objects, 1):
+        starts.append(len(body))
+        body += b"%d 0 obj\n%b\nendobj\n" % (number, content)
+    table = b"".join(b"%010d 00000 n \n" % start for start in starts)
+    size = len(objects) + 1
+    return (
+        body
+        + b"xref\n0 %d\n0000000000 65535 f \n%b" % (size, table)
+        + b"trailer\n<</Size %d/Root 1 0 R>>\nstartxref\n%d\n%%%%EOF\n" % (size, len(body))
+    )
+
+
+def _by_ink(dots: Dots) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    """Name and places, in whole 1/PLACES, of each ink that has dots."""
+    places = np.rint(dots.positions * PLACES).astype(np.int64)
+    for index, name in enumerate(dots.inks):
+        mine = places[dots.classes == index]
+        if len(mine):
+            yield name, mine
+
+
+def _decimal(hundredths: int) -> str:
+    """The shortest way to write it."""
+    text = f"{abs(hundredths) / PLACES:.2f}".rstrip("0").rstrip(".")
+    return ("-" if hundredths < 0 else "") + (text.removeprefix("0") or "0")
+
+
+def write(dots: Dots, path: str | os.PathLike[str], *, scale: float = 4.0) -> None:
+    """Write the dots to a file; its suffix says how.
+
+    Args:
+        dots: from stipple().
+        path: ends in .png, .svg or .pdf.
+        scale: of PNG files, as for draw().
+
+    Raises:
+        ValueError: another suffix.
+        ImportError: PNG, and Pillow is not installed.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix == ".svg":
+        target.write_text(to_svg(dots), encoding="ascii")
+    elif suffix == ".pdf":
+        target.write_bytes(to_pdf(dots))
+    elif suffix == ".png":
+        from PIL import Image
+
+        Image.fromarray(draw(dots, scale)).save(target, optimize=True)
+    else:
+        raise ValueError(f"path is {target}: it must end in .png, .svg or .pdf")

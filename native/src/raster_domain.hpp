@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/domain.hpp>
+#include <dapple/image.hpp>
+
+namespace dapple {
+
+/// A picture in its own coordinates: [0, columns] x [0, rows] with a density that is constant on
+/// each pixel. The same cells as those of a flat mesh, at the price of the pixels they cover, and
+/// without the memory of one.
+///
+/// A site's face is the pixel that holds it, row * columns + column.
+class RasterDomain final : public Domain {
+ public:
+  /// \throw ArgumentError as check_image("density", density)
+  explicit RasterDomain(Image density);
+
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  /// The nearest points in pixels with density.
+  [[nodiscard]] Sites project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] Vec3 normal(std::int32_t) const override { return Vec3::UnitZ(); }
+  [[nodiscard]] double area() const override { return size_.x() * size_.y(); }
+  [[nodiscard]] double mass() const override { return mass_; }
+  [[nodiscard]] bool uniform() const override { return false; }
+  [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
+                                            const RestrictedVoronoi& diagram) const override;
+  [[nodiscard]] const Surface& drawn_on() const override { return frame_; }  ///< of density 1
+  void check(const Sites& sites) const override;
+
+ private:
+  [[nodiscard]] Vec2 nearest(const Vec2& point) const;
+
+  Image density_;
+  Vec2 size_;
+  double mass_;
+  Surface frame_;
+};
+
+}  // namespace dapple
