@@ -131,7 +131,7 @@ Returns:
   m.def("stipple_inks", &stipple_inks, py::arg("inks"), py::arg("count"), py::kw_only(),
         py::arg("counts") = std::vector<std::int64_t>(), py::arg("radius") = 0.0,
         py::arg("seed") = 0, py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
-        py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
+        py::arg("gap_weight") = 3.0, py::arg("tolerance") = 2e-4, py::arg("max_evaluations") = 200,
         py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Exactly count dots that render the coverages of one or several inks.
 

@@ -16,6 +16,8 @@
 namespace dapple {
 namespace {
 
+constexpr double kRough = 1e-3;  // tolerance of a class by itself, before all are put together
+
 double sum_of(const Image& image) {
   return std::accumulate(image.values.begin(), image.values.end(), 0.0);
 }
@@ -137,9 +139,12 @@ double radius_of(std::span<const Image> inks, std::size_t count) {
   return std::sqrt(covered / (std::numbers::pi * static_cast<double>(count)));
 }
 
-/// Every class by itself first, from its part of the start.
+/// Every class by itself first, from its part of the start; roughly, since the others move it
+/// again.
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
                   Minimum& sum, Context* context) {
+  OptimizerOptions rough = options.sample.optimizer;
+  rough.tolerance = std::max(rough.tolerance, kRough);
   std::int32_t first = 0;
   for (const ClassProblem::Member& member : problem.classes) {
     std::vector<std::int32_t> members(member.count);
@@ -148,7 +153,7 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
     if (members.empty()) continue;
     const ClassProblem alone{member.domain, {member}};
     const ClassMinimum found = solve(make_objective(alone, class_of_sites(alone), options),
-                                     select(sites, members), options.sample.optimizer, context);
+                                     select(sites, members), rough, context);
     put(sites, members, found.minimum.state.sites);
     sum.evaluations += found.minimum.evaluations;
     sum.iterations += found.minimum.iterations;

@@ -205,7 +205,7 @@ def test_writes_files(grey, tmp_path, suffix):
 
 
 def test_refuses_other_files(grey, tmp_path):
-    with pytest.raises(ValueError, match=r"dots.gif: it must end in"):
+    with pytest.raises(ValueError, match=r"suffix is '.gif': it must be one of .png, .svg, .pdf"):
         stippling.write(grey, tmp_path / "dots.gif")
     with pytest.raises(ValueError, match="scale is 0"):
         stippling.draw(grey, 0.0)

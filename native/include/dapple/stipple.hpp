@@ -28,8 +28,8 @@ using ColourImage = std::array<Image, 3>;
 
 struct StippleOptions {
   std::uint64_t seed = 0;
-  OptimizerOptions optimizer = {};
-  double union_weight = 1.0;  ///< see ClassOptions
+  OptimizerOptions optimizer = {.tolerance = 2e-4};  // more is not seen from afar
+  double union_weight = 1.0;                         ///< see ClassOptions
   /// Dots of each ink; empty: in proportion to the sums of the coverages, by largest remainders.
   std::vector<std::size_t> counts = {};
   /// Of every dot, in pixels; 0: so that all dots together have the area of the ink that the
@@ -44,7 +44,7 @@ struct Stipples {
                                       ///< [row, row + 1]
   std::vector<std::int32_t> classes;  ///< which ink each is of, in order
   double radius = 0.0;                ///< of each dot, in pixels
-  Report report;
+  Report report;  ///< evaluations and iterations are those of each ink alone and of all together
 };
 
 /// Exactly `count` dots that render coverages of one or several inks: error diffusion, then the

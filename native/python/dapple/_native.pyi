@@ -518,7 +518,7 @@ def stipple_inks(
     union_weight: float = 1.0,
     capacity_weight: float = 30.0,
     gap_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 2e-4,
     max_evaluations: int = 200,
     threads: int = 0,
     context: Context | None = None,

@@ -8,6 +8,7 @@
 PNG files and reading need Pillow; SVG and PDF files need nothing.
 """
 
+import io
 import os
 import zlib
 from collections.abc import Iterator, Sequence
@@ -23,11 +24,14 @@ from ._native import Context, Report, separate_inks, stipple_inks
 __all__ = [
     "COLOURS",
     "INKS",
+    "SUFFIXES",
     "Dots",
     "draw",
+    "encode",
     "read_picture",
     "stipple",
     "to_pdf",
+    "to_png",
     "to_svg",
     "write",
 ]
@@ -45,6 +49,9 @@ COLOURS: Final[dict[str, tuple[int, int, int]]] = {
     "black": (0, 0, 0),
 }
 """What the inks look like, in 0..255: red, green, blue."""
+
+SUFFIXES: Final = (".png", ".svg", ".pdf")
+"""Of the files that write() knows."""
 
 PLACES = 100  # to a pixel, in SVG and PDF files
 
@@ -89,7 +96,7 @@ def stipple(
     union_weight: float = 1.0,
     capacity_weight: float = 30.0,
     gap_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 2e-4,
     max_evaluations: int = 200,
     threads: int = 0,
     context: Context | None = None,
@@ -310,27 +317,40 @@ def _decimal(hundredths: int) -> str:
     return ("-" if hundredths < 0 else "") + (text.removeprefix("0") or "0")
 
 
-def write(dots: Dots, path: str | os.PathLike[str], *, scale: float = 4.0) -> None:
-    """Write the dots to a file; its suffix says how.
+def to_png(dots: Dots, scale: float = 4.0) -> bytes:
+    """Write the dots as PNG; scale as for draw().
+
+    Raises:
+        ImportError: Pillow is not installed.
+    """
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(draw(dots, scale)).save(file, "png")
+    return file.getvalue()
+
+
+def encode(dots: Dots, suffix: str, *, scale: float = 4.0) -> bytes:
+    """The content of a file.
 
     Args:
         dots: from stipple().
-        path: ends in .png, .svg or .pdf.
+        suffix: one of SUFFIXES, in any case.
         scale: of PNG files, as for draw().
 
     Raises:
         ValueError: another suffix.
-        ImportError: PNG, and Pillow is not installed.
     """
-    target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix == ".svg":
-        target.write_text(to_svg(dots), encoding="ascii")
-    elif suffix == ".pdf":
-        target.write_bytes(to_pdf(dots))
-    elif suffix == ".png":
-        from PIL import Image
+    match suffix.lower():
+        case ".svg":
+            return to_svg(dots).encode("ascii")
+        case ".pdf":
+            return to_pdf(dots)
+        case ".png":
+            return to_png(dots, scale)
+    raise ValueError(f"suffix is '{suffix}': it must be one of {', '.join(SUFFIXES)}")
 
-        Image.fromarray(draw(dots, scale)).save(target, optimize=True)
-    else:
-        raise ValueError(f"path is {target}: it must end in .png, .svg or .pdf")
+
+def write(dots: Dots, path: str | os.PathLike[str], *, scale: float = 4.0) -> None:
+    """Write the dots to a file; its suffix, one of SUFFIXES, says how. See encode()."""
+    Path(path).write_bytes(encode(dots, Path(path).suffix, scale=scale))

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple stipple: a picture as dots."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+import dapple
+from dapple import stippling
+from dapple.cli import options
+from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.report import Reporter, figures
+from dapple.cli.work import Work
+
+
+@click.command("stipple", short_help="A picture as dots.")
+@click.argument("picture", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option("-n", "--count", type=options.COUNT, required=True, help="Number of dots.")
+@click.option(
+    "--radius",
+    type=options.NOT_NEGATIVE,
+    help="Of each dot, in pixels of PICTURE.  [default: the dots have the area of the ink]",
+)
+@click.option(
+    "--scale",
+    type=click.FloatRange(min=0, min_open=True),
+    default=4.0,
+    show_default=True,
+    help="Pixels of a .png for each of PICTURE.",
+)
+@options.library_options(
+    dapple.stipple_inks,
+    *("seed", "union_weight", "capacity_weight", "gap_weight"),
+    *("tolerance", "max_evaluations", "threads"),
+)
+@options.report_options
+def command(
+    picture: Path,
+    out: Path,
+    count: int,
+    radius: float | None,
+    scale: float,
+    json_out: str | None,
+    quiet: bool,
+    **solver: Any,
+) -> None:
+    """Render PICTURE with COUNT dots, into OUT.
+
+    PICTURE is .png, .jpg or what else Pillow reads. A grey one becomes black dots; one in colour
+    becomes red, green, blue, cyan, magenta, yellow and black ones. OUT is .png, .svg or .pdf.
+
+    \b
+    Examples:
+      dapple stipple portrait.png portrait.svg -n 10000
+      dapple stipple flower.jpg flower.png -n 50000 --scale 6
+    """
+    reporter = Reporter(json_out, quiet)
+    if out.suffix.lower() not in stippling.SUFFIXES:
+        raise click.ClickException(f"{out}: must end in {', '.join(stippling.SUFFIXES)}")
+    check_outputs([picture], [out, reporter.file])
+    image = stippling.read_picture(picture)
+    chosen = options.given({"radius": radius, **solver})
+    with about(picture), Work("stippling", quiet=quiet) as work:
+        dots = work.run(partial(dapple.stipple, image, count, **chosen))
+    content = stippling.encode(dots, out.suffix, scale=scale)
+    with replacing(out) as file:
+        file.write(content)
+    defaults = options.library_defaults(dapple.stipple_inks)
+    inks = {name: int((dots.classes == k).sum()) for k, name in enumerate(dots.inks)}
+    reporter.store(
+        "stipple",
+        input={"picture": str(picture), "width": dots.size[0], "height": dots.size[1]},
+        output=str(out),
+        settings={"count": count, "scale": scale, **defaults} | chosen,
+        inks=inks,
+        radius=dots.radius,
+        report=dots.report.to_dict(),
+    )
+    reporter.say(f"{out}: {count} dots of radius {dots.radius:.3g}, {figures(dots.report)}")
