@@ -87,8 +87,9 @@ std::vector<std::size_t> allot(std::span<const Image> inks, std::size_t count) {
     counts.push_back(static_cast<std::size_t>(share));
     share -= std::floor(share);
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return wanted[a] > wanted[b]; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return wanted[a] != wanted[b] ? wanted[a] > wanted[b] : a < b;
+  });
   std::size_t left = count - std::accumulate(counts.begin(), counts.end(), std::size_t{0});
   for (std::size_t k = 0; left > 0; ++k, --left) ++counts[order[k % order.size()]];
   return counts;
@@ -235,8 +236,9 @@ std::array<Image, kInks> separate(const ColourImage& picture) {
   for (std::size_t p = 0; p < picture[0].values.size(); ++p) {
     std::array<std::size_t, 3> order = {0, 1, 2};
     const auto covers = [&](std::size_t k) { return 1.0 - picture[k].values[p]; };
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return covers(a) < covers(b); });
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return covers(a) != covers(b) ? covers(a) < covers(b) : a < b;
+    });
     const auto [least, middle, most] = order;
     inks[index(Ink::kBlack)].values[p] = covers(least);
     inks[index(kWithout[least])].values[p] = covers(middle) - covers(least);
