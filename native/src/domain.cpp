@@ -27,7 +27,9 @@ Sites SurfaceDomain::project(std::span<const Vec3> points,
 }
 
 const Projector& SurfaceDomain::projector() const {
-  std::call_once(once_, [&] { projector_.emplace(surface_, /*support_only=*/true); });
+  std::call_once(once_, [&] {
+    projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true);
+  });
   return *projector_;
 }
 

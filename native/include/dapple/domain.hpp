@@ -3,8 +3,8 @@
 
 #include <dapple/projector.hpp>
 #include <dapple/restricted_voronoi.hpp>
+#include <memory>
 #include <mutex>
-#include <optional>
 
 namespace dapple {
 
@@ -82,7 +82,7 @@ class SurfaceDomain final : public Domain {
   Cells cells_;
   Steps steps_;
   mutable std::once_flag once_;
-  mutable std::optional<Projector> projector_;  // made when it is first needed
+  mutable std::unique_ptr<const Projector> projector_;  // made when it is first needed
 };
 
 }  // namespace dapple
