@@ -28,7 +28,7 @@ from ..core.solve import Report, Scattered
 from ..core.stale import settings_text
 from ..core.surface import Floats, SurfaceArrays
 from ..nodes import GROUP_NAME, ensure_group, get_input, has_input, set_input
-from .meshio import read_columns, read_points, to_local, write_columns, write_points
+from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .properties import (
     scatter_modifier,
     settings_of,
@@ -103,12 +103,24 @@ def write_binding(
 
 def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Columns]:
     """Stored binding and point columns, checked against the surface; without added points."""
-    own = own_points(obj)
-    rows = read_columns(obj.data, ROW_ATTRIBUTES)
-    binding = binding_from({name: values[own] for name, values in rows.items()})
+    binding = binding_from(_own_columns(obj, ROW_ATTRIBUTES))
     check_binding(binding, vertex_count, obj.name)
-    columns = read_columns(obj.data, POINT_ATTRIBUTES)
-    return binding, {name: values[own] for name, values in columns.items()}
+    return binding, point_columns_of(obj)
+
+
+def point_columns_of(obj: bpy.types.Object) -> Columns:
+    """Point columns without added points."""
+    return _own_columns(obj, POINT_ATTRIBUTES)
+
+
+def places_of(obj: bpy.types.Object) -> Floats:
+    """Stored positions (n, 3) in world space, without added points."""
+    return to_world(obj, read_points(obj.data)[own_points(obj)])
+
+
+def _own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
+    own = own_points(obj)
+    return {name: values[own] for name, values in read_columns(obj.data, types).items()}
 
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from ..core.binding import bound_nearest
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
-from ..core.records import POINT_ATTRIBUTES, Binding, Columns
+from ..core.records import Binding, Columns
 from ..core.rest import rest_columns
 from ..core.settings import Settings
 from ..core.solve import scatter
@@ -23,12 +23,14 @@ from ..core.steps import Steps, Task
 from ..core.surface import SurfaceArrays, check_unchanged
 from ..core.together import TogetherBaker
 from .held import Held
-from .meshio import read_columns, read_points, read_rest, read_surface, to_world
+from .meshio import read_rest, read_surface
 from .properties import settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
     new_scatter,
     own_points,
+    places_of,
+    point_columns_of,
     read_binding,
     write_baked,
     write_binding,
@@ -177,10 +179,7 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
             f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
             "Topology Change to Re-bind"
         )
-    own = own_points(obj)
-    binding = bound_nearest(to_world(obj, read_points(obj.data)[own]), arrays)
-    columns = read_columns(obj.data, POINT_ATTRIBUTES)
-    return binding, {name: values[own] for name, values in columns.items()}
+    return bound_nearest(places_of(obj), arrays), point_columns_of(obj)
 
 
 def rebind_steps(context: bpy.types.Context) -> Steps:
@@ -188,8 +187,7 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     held, surface = Held(context.object), Held(surface_of(context.object))
     bind_to = context.object.dapple.bind_to
     arrays = _read_checked(surface.get(), context, bind_to)
-    own = own_points(context.object)
-    points = to_world(context.object, read_points(context.object.data)[own])
+    points = places_of(context.object)
     binding = yield Task(lambda _: bound_nearest(points, arrays))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))

@@ -19,7 +19,7 @@ from .native import package
 from .records import Binding, Columns
 from .sidecar import Solved
 from .solve import named, point_columns, report_of
-from .surface import Floats, Ints, SurfaceArrays, check_same_topology
+from .surface import Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -39,20 +39,10 @@ class PopulationBaker(Baker):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.sidecar = None
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
         self._births: list[tuple[Binding, Floats]] = []
-
-    def changes(self, frame: SurfaceArrays) -> bool:
-        """False; ScatterError for another topology, over which nothing can grow or shrink."""
-        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
-        return False
-
-    def take(self) -> bool:
-        """False: frames are not taken from files."""
-        return False
 
     def advance(self, context: Any) -> None:
         """Solve the frame."""

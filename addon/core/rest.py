@@ -5,10 +5,12 @@ A point keeps where it sits on the rest shape, the surface before its modifiers,
 a little ahead along the first edge of its triangle, which gives it a direction.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
+from .binding import bound_nearest
 from .errors import ScatterError
-from .native import package
 from .records import Binding, Columns
 from .solve import named
 from .surface import Floats, SurfaceArrays
@@ -30,10 +32,8 @@ def rest_columns(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Colu
 
 def _check_unique(binding: Binding, places: Floats, rest: Floats, surface: SurfaceArrays) -> None:
     with named(surface.name):
-        shape = package().Surface(rest, surface.faces)
-        found = package().project(shape, places)
-    corners = surface.faces[found.faces]
-    seen = np.einsum("nk,nkd->nd", found.barycentric, surface.vertices[corners])
+        found = bound_nearest(places, replace(surface, vertices=rest))
+    seen = found.positions(surface.vertices)
     apart = np.linalg.norm(seen - binding.positions(surface.vertices), axis=1)
     size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     if (apart > _ELSEWHERE * size).any():

@@ -8,7 +8,7 @@ from .bake import Baker
 from .errors import ScatterError
 from .native import package
 from .solve import named
-from .surface import SurfaceArrays, check_same_topology
+from .surface import SurfaceArrays
 
 
 @dataclass
@@ -19,22 +19,12 @@ class TogetherBaker(Baker):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.sidecar = None
         self._held: list[SurfaceArrays] = []
 
     @property
     def done(self) -> int:
         """Frames that are held or solved."""
         return max(len(self._held), len(self.reports))
-
-    def changes(self, frame: SurfaceArrays) -> bool:
-        """False; ScatterError for another topology, which cannot be solved together."""
-        check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
-        return False
-
-    def take(self) -> bool:
-        """False: frames are not taken from files."""
-        return False
 
     def advance(self, context: Any) -> None:
         """Hold the frame back."""
