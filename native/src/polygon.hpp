@@ -26,6 +26,13 @@ class Polygon {
     size_ = 3;
   }
 
+  /// Begin with the corners of a convex polygon.
+  void start(std::span<const Corner> corners) {
+    if (corners_.size() < corners.size()) corners_.resize(corners.size());
+    std::copy(corners.begin(), corners.end(), corners_.begin());
+    size_ = corners.size();
+  }
+
   /// The least and the largest of x . normal - offset over the corners.
   struct Range {
     double low, high;

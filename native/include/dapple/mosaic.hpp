@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/context.hpp>
+#include <dapple/restricted_voronoi.hpp>
+#include <dapple/samples.hpp>
+
+namespace dapple {
+
+struct MosaicOptions {
+  /// Width of the gap between neighbouring tiles, in the surface's units, measured in space across
+  /// the plane half-way between their sites. Where the surface ends there is no gap.
+  double grout = 0.0;
+  std::vector<double> insets = {};  ///< per sample: how much farther its tile draws back; or empty
+  double thickness = 0.0;           ///< tiles rise along their normals; 0: they lie in the surface
+  double tolerance = 1e-3;          ///< in spacings: edges of a tile shorter than that are removed
+  bool merge = true;                ///< polygons of a tile in one plane become one
+  Cells cells = Cells::kConnected;
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// What became of one cell.
+///
+/// A tile follows the surface over faces and creases. Most have one part and one loop; a hole of
+/// the surface in the cell, or another cell inside it, adds a loop; a cell that is a whole closed
+/// component has none, and with a thickness it becomes a shell; narrow places of a cell can be lost
+/// to the grout, which adds parts; a cell that it fills has no part at all.
+struct Tile {
+  double cell_area = 0.0;  ///< of the cell
+  double area = 0.0;       ///< of what the grout leaves of it
+  std::int32_t parts = 0;  ///< pieces connected over edges
+  std::int32_t loops = 0;  ///< closed borders, over all parts
+};
+
+/// Which face of a tile a polygon is.
+enum class TileSide : std::int32_t { kTop, kWall, kBottom };
+
+/// A mesh of polygons, the tiles one after another; tiles share no vertices. Every edge of a tile
+/// lies between two of its polygons or on a loop, and polygons turn the way of the surface's faces.
+struct Mosaic {
+  std::vector<Vec3> vertices;
+  std::vector<std::int32_t> corners;  ///< vertex indices, polygon after polygon
+  std::vector<std::int32_t> starts;   ///< where each polygon begins in corners, and their number
+  std::vector<std::int32_t> sites;    ///< per polygon: the sample whose tile it is of
+  std::vector<std::int32_t> faces;  ///< per polygon: a caller's face that it lies on or belongs to
+  std::vector<TileSide> sides;      ///< per polygon; all kTop without thickness
+  std::vector<Tile> tiles;          ///< per sample
+
+  [[nodiscard]] std::size_t size() const { return sites.size(); }  ///< number of polygons
+};
+
+/// The restricted Voronoi cells of samples as tiles (paper, section 5.3 and Fig. 16a).
+///
+/// A tile is the part of its cell that is farther than half the grout (and its inset) from each
+/// plane half-way to a neighbour; straight joints of constant width and exact on flat parts. A
+/// border of a connected cell that lies in no such plane, since the straight way goes through a
+/// wall, stays without grout.
+/// \throw ArgumentError for an option below 0 or not finite, insets of another length than the
+/// samples or the first of them that is negative; Cancelled
+[[nodiscard]] Mosaic mosaic(const Surface& surface, const Samples& samples,
+                            const MosaicOptions& options = {}, Context* context = nullptr);
+
+}  // namespace dapple
