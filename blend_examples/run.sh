@@ -1,9 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up what is missing, then animates a creature, scatters over it, renders and reports.
-#   blend_examples/run.sh [--frames N] [--count N] [--seed N] [--width PIXELS] [--out FOLDER]
+# Sets up what is missing, then builds a scene, renders it and reports.
+#   blend_examples/run.sh [creature|mosaic|decals] [--count N] [--seed N] [--width PIXELS] [--out FOLDER] [--help]
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"
 
+scene=creature
+case ${1:-} in
+  '' | -*) ;;
+  creature | mosaic | decals) scene=$1 && shift ;;
+  *) fail "unknown scene $1; see the head of blend_examples/run.sh" ;;
+esac
 scripts/setup.sh
 # Blender can hang at exit; nothing that holds bpy runs without a limit.
-exec timeout --kill-after=10 1800 "$python" blend_examples/creature.py "$@"
+exec timeout --kill-after=10 1800 "$python" "blend_examples/$scene.py" "$@"

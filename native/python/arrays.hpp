@@ -76,6 +76,23 @@ inline IntArray integers(const char* name, const py::object& value, py::ssize_t 
   return IntArray(array);
 }
 
+/// Texture coordinates (m, 3, 2) as rows of u, v, three rows to a face.
+inline DoubleArray uv_rows(const py::object& value) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 2)
+    throw ArgumentError(
+        std::string("uv ") +
+        (array ? "has the shape " + shape_text(array) : std::string("is not an array")) +
+        ": (m, 3, 2) is needed");
+  return doubles("uv", array.attr("reshape")(-1, 2), 2);
+}
+
+inline std::span<const FaceUv> as_face_uv(const DoubleArray& rows) {
+  static_assert(sizeof(FaceUv) == 6 * sizeof(double));
+  return {reinterpret_cast<const FaceUv*>(rows.data()),
+          static_cast<std::size_t>(rows.shape(0)) / 3};
+}
+
 inline std::span<const Vec3> as_points(const DoubleArray& array) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   return {reinterpret_cast<const Vec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};

@@ -18,17 +18,6 @@ std::size_t checked_max_faces(std::int64_t max_faces) {
   return static_cast<std::size_t>(max_faces);
 }
 
-/// Texture coordinates as rows of u, v, three rows to a face.
-DoubleArray uv_rows(const py::object& value) {
-  const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 2)
-    throw ArgumentError(
-        std::string("uv ") +
-        (array ? "has the shape " + shape_text(array) : std::string("is not an array")) +
-        ": (m, 3, 2) is needed");
-  return doubles("uv", array.attr("reshape")(-1, 2), 2);
-}
-
 std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object& uv,
                                        const py::object& image, bool repeat, double tolerance,
                                        double texels, std::int64_t max_faces,
@@ -36,11 +25,9 @@ std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object&
   const DoubleArray rows = uv_rows(uv);
   const Image pixels = image_of("image", image);
   const ImageOptions options{repeat, tolerance, texels, checked_max_faces(max_faces)};
-  static_assert(sizeof(FaceUv) == 6 * sizeof(double));
-  const std::span<const FaceUv> of_faces(reinterpret_cast<const FaceUv*>(rows.data()),
-                                         static_cast<std::size_t>(rows.shape(0)) / 3);
   const py::gil_scoped_release released;
-  return std::make_shared<Refined>(refine_image(surface, of_faces, pixels, options, context.get()));
+  return std::make_shared<Refined>(
+      refine_image(surface, as_face_uv(rows), pixels, options, context.get()));
 }
 
 /// One radius for all points, or one for each.

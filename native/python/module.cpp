@@ -46,6 +46,8 @@ PYBIND11_MODULE(_native, m) {
   bind_class_samplers(m);
   bind_analysis(m);
   bind_stipple(m);
+  bind_mosaic(m);
+  bind_texture(m);
 }
 
 }  // namespace dapple::python

@@ -4,27 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
+
+#include "allot.hpp"
 
 namespace dapple {
 namespace {
-
-/// How many of `count` points each component gets: its share of the mass, by largest remainders.
-/// Once cells follow the surface, components exchange no sites.
-std::vector<std::size_t> allot(const std::vector<double>& masses, std::size_t count) {
-  const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
-  std::vector<std::size_t> quotas(masses.size());
-  std::vector<std::pair<double, std::size_t>> remainders;
-  std::size_t given = 0;
-  for (std::size_t k = 0; k < masses.size(); ++k) {
-    const double share = static_cast<double>(count) * masses[k] / total;
-    given += quotas[k] = static_cast<std::size_t>(share);
-    remainders.emplace_back(static_cast<double>(quotas[k]) - share, k);
-  }
-  std::sort(remainders.begin(), remainders.end());
-  for (std::size_t k = 0; given < count; ++given, ++k) ++quotas[remainders[k].second];
-  return quotas;
-}
 
 /// What is left of the quotas once some are taken; where a component holds more than its quota, the
 /// others give up places, the richest first.
@@ -58,6 +42,7 @@ DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vecto
     : surface_(&surface), masses_(static_cast<std::size_t>(surface.components()), 0.0) {
   for (std::size_t f = 0; f < surface.face_count(); ++f)
     masses_[component(f)] += surface.geometry(static_cast<std::int32_t>(f)).moments.capacity;
+  // Once cells follow the surface, components exchange no sites.
   places_ = allot(masses_, count);
   std::vector<std::size_t> held(places_.size(), 0);
   for (const Dart& dart : taken) ++held[component(static_cast<std::size_t>(dart.face))];

@@ -75,7 +75,7 @@ std::vector<std::size_t> rows_of(std::span<const CellPolygon> pieces, std::size_
   return result;
 }
 
-void append(Mosaic& mosaic, std::int32_t site, const MadeTile& made) {
+void append(Mosaic& mosaic, std::int32_t site, std::int32_t kind, const MadeTile& made) {
   const auto first = static_cast<std::int32_t>(mosaic.vertices.size());
   const Patch& patch = made.mesh.patch;
   mosaic.vertices.insert(mosaic.vertices.end(), patch.points.begin(), patch.points.end());
@@ -83,6 +83,7 @@ void append(Mosaic& mosaic, std::int32_t site, const MadeTile& made) {
     for (const std::int32_t v : corners) mosaic.corners.push_back(first + v);
     mosaic.starts.push_back(static_cast<std::int32_t>(mosaic.corners.size()));
     mosaic.sites.push_back(site);
+    mosaic.classes.push_back(kind);
     mosaic.faces.push_back(face);
   }
   mosaic.sides.insert(mosaic.sides.end(), made.mesh.sides.begin(), made.mesh.sides.end());
@@ -124,7 +125,7 @@ Mosaic mosaic(const Surface& surface, const Samples& samples, const MosaicOption
   Mosaic result;
   result.starts.push_back(0);
   for (std::size_t k = 0; k < tiles.size(); ++k)
-    append(result, static_cast<std::int32_t>(k), tiles[k]);
+    append(result, static_cast<std::int32_t>(k), samples.classes[k], tiles[k]);
   return result;
 }
 

@@ -12,7 +12,6 @@ namespace {
 constexpr double kPatch = 32.0;       // pixels: larger pieces are not looked at pixel by pixel
 constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
 constexpr double kLatticeStep = 0.5;  // pixels
-constexpr double kFarthest = 1e6;     // texture coordinate: beyond that pixels lose their digits
 
 /// A triangle on the picture, in pixels; (0, 0) is the centre of the first.
 using PixelTriangle = std::array<Vec2, 3>;
@@ -193,13 +192,7 @@ EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t,
 void check(const Surface& surface, std::span<const FaceUv> uv, const Image& image,
            const ImageOptions& options) {
   check_image("image", image);
-  check_same_length("uv", uv.size(), "faces", surface.face_count());
-  for (std::size_t f = 0; f < uv.size(); ++f)
-    for (std::size_t c = 0; c < 3; ++c)
-      if (!(uv[f][c].cwiseAbs().maxCoeff() <= kFarthest) || !uv[f][c].allFinite())
-        throw ArgumentError("uv[" + std::to_string(f) + ", " + std::to_string(c) + "] is (" +
-                            number(uv[f][c].x()) + ", " + number(uv[f][c].y()) +
-                            "): it must be finite and within 1e6 of 0");
+  check_uv(surface, uv);
   check_positive("tolerance", options.tolerance);
   check_positive("texels", options.texels);
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "allot.hpp"
 #include "class_problem.hpp"
 #include "clock.hpp"
 #include "error_diffusion.hpp"
@@ -74,25 +75,10 @@ void check_counts(std::span<const Image> inks, std::size_t count,
 
 // ---- what is solved ----
 
-/// By the sums of the coverages, largest remainders first, ties to the first ink.
-std::vector<std::size_t> allot(std::span<const Image> inks, std::size_t count) {
-  std::vector<double> wanted;
-  for (const Image& ink : inks) wanted.push_back(sum_of(ink));
-  const double scale =
-      static_cast<double>(count) / std::accumulate(wanted.begin(), wanted.end(), 0.0);
-  std::vector<std::size_t> counts, order(inks.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (double& share : wanted) {
-    share *= scale;
-    counts.push_back(static_cast<std::size_t>(share));
-    share -= std::floor(share);
-  }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return wanted[a] != wanted[b] ? wanted[a] > wanted[b] : a < b;
-  });
-  std::size_t left = count - std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-  for (std::size_t k = 0; left > 0; ++k, --left) ++counts[order[k % order.size()]];
-  return counts;
+std::vector<double> sums_of(std::span<const Image> inks) {
+  std::vector<double> sums;
+  for (const Image& ink : inks) sums.push_back(sum_of(ink));
+  return sums;
 }
 
 /// Sum of the coverages, each scaled to its number of dots.
@@ -204,7 +190,7 @@ Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOp
   check(inks, count, options);
   check_at_least("union_weight", options.union_weight, 0.0);
   const std::vector<std::size_t> counts =
-      options.counts.empty() ? allot(inks, count) : options.counts;
+      options.counts.empty() ? allot(sums_of(inks), count) : options.counts;
   check_counts(inks, count, counts);
   Stipples result =
       with_threads(options.threads, [&] { return solve_stipple(inks, counts, options, context); });

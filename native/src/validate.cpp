@@ -6,6 +6,11 @@
 #include <cstdio>
 
 namespace dapple {
+namespace {
+
+constexpr double kFarthestUv = 1e6;  // beyond that pixels lose their digits
+
+}  // namespace
 
 std::string number(double value) {
   std::array<char, 32> text{};
@@ -27,6 +32,16 @@ void check_same_length(const char* name, std::size_t length, const char* other,
   if (length != expected)
     throw ArgumentError(std::string(name) + " has " + std::to_string(length) + " entries and " +
                         other + " has " + std::to_string(expected) + ": they must match");
+}
+
+void check_uv(const Surface& surface, std::span<const FaceUv> uv) {
+  check_same_length("uv", uv.size(), "faces", surface.face_count());
+  for (std::size_t f = 0; f < uv.size(); ++f)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!uv[f][c].allFinite() || uv[f][c].cwiseAbs().maxCoeff() > kFarthestUv)
+        throw ArgumentError("uv[" + std::to_string(f) + ", " + std::to_string(c) + "] is (" +
+                            number(uv[f][c].x()) + ", " + number(uv[f][c].y()) +
+                            "): it must be finite and within 1e6 of 0");
 }
 
 void check_at_least(const char* name, double value, double low) {

@@ -44,6 +44,10 @@ void check_at_least(const char* name, double value, double low);
 /// \throw ArgumentError unless value is finite and > 0
 void check_positive(const char* name, double value);
 
+/// \throw ArgumentError unless there is a row for each face, naming the first texture coordinate
+/// that is not finite or beyond 1e6
+void check_uv(const Surface& surface, std::span<const FaceUv> uv);
+
 /// \throw ArgumentError naming the first value that is not finite or negative; if it has no pixel,
 /// not one value for each, or is 0 everywhere
 void check_image(const char* name, const Image& image);

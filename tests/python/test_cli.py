@@ -20,7 +20,7 @@ from dapple.cli import commands, points, work
 from dapple.cli.app import main
 from dapple.cli.options import library_defaults
 
-COMMANDS = ["analyse", "classes", "sample", "stipple", "track"]
+COMMANDS = ["analyse", "classes", "mosaic", "sample", "stipple", "track"]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 

@@ -42,6 +42,7 @@ struct Mosaic {
   std::vector<std::int32_t> corners;  ///< vertex indices, polygon after polygon
   std::vector<std::int32_t> starts;   ///< where each polygon begins in corners, and their number
   std::vector<std::int32_t> sites;    ///< per polygon: the sample whose tile it is of
+  std::vector<std::int32_t> classes;  ///< per polygon: the class of that sample
   std::vector<std::int32_t> faces;  ///< per polygon: a caller's face that it lies on or belongs to
   std::vector<TileSide> sides;      ///< per polygon; all kTop without thickness
   std::vector<Tile> tiles;          ///< per sample

@@ -15,9 +15,6 @@ struct ImageOptions {
   std::size_t max_faces = 1'000'000;  ///< 1..200000000; see refine()
 };
 
-/// Texture coordinates (u, v) of the corners 0, 1, 2 of a face.
-using FaceUv = std::array<Vec2, 3>;
-
 /// Lay a picture over the surface as its density: (0, 0) is the outer corner of its first pixel,
 /// (1, 1) that of its last; between the centres of pixels it is bilinear. Faces are cut until the
 /// density, linear on each, is within the tolerance of the picture or their edges are short enough;

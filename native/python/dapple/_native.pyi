@@ -139,6 +139,37 @@ class Samples:
     @property
     def report(self) -> Report: ...
 
+class Mosaic:
+    def __len__(self) -> int: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def corners(self) -> NDArray[np.int32]: ...
+    @property
+    def starts(self) -> NDArray[np.int32]: ...
+    @property
+    def sites(self) -> NDArray[np.int32]: ...
+    @property
+    def classes(self) -> NDArray[np.int32]: ...
+    @property
+    def faces(self) -> NDArray[np.int32]: ...
+    @property
+    def sides(self) -> NDArray[np.int32]: ...
+    @property
+    def cell_areas(self) -> NDArray[np.float64]: ...
+    @property
+    def areas(self) -> NDArray[np.float64]: ...
+    @property
+    def parts(self) -> NDArray[np.int32]: ...
+    @property
+    def loops(self) -> NDArray[np.int32]: ...
+
+class Texels:
+    @property
+    def faces(self) -> NDArray[np.int32]: ...
+    @property
+    def barycentric(self) -> NDArray[np.float64]: ...
+
 class SampleClass:
     def __init__(
         self,
@@ -382,6 +413,31 @@ def energy(
     capacity_weight: float = 30.0,
     cells: Literal["connected", "euclidean"] = "connected",
 ) -> Energy: ...
+def texels(
+    surface: Surface, uv: ArrayLike, rows: int, columns: int, *, margin: int = 4
+) -> Texels: ...
+def decal_cover(
+    surface: Surface,
+    samples: Samples,
+    radii: ArrayLike,
+    tangents: ArrayLike,
+    texels: Texels,
+    *,
+    context: Context | None = None,
+) -> tuple[NDArray[np.int32], NDArray[np.float64]]: ...
+def mosaic(
+    surface: Surface,
+    samples: Samples,
+    *,
+    grout: float = 0.0,
+    insets: ArrayLike | None = None,
+    thickness: float = 0.0,
+    tolerance: float = 1e-3,
+    merge: bool = True,
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    context: Context | None = None,
+) -> Mosaic: ...
 def analyse(
     surface: Surface,
     samples: Samples | ArrayLike,

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tiles over a box with rounded edges, coloured one by one: a picture and a .blend.
+
+Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets everything up first.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import bpy
+import dapple
+import numpy as np
+from studio import BODY, add_floor, add_light, aim, material, set_render, use_nodes
+
+ROOT = Path(__file__).parent.parent
+SIZE = (1.5, 1.1, 1.3)  # of the box
+ROUNDING = 0.16
+HUES = [(0.80, 0.24, 0.07), (0.93, 0.62, 0.20), (0.86, 0.80, 0.66), (0.07, 0.34, 0.40)]
+
+
+def build_box() -> bpy.types.Object:
+    """A box with rounded edges, standing on z = 0."""
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, SIZE[2] / 2))
+    box = bpy.context.object
+    box.name, box.scale = "Box", SIZE
+    bpy.ops.object.transform_apply(location=True, rotation=False, scale=True)
+    rounding = box.modifiers.new("Rounding", "BEVEL")
+    rounding.width, rounding.segments = ROUNDING, 8
+    bpy.ops.object.modifier_apply(modifier=rounding.name)
+    box.data.materials.append(material("Mortar", BODY, 0.9))
+    return box
+
+
+def surface_of(thing: bpy.types.Object) -> dapple.Surface:
+    mesh = thing.data
+    mesh.calc_loop_triangles()
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    faces = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.vertices.foreach_get("co", vertices)
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    return dapple.Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
+
+
+def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
+    """One object; its faces carry the attributes cell and dapple_class, its walls are bevelled."""
+    mesh = bpy.data.meshes.new("Tiles")
+    corners = np.split(mosaic.corners, mosaic.starts[1:-1])
+    mesh.from_pydata(mosaic.vertices, [], [row.tolist() for row in corners])
+    for name, values in (("cell", mosaic.sites), ("dapple_class", mosaic.classes)):
+        mesh.attributes.new(name, "INT", "FACE").data.foreach_set("value", values)
+    mesh.materials.append(glazed("Glaze"))
+    tiles = bpy.data.objects.new("Tiles", mesh)
+    bpy.context.scene.collection.objects.link(tiles)
+    edges = tiles.modifiers.new("Worn edges", "BEVEL")
+    edges.width, edges.segments, edges.limit_method = 0.006, 3, "ANGLE"
+    edges.angle_limit = 1.0
+    edges.use_clamp_overlap = True
+    return tiles
+
+
+def glazed(name: str) -> bpy.types.Material:
+    """One of HUES for each cell, a little lighter or darker."""
+    made = material(name, HUES[0], 0.25)
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    cell = nodes.new("ShaderNodeAttribute")
+    cell.attribute_name = "cell"
+    noise = nodes.new("ShaderNodeTexWhiteNoise")
+    noise.noise_dimensions = "1D"
+    ramp = nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.interpolation = "CONSTANT"
+    while len(ramp.color_ramp.elements) < len(HUES):
+        ramp.color_ramp.elements.new(1.0)
+    for k, colour in enumerate(HUES):
+        ramp.color_ramp.elements[k].position = k / len(HUES)
+        ramp.color_ramp.elements[k].color = (*colour, 1)
+    links.new(cell.outputs["Fac"], noise.inputs["W"])
+    links.new(noise.outputs["Value"], ramp.inputs["Fac"])
+    links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    return made
+
+
+def build_studio(width: int, height: int) -> None:
+    scene = bpy.context.scene
+    add_floor()
+    add_light("Key", (3.5, -4.5, 6.0), 1.4, 420, (1.0, 0.95, 0.88))
+    add_light("Fill", (-6.0, -4.0, 3.0), 5.0, 130, (0.80, 0.90, 1.0))
+    world = bpy.data.worlds.new("World")
+    use_nodes(world)
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.75, 0.72, 0.70, 1)
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.35
+    scene.world = world
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.lens = 78
+    scene.collection.objects.link(camera)
+    aim(camera, (3.3, -4.4, 3.0), (0.0, 0.0, 0.56))
+    scene.camera = camera
+    set_render(scene, width, height)
+    scene.cycles.samples = 32
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=420, help="tiles")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--width", type=int, default=720, help="of the picture, in pixels")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "examples")
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    surface = surface_of(build_box())
+    samples = dapple.sample(surface, given.count, seed=given.seed)
+    spacing = samples.report.spacing
+    mosaic = dapple.mosaic(surface, samples, grout=0.09 * spacing, thickness=0.14 * spacing)
+    build_tiles(mosaic)
+    build_studio(given.width, 3 * given.width // 4)
+    scene = bpy.context.scene
+    scene.render.filepath = str(given.out / "mosaic.png")
+    bpy.ops.render.render(write_still=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(given.out / "mosaic.blend"), compress=True)
+    kept = 100 * mosaic.areas.sum() / mosaic.cell_areas.sum()
+    print(f"{given.out}: {given.count} tiles of {len(mosaic)} polygons, {kept:.0f} % of the box")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/image.hpp>
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// Where on a surface the texels of a picture lie; row by row, row 0 at v = 0.
+struct Texels {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<std::int32_t> faces;  ///< the caller's index, per texel; -1 if no face is near
+  std::vector<Vec3> barycentric;    ///< sum 1; in the margin outside a face some are negative
+
+  [[nodiscard]] std::size_t size() const { return faces.size(); }
+};
+
+/// Find the face under the centre of each texel. Where texture coordinates overlap, the lowest
+/// face has it. Texels beside the faces, up to `margin` texels away, continue the nearest one, so
+/// that filtering does not bleed the background in at seams; what lies outside [0, 1] x [0, 1] is
+/// left out.
+/// \param uv      one row per face
+/// \param rows, columns of the picture, >= 1
+/// \param margin  in texels, >= 0
+/// \throw ArgumentError naming the first texture coordinate that is not finite or too large, or
+/// the size that is 0
+[[nodiscard]] Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
+                            std::size_t columns, int margin = 4);
+
+}  // namespace dapple

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+#include <dapple/mosaic.hpp>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+
+namespace dapple::python {
+namespace {
+
+std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& samples, double grout,
+                                    const py::object& insets, double thickness, double tolerance,
+                                    bool merge, const std::string& cells, int threads,
+                                    const ContextPtr& context) {
+  MosaicOptions options;
+  options.grout = grout;
+  if (!insets.is_none()) {
+    const DoubleArray values = doubles("insets", insets, 0);
+    options.insets.assign(values.data(), values.data() + values.size());
+  }
+  options.thickness = thickness;
+  options.tolerance = tolerance;
+  options.merge = merge;
+  options.cells = cells_named(cells);
+  options.threads = threads;
+  const py::gil_scoped_release released;
+  return std::make_shared<Mosaic>(mosaic(surface, samples, options, context.get()));
+}
+
+/// A property that copies one member of every tile into an array.
+template <typename Member>
+auto tile_property(Member Tile::*member) {
+  return [member](const Mosaic& mosaic) {
+    std::vector<Member> values;
+    for (const Tile& tile : mosaic.tiles) values.push_back(tile.*member);
+    return give(std::move(values));
+  };
+}
+
+py::array sides_of(const Mosaic& mosaic) {
+  std::vector<std::int32_t> values;
+  for (const TileSide side : mosaic.sides) values.push_back(static_cast<std::int32_t>(side));
+  return give(std::move(values));
+}
+
+}  // namespace
+
+void bind_mosaic(py::module_& m) {
+  py::class_<Mosaic, std::shared_ptr<Mosaic>>(
+      m, "Mosaic",
+      "A mesh of m polygons: the tiles of n samples one after another; tiles share no vertices. "
+      "See mosaic().")
+      .def("__len__", &Mosaic::size)
+      .def_property_readonly("vertices", array_property(&Mosaic::vertices),
+                             "(v, 3) float64, a read-only view.")
+      .def_property_readonly(
+          "corners", array_property(&Mosaic::corners),
+          "(c,) int32: vertex indices, polygon after polygon, counter-clockwise from outside.")
+      .def_property_readonly("starts", array_property(&Mosaic::starts),
+                             "(m + 1,) int32: polygon k is corners[starts[k]:starts[k + 1]].")
+      .def_property_readonly("sites", array_property(&Mosaic::sites),
+                             "(m,) int32: index of the sample whose tile a polygon is of.")
+      .def_property_readonly("classes", array_property(&Mosaic::classes),
+                             "(m,) int32: class of that sample.")
+      .def_property_readonly(
+          "faces", array_property(&Mosaic::faces),
+          "(m,) int32: a face of the surface that the polygon lies on or belongs to.")
+      .def_property_readonly("sides", &sides_of, "(m,) int32: 0 top, 1 wall, 2 bottom.")
+      .def_property_readonly("cell_areas", tile_property(&Tile::cell_area),
+                             "(n,) float64: of the cell of each sample.")
+      .def_property_readonly("areas", tile_property(&Tile::area),
+                             "(n,) float64: of what the grout leaves of it.")
+      .def_property_readonly(
+          "parts", tile_property(&Tile::parts),
+          "(n,) int32: pieces of each tile, connected over edges; 0 where the grout takes all.")
+      .def_property_readonly(
+          "loops", tile_property(&Tile::loops),
+          "(n,) int32: closed borders of each tile; a hole adds one, a whole component has none.");
+
+  m.def(
+      "mosaic", &make_mosaic, py::arg("surface"), py::arg("samples"), py::kw_only(),
+      py::arg("grout") = 0.0, py::arg("insets") = py::none(), py::arg("thickness") = 0.0,
+      py::arg("tolerance") = 1e-3, py::arg("merge") = true, py::arg("cells") = "connected",
+      py::arg("threads") = 0, py::arg("context") = nullptr,
+      R"(The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 and Fig. 16a).
+
+A tile follows the surface over faces and creases. It is the part of its cell that is farther than half the grout, and
+its inset, from each plane half-way to a neighbour: straight joints of constant width.
+
+Args:
+    surface: the Surface the samples lie on.
+    samples: Samples.
+    grout: width of the gap between neighbouring tiles, >= 0, in the surface's units; none where the surface ends.
+    insets: (n,) float64 >= 0: how much farther each tile draws back; None: nothing.
+    thickness: tiles rise along their normals by that, >= 0, as closed bodies; 0: they lie in the surface.
+    tolerance: edges of a tile shorter than that, >= 0, in spacings, are removed.
+    merge: polygons of a tile in one plane become one.
+    cells: 'connected' or 'euclidean', as for sample().
+    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
+    context: a Context for progress and cancel.
+
+Returns:
+    Mosaic.
+
+Raises:
+    ValueError: naming the option, or the first inset, that is negative or not finite.
+    Cancelled: through the context.)");
+}
+
+}  // namespace dapple::python

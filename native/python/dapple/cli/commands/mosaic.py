@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple mosaic: the cells of points as tiles."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+import dapple
+from dapple.cli import meshes, options, polygons
+from dapple.cli.files import about, check_outputs
+from dapple.cli.points import Points, read_points
+from dapple.cli.report import Reporter
+from dapple.cli.work import Work
+
+GROUT = 0.1  # spacings
+
+
+@click.command("mosaic", short_help="Tiles over a mesh.")
+@click.argument("mesh", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option("-n", "--count", type=options.COUNT, help="Number of tiles, around new points.")
+@click.option(
+    "--points",
+    type=options.INPUT,
+    help="Tiles around these instead; those in the way of none are bound where the mesh is "
+    "nearest.",
+)
+@options.density_options
+@click.option(
+    "--grout",
+    type=options.NOT_NEGATIVE,
+    help=f"Width of the gap, in the mesh's units.  [default: {GROUT} spacings]",
+)
+@click.option(
+    "--thickness",
+    type=options.NOT_NEGATIVE,
+    help="Of the tiles, in the mesh's units; 0 leaves them in the surface.  [default: 0]",
+)
+@click.option(
+    "--tolerance",
+    type=options.NOT_NEGATIVE,
+    help="Edges shorter than that, in spacings, are removed.  [default: 0.001]",
+)
+@options.library_options(dapple.sample, "seed", "capacity_weight", "cells", "threads")
+@options.report_options
+def command(
+    mesh: Path,
+    out: Path,
+    count: int | None,
+    points: Path | None,
+    density: str | None,
+    density_at: meshes.Place | None,
+    json_out: str | None,
+    quiet: bool,
+    **chosen: Any,
+) -> None:
+    """Cover MESH with tiles, the Voronoi cells of COUNT points or of a file's, into OUT.
+
+    MESH and --points are read as by 'sample' and 'analyse'. OUT is .ply (polygons with the
+    properties cell, class and side: 0 top, 1 wall, 2 bottom), .obj (groups cell_..., materials
+    class_...), .off, .stl (triangles) or .npz.
+
+    \b
+    Examples:
+      dapple mosaic bunny.ply tiles.ply -n 800 --thickness 0.001
+      dapple mosaic bunny.ply tiles.obj --points plants.npz --grout 0
+    """
+    reporter = Reporter(json_out, quiet)
+    polygons.check_extension(out)
+    if (count is None) == (points is None):
+        raise click.UsageError("give either --count or --points")
+    check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
+    shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
+    given = options.given(chosen)
+    with Work("tiling", steps=2, quiet=quiet) as work:
+        if points:
+            samples = bound(loaded.surface, points, read_points(points))
+        else:
+            assert count is not None
+            samples = work.run(partial(dapple.sample, loaded.surface, count, **given))
+        shape.setdefault("grout", GROUT * samples.report.spacing)
+        tiling = {name: given[name] for name in ("cells", "threads") if name in given} | shape
+        merge = not polygons.needs_convex(out)
+        made = work.run(partial(dapple.mosaic, loaded.surface, samples, merge=merge, **tiling))
+    polygons.write_tiles(out, made, samples.ids)
+    reporter.store(
+        "mosaic",
+        input={**loaded.describe(), "points": str(points) if points else None},
+        output=str(out),
+        settings={"count": len(samples), **options.library_defaults(dapple.mosaic), **given}
+        | tiling,
+        tiles=summary(made),
+    )
+    left = 100 * made.areas.sum() / made.cell_areas.sum()
+    reporter.say(f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area")
+
+
+def bound(surface: dapple.Surface, path: Path, points: Points) -> dapple.Samples:
+    """The points of a file on the surface: where it says that they are, or else nearest.
+
+    Raises:
+        ClickException: naming the file and its first point that is not finite or has no place.
+    """
+    with about(path):
+        if len(points.positions) == 0:
+            raise ValueError("holds no points")
+        faces, weights = points.faces, points.barycentric
+        if faces is None or weights is None:
+            places = np.pad(points.positions, ((0, 0), (0, 3 - points.positions.shape[1])))
+            near = dapple.project(surface, places)
+            faces, weights = near.faces, near.barycentric
+        return dapple.Samples(surface, faces, weights, ids=points.ids, classes=points.classes)
+
+
+def summary(made: dapple.Mosaic) -> dict[str, Any]:
+    """What became of the cells."""
+    return {
+        "polygons": len(made),
+        "cell_area": float(made.cell_areas.sum()),
+        "area": float(made.areas.sum()),
+        "with_one_loop": int(((made.parts == 1) & (made.loops == 1)).sum()),
+        "with_holes": int((made.loops > made.parts).sum()),
+        "in_several_parts": int((made.parts > 1).sum()),
+        "closed": int(((made.parts > 0) & (made.loops == 0)).sum()),
+        "lost_to_the_grout": int((made.parts == 0).sum()),
+    }

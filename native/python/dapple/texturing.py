@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Decals around samples: as instances, or baked into one image through texture coordinates.
+
+>>> from dapple import texturing
+>>> daisy = texturing.Decal(picture, radius=0.05)  # (h, w, 4) in [0, 1]
+>>> image = texturing.bake(surface, uv, samples, [daisy], 1024, 1024)
+
+Chen et al. 2012, section 5.3 and Fig. 16b. Images have row 0 at the bottom, as in Blender.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import Context, Samples, Surface, Texels, decal_cover, texels
+
+__all__ = ["Decal", "bake", "frames", "turns"]
+
+CHANNELS: Final = 4
+
+
+@dataclass(frozen=True)
+class Decal:
+    """What one class of samples is painted with.
+
+    image: (h, w, 4) float in [0, 1]: red, green, blue and (not premultiplied) alpha.
+    radius: half the side of its square, > 0, in the surface's units.
+
+    Raises:
+        ValueError: naming what is out of range.
+    """
+
+    image: NDArray[np.floating]
+    radius: float
+
+    def __post_init__(self) -> None:
+        shape = np.shape(self.image)
+        if len(shape) != 3 or shape[2] != CHANNELS or 0 in shape:
+            raise ValueError(f"image has the shape {shape}: (h, w, 4) is needed")
+        if not (np.min(self.image) >= 0 and np.max(self.image) <= 1):
+            raise ValueError("image has values outside 0..1")
+        if not 0 < self.radius < np.inf:
+            raise ValueError(f"radius is {self.radius}: it must be finite and > 0")
+
+
+def turns(ids: ArrayLike, seed: int = 0) -> NDArray[np.float64]:
+    """An angle in [0, 2 pi) for each id that depends on nothing else.
+
+    Args:
+        ids: (n,) integers.
+        seed: another number, other angles.
+    """
+    with np.errstate(over="ignore"):
+        bits = np.asarray(ids).astype(np.uint64) + np.uint64(seed % 2**64) * np.uint64(_GOLDEN)
+        for shift, factor in _ROUNDS:
+            bits = (bits ^ (bits >> np.uint64(shift))) * np.uint64(factor)
+        bits ^= bits >> np.uint64(31)
+    return 2 * np.pi * (bits >> np.uint64(11)).astype(np.float64) * 2.0**-53
+
+
+_GOLDEN: Final = 0x9E3779B97F4A7C15
+_ROUNDS: Final = ((33, 0xFF51AFD7ED558CCD), (33, 0xC4CEB9FE1A85EC53), (29, _GOLDEN))
+
+
+def frames(samples: Samples, angles: ArrayLike | None = None) -> NDArray[np.float64]:
+    """How an instance at each sample is turned, so that it lies as a baked decal does.
+
+    Args:
+        samples: n Samples.
+        angles: (n,) in radians, about the normal; None: turns(samples.ids).
+
+    Returns:
+        (n, 3, 3) float64 rotations: the columns are the decal's x axis, its y axis, the normal.
+    """
+    angle = np.asarray(turns(samples.ids) if angles is None else angles, np.float64)
+    x, y = _tangent_basis(samples.normals)
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    return np.stack([cosine * x + sine * y, cosine * y - sine * x, samples.normals], axis=2)
+
+
+def bake(
+    surface: Surface,
+    uv: ArrayLike,
+    samples: Samples,
+    decals: Sequence[Decal],
+    rows: int,
+    columns: int,
+    *,
+    angles: ArrayLike | None = None,
+    background: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
+    oversampling: int = 2,
+    margin: int = 4,
+    context: Context | None = None,
+) -> NDArray[np.float64]:
+    """Paint a decal around each sample into an image.
+
+    Args:
+        surface: the Surface.
+        uv: (m, 3, 2) texture coordinates of its faces' corners, as for texels().
+        samples: Samples on it; those of class c are painted with decals[c].
+        decals: one for each class.
+        rows: height of the image, in pixels.
+        columns: width of the image, in pixels.
+        angles: (n,) in radians, as for frames().
+        background: red, green, blue, alpha of what no decal covers.
+        oversampling: each pixel is the mean of oversampling^2.
+        margin: how far the image goes on beside the faces, in pixels.
+        context: a Context for progress and cancel.
+
+    Returns:
+        (rows, columns, 4) float64 in [0, 1], alpha not premultiplied.
+
+    Raises:
+        ValueError: a class without a decal, or what texels() and decal_cover() refuse.
+        Cancelled: through the context.
+    """
+    if oversampling < 1:
+        raise ValueError(f"oversampling is {oversampling}: it must be at least 1")
+    missing = np.flatnonzero((samples.classes < 0) | (samples.classes >= len(decals)))
+    if len(missing):
+        k = missing[0]
+        raise ValueError(f"sample {k} is of class {samples.classes[k]}: decals has {len(decals)}")
+    fine = (rows * oversampling, columns * oversampling)
+    grid = texels(surface, uv, *fine, margin=margin * oversampling)
+    radii = np.array([decal.radius for decal in decals])[samples.classes]
+    across = np.ascontiguousarray(frames(samples, angles)[:, :, 0])
+    cover = decal_cover(surface, samples, radii, across, grid, context=context)
+    painted = _paint(grid, cover, samples, decals, _texel_size(surface, grid))
+    painted = _over(painted, np.asarray(background, np.float64))
+    mean = painted.reshape(rows, oversampling, columns, oversampling, CHANNELS).mean(axis=(1, 3))
+    return np.clip(_straight(mean), 0.0, 1.0)
+
+
+def _paint(
+    grid: Texels,
+    cover: tuple[NDArray[np.int32], NDArray[np.float64]],
+    samples: Samples,
+    decals: Sequence[Decal],
+    texel: float,
+) -> NDArray[np.float64]:
+    """(rows, columns, 4), premultiplied."""
+    owner, places = cover
+    result = np.zeros((*grid.faces.shape, CHANNELS))
+    for kind, decal in enumerate(decals):
+        there = (owner >= 0) & (samples.classes[owner] == kind)
+        pixels = _shrunk(_premultiplied(np.asarray(decal.image, np.float64)), decal.radius, texel)
+        result[there] = _bilinear(pixels, places[there])
+    return result
+
+
+def _texel_size(surface: Surface, grid: Texels) -> float:
+    """The side of a texel on the surface, on average."""
+    inside = (grid.faces >= 0) & (grid.barycentric.min(axis=2) >= 0)
+    return float(np.sqrt(surface.area / max(1, np.count_nonzero(inside))))
+
+
+def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray[np.float64]:
+    """Halved until its pixels are about as large as texels: detail below that would alias."""
+    while min(pixels.shape[:2]) > 1 and 4 * radius / max(pixels.shape[:2]) <= texel:
+        even = pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2]
+        pixels = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
+    return pixels
+
+
+def _bilinear(pixels: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 4) of an image at places (n, 2) in [-1, 1], between the centres of its pixels."""
+    size = np.array(pixels.shape[1::-1])
+    at = np.clip((places + 1) / 2 * size - 0.5, 0, size - 1)
+    low = np.minimum(at.astype(np.int64), np.maximum(size - 2, 0))
+    high = np.minimum(low + 1, size - 1)
+    x, y = (at - low).T[..., None]
+    below = (1 - x) * pixels[low[:, 1], low[:, 0]] + x * pixels[low[:, 1], high[:, 0]]
+    above = (1 - x) * pixels[high[:, 1], low[:, 0]] + x * pixels[high[:, 1], high[:, 0]]
+    result: NDArray[np.float64] = (1 - y) * below + y * above
+    return result
+
+
+def _premultiplied(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate([colours[..., :3] * colours[..., 3:], colours[..., 3:]], axis=-1)
+
+
+def _straight(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+    alpha = colours[..., 3:]
+    return np.concatenate([colours[..., :3] / np.where(alpha > 0, alpha, 1), alpha], axis=-1)
+
+
+def _over(front: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray[np.float64]:
+    return front + (1 - front[..., 3:]) * _premultiplied(back)
+
+
+def _tangent_basis(
+    normals: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Two unit vectors across each normal (Duff et al. 2017)."""
+    x, y, z = normals.T
+    sign = np.where(z < 0, -1.0, 1.0)
+    a = -1 / (sign + z)
+    b = x * y * a
+    first = np.column_stack([1 + sign * x * x * a, sign * b, -sign * x])
+    return first, np.column_stack([b, sign + y * y * a, -y])
