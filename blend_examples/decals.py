@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Daisies and leaves over a vase, two classes: left baked into its texture, right as instances.
 
-Chen et al. 2012, Fig. 16b. Run through `blend_examples/run.sh decals`, which sets everything up first.
+Chen et al. 2012, Fig. 16b. Run through `blend_examples/run.sh decals`, which sets things up.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ ROOT = Path(__file__).parent.parent
 PROFILE = [(0.30, 0.0), (0.46, 0.10), (0.62, 0.38), (0.66, 0.62), (0.52, 0.92), (0.32, 1.12)]
 PROFILE += [(0.27, 1.24), (0.36, 1.40)]  # radius and height of the vase, from its foot up
 SIDES, STEPS = 96, 12  # around, and between two points of the profile
-GLAZE = (0.05, 0.13, 0.22)
+GLAZE = (0.10, 0.27, 0.38)  # as in pictures; materials take it linear
+GAMMA = 2.2
 Image = NDArray[np.float64]
 
 
@@ -107,6 +108,11 @@ def surface_of(mesh: bpy.types.Mesh) -> tuple[dapple.Surface, NDArray[np.float32
     return surface, chart.reshape(-1, 2)[loops.reshape(-1, 3)]
 
 
+def glaze() -> tuple[float, float, float]:
+    red, green, blue = (channel**GAMMA for channel in GLAZE)
+    return red, green, blue
+
+
 def image_block(name: str, picture: Image) -> bpy.types.Image:
     rows, columns = picture.shape[:2]
     block = bpy.data.images.new(name, columns, rows, alpha=True)
@@ -116,7 +122,7 @@ def image_block(name: str, picture: Image) -> bpy.types.Image:
 
 
 def painted(name: str, picture: bpy.types.Image, see_through: bool) -> bpy.types.Material:
-    made = material(name, GLAZE, 0.3)
+    made = material(name, glaze(), 0.3)
     nodes, links = made.node_tree.nodes, made.node_tree.links
     texture = nodes.new("ShaderNodeTexImage")
     texture.image = picture
@@ -128,7 +134,7 @@ def painted(name: str, picture: bpy.types.Image, see_through: bool) -> bpy.types
 
 
 def build_card(name: str, picture: Image, radius: float) -> bpy.types.Mesh:
-    """A square of side 2 radius a little above z = 0, cut so that it can be bent."""
+    """A square of side 2 radius a little above z = 0."""
     mesh = bpy.data.meshes.new(name)
     corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
     mesh.from_pydata([(radius * x, radius * y, 0.004) for x, y in corners], [], [(0, 1, 2, 3)])
@@ -173,13 +179,13 @@ def main() -> None:
         background=(*GLAZE, 1.0),
     )
     left.data.materials.append(painted("Baked", image_block("Baked", picture), see_through=False))
-    right.data.materials.append(material("Glaze", GLAZE, 0.3))
+    right.data.materials.append(material("Glaze", glaze(), 0.3))
     cards = [
         build_card(name, decal.image, decal.radius)
         for name, decal in zip(("Daisy", "Leaf"), decals, strict=True)
     ]
     place_cards(right, samples, cards)
-    build_studio(given.width, given.width // 2)
+    build_studio(given.width, given.width // 2, (0.0, -6.2, 2.6), (0.0, 0.0, 0.66), 72)
     scene = bpy.context.scene
     scene.render.filepath = str(given.out / "decals.png")
     bpy.ops.render.render(write_still=True)

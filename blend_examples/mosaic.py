@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiles over a box with rounded edges, coloured one by one: a picture and a .blend.
 
-Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets everything up first.
+Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets things up.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -81,7 +82,10 @@ def glazed(name: str) -> bpy.types.Material:
     return made
 
 
-def build_studio(width: int, height: int) -> None:
+def build_studio(
+    width: int, height: int, place: Sequence[float], target: Sequence[float], lens: float
+) -> None:
+    """Floor, light and a camera at the place."""
     scene = bpy.context.scene
     add_floor()
     add_light("Key", (3.5, -4.5, 6.0), 1.4, 420, (1.0, 0.95, 0.88))
@@ -92,9 +96,9 @@ def build_studio(width: int, height: int) -> None:
     world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.35
     scene.world = world
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.data.lens = 78
+    camera.data.lens = lens
     scene.collection.objects.link(camera)
-    aim(camera, (3.3, -4.4, 3.0), (0.0, 0.0, 0.56))
+    aim(camera, place, target)
     scene.camera = camera
     set_render(scene, width, height)
     scene.cycles.samples = 32
@@ -115,7 +119,7 @@ def main() -> None:
     spacing = samples.report.spacing
     mosaic = dapple.mosaic(surface, samples, grout=0.09 * spacing, thickness=0.14 * spacing)
     build_tiles(mosaic)
-    build_studio(given.width, 3 * given.width // 4)
+    build_studio(given.width, 3 * given.width // 4, (3.3, -4.4, 3.0), (0.0, 0.0, 0.6), 78)
     scene = bpy.context.scene
     scene.render.filepath = str(given.out / "mosaic.png")
     bpy.ops.render.render(write_still=True)
