@@ -20,6 +20,8 @@ from benchmarks.paper.drawing import (
     draw_periodogram,
     draw_points,
     draw_radial,
+    half_frequency,
+    peak,
     sheet,
     show,
 )
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 COUNTS = {10: (1000, 1000), 11: (500, 1500), 12: (400, 800, 1600)}
 CENTRAL = 0.6  # side of the part that is drawn, as in the paper
 TORUS = "Counts of our own: the paper takes Wei's, which its text does not give."
+SPECTRAL = "A lower peak than one class has (Fig. 5): the classes pull against each other."
 SURFACE = "Another body than the paper's, whose counts are not told either."
 OPTIONS = {name: {**options, "two_stages": name != "our default"} for name, options in WAYS.items()}
 """The paper's preset is Algorithm 3: each class alone, then all."""
@@ -54,19 +57,25 @@ def draw_central(axes: Axes, points: Array, colours: str | list[str], title: str
     bare(axes, title)
 
 
-def draw_sets(line: list[list[Axes]], runs: Sequence[dapple.PlanarSamples], title: str) -> None:
-    """A row of points, of periodograms and of radial means: each class, then all."""
-    count = len(line[0]) - 1
+def draw_sets(
+    axes: list[list[Axes]], runs: Sequence[dapple.PlanarSamples], title: str
+) -> dapple.Spectrum:
+    """A row of points, of periodograms and of radial means: each class, then all.
+
+    Returns the spectrum of all.
+    """
+    count = len(axes[0]) - 1
     sets = [sets_of(run.positions, run.classes, count) for run in runs]
     names = names_of([len(points) for points in sets[0][:-1]])
     for k, name in enumerate(names):
         colours: str | list[str] = (
             CLASS_COLOURS[k] if k < count else [CLASS_COLOURS[c] for c in runs[0].classes]
         )
-        draw_central(line[0][k], sets[0][k], colours, f"{title}: {name}")
+        draw_central(axes[0][k], sets[0][k], colours, f"{title}: {name}")
         spectrum = dapple.spectrum([one[k] for one in sets])
-        draw_periodogram(line[1][k], spectrum)
-        draw_radial(line[2][k], spectrum.radial, spectrum.frequency_unit)
+        draw_periodogram(axes[1][k], spectrum)
+        draw_radial(axes[2][k], spectrum.radial, spectrum.frequency_unit)
+    return spectrum
 
 
 def make(counts: Sequence[int], options: dict[str, Any]) -> Callable[[int], dapple.PlanarSamples]:
@@ -79,16 +88,28 @@ def make(counts: Sequence[int], options: dict[str, Any]) -> Callable[[int], dapp
 def torus_classes(figure: int, setting: Setting) -> Plate:
     """Classes of these counts on the torus, by both ways."""
     counts = tuple(setting.size(n, n // 10) for n in COUNTS[figure])
-    picture, axes = sheet(6, len(counts) + 1, 2.5)
-    reports = []
+    sets = len(counts) + 1
+    picture, axes = sheet(3, 2 * sets, 2.3)
+    reports, spectra = [], []
     for k, (way, options) in enumerate(OPTIONS.items()):
         say(f"fig. {figure}: {way}")
         runs = setting.each_seed(make(counts, options), setting.size(5, 1))
-        draw_sets(axes[3 * k : 3 * k + 3], runs, "preset" if k == 0 else "default")
+        mine = [line[sets * k : sets * (k + 1)] for line in axes]
+        spectra.append(draw_sets(mine, runs, "default" if k else "preset"))
         reports.append([run.report for run in runs])
     picture.savefig(setting.picture(figure))
     title = f"{' + '.join(f'{n:,}' for n in counts)} samples on the torus"
-    return Plate(figure, title, setting.picture(figure), class_rows(counts, reports, TORUS))
+    rows = [*class_rows(counts, reports, TORUS), spectral_row(spectra)]
+    return Plate(figure, title, setting.picture(figure), rows)
+
+
+def spectral_row(spectra: Sequence[dapple.Spectrum]) -> Row:
+    values = [
+        f"{half_frequency(one.radial, one.frequency_unit):.3f}, {peak(one.radial):.2f}"
+        for one in spectra
+    ]
+    quantity = "all: power at half of sqrt(n), and at its peak"
+    return row(quantity, PICTURE_ONLY, values, SPECTRAL)
 
 
 def class_rows(

@@ -99,7 +99,7 @@ def draw_radial(axes: Axes, radial: dapple.RadialStatistics, unit: float, title:
     )
     other.set_ylim(-30, 20)
     other.tick_params(labelsize=7, labelcolor=ACCENT)
-    axes.set_xlabel(r"frequency / $\sqrt{n}$ per unit length", fontsize=7)
+    axes.set_xlabel(r"frequency / $\sqrt{n\,/\,\mathrm{area}}$", fontsize=7)
 
 
 def half_frequency(radial: dapple.RadialStatistics, unit: float) -> float:

@@ -35,7 +35,9 @@ different machines compare in magnitude only."""
 def machine() -> str:
     """How many cores, of what, and how much was waiting for them."""
     cores, load = len(os.sched_getaffinity(0)), os.getloadavg()[1]
-    return f"{cores} {platform.machine()} cores under a load of {load:.1f} (1 by this alone)"
+    return (
+        f"{cores} {platform.machine()} cores, load average {load:.1f}, up to {cores} of it its own"
+    )
 
 
 def left_out(plates: Sequence[Plate]) -> str:

@@ -120,6 +120,8 @@ def trend(weight: float, before: float | None, curves: list[Curve]) -> str:
         return (
             f"We disagree: it rises from lambda {before:g}; the paper says that it falls gradually."
         )
+    if curves[3].alpha(weight) < curves[0].alpha(weight):
+        return f"Falls from lambda {before:g} as in the paper; our default stops earlier."
     return f"Falls from lambda {before:g} as in the paper; by default the gap holds it up."
 
 

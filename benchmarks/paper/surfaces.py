@@ -27,6 +27,7 @@ DOT = np.array([[0.62, 0.20, 0.13]])
 WEIGHTS = (0.0, 10.0, 30.0, 100.0, 1000.0)  # which ones the paper drew is not in its text
 QUICK_WEIGHTS = (0.0, 30.0)
 TIMED = 30.0
+SHORT = dict(zip(WAYS, ("preset", "default"), strict=True))
 
 
 @dataclass(frozen=True)
@@ -163,27 +164,32 @@ def figure_8(setting: Setting) -> Plate:
     }
     cases["Poisson-disk start"] = {"max_evaluations": 1, "start": "poisson"}
     figure, axes = sheet(len(WAYS), len(cases), 2.5)
-    rows = []
+    rows, before = [], [np.inf] * len(WAYS)
     for column, (name, extra) in enumerate(cases.items()):
-        values = []
+        values, heights = [], []
         for line, (way, options) in zip(axes, WAYS.items(), strict=True):
             say(f"fig. 8: {name}, {way}")
             runs = runs_of(one.surface, count, seeds, setting, **options | extra)
             spectrum = dapple.surface_spectrum(one.surface, runs, threads=setting.threads)
-            draw_radial(line[column], spectrum.radial_power, 1.0, f"{name}, {way}")
+            draw_radial(line[column], spectrum.radial_power, 1.0, f"{name}, {SHORT[way]}")
             low = half_frequency(spectrum.radial_power, 1.0)
-            values.append(f"{low:.3f}, {peak(spectrum.radial_power):.2f}")
+            heights.append(peak(spectrum.radial_power))
+            values.append(f"{low:.3f}, {heights[-1]:.2f}")
         quantity = f"{name}: power at half of sqrt(n / area), and at its peak"
-        rows.append(row(quantity, PICTURE_ONLY, values, remark_8(name)))
+        rows.append(row(quantity, PICTURE_ONLY, values, remark_8(name, heights, before)))
+        before = heights
     figure.savefig(setting.picture(8))
     return Plate(8, f"spectra on the {one.name}", setting.picture(8), rows)
 
 
-def remark_8(name: str) -> str:
+def remark_8(name: str, heights: list[float], before: list[float]) -> str:
+    """before: the peaks of the lambda before."""
     if name == "lambda 0":
-        return "The CVT: the high peak is its pattern, as in the paper."
+        return "A CVT: the high peak is its pattern."
     if name.startswith("lambda"):
-        return "The larger lambda the lower the peak, as in the plane and in the paper."
+        if all(now < last for now, last in zip(heights, before, strict=True)):
+            return "A lower peak than at the lambda before, as in the plane."
+        return "No lower peak than at the lambda before by one way or both, unlike in the plane."
     return (
         "Stands for dart throwing; retiling and Bowers et al. of the paper's picture are not run."
     )

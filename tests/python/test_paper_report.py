@@ -94,10 +94,13 @@ def test_says_where_the_papers_alpha_is_reached(alphas, said):
 
 
 def test_says_when_alpha_rises_against_the_paper():
-    rising = [Curve("", {0.0: [0.8], 1.0: [0.85]}, {}, 0.0)]
-    falling = [Curve("", {0.0: [0.8], 1.0: [0.75]}, {}, 0.0)]
-    assert "We disagree" in study.trend(1.0, 0.0, rising)
-    assert "We disagree" not in study.trend(1.0, 0.0, falling)
+    def said(alpha: float, default: float) -> str:
+        curves = [Curve("", {0.0: [0.8], 1.0: [one]}, {}, 0.0) for one in (alpha, 0, 0, default)]
+        return study.trend(1.0, 0.0, curves)
+
+    assert "We disagree" in said(0.85, 0.8)
+    assert "the gap" in said(0.75, 0.78)
+    assert "stops earlier" in said(0.75, 0.7)
 
 
 def test_a_row_has_a_value_for_each_way():
