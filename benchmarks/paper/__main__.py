@@ -38,13 +38,8 @@ FIGURES: dict[int, Maker] = {
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="benchmarks/paper/run.sh", description=__doc__)
-    parser.add_argument(
-        *("folder",),
-        type=Path,
-        nargs="?",
-        default=mesh_folder(),
-        help="meshes; without a bunny there, a generated body takes its place",
-    )
+    without = "without a bunny there, a generated body takes its place"
+    parser.add_argument("folder", type=Path, nargs="?", help=f"meshes; {without}")
     known = ", ".join(map(str, FIGURES))
     parser.add_argument(
         "--only", type=int, nargs="+", choices=FIGURES, metavar="FIGURE", help=f"of {known}"
@@ -53,7 +48,11 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
     parser.add_argument("--out", type=Path, default=Path("build/paper"), metavar="FOLDER")
     parser.add_argument("--page", type=Path, help="write the table without pictures there too")
-    return parser.parse_args()
+    given = parser.parse_args()
+    if given.folder and not given.folder.is_dir():
+        parser.error(f"{given.folder} is no folder: name one that holds meshes, or none")
+    given.folder = given.folder or mesh_folder()
+    return given
 
 
 def main() -> None:

@@ -110,6 +110,13 @@ def test_a_row_has_a_value_for_each_way():
         row("q", "p", ["1"], "why")
 
 
+def test_a_folder_that_is_not_there_is_refused(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["paper", str(tmp_path / "gone")])
+    with pytest.raises(SystemExit):
+        command.main()
+    assert "gone is no folder" in capsys.readouterr().err
+
+
 def test_pictures_stand_below_the_table(tmp_path):
     plate = Plate(4, "title", tmp_path / "figure-04.png", [Row("q", "p", "1", "2", "why")])
     page = report.markdown([plate], "command")
