@@ -15,9 +15,10 @@ import dapple
 import numpy as np
 from dapple import texturing
 from mathutils import Matrix
-from mosaic import build_studio
 from numpy.typing import NDArray
-from studio import material
+
+from blend_examples.mosaic import build_studio
+from blend_examples.studio import material
 
 ROOT = Path(__file__).parent.parent
 PROFILE = [(0.30, 0.0), (0.46, 0.10), (0.62, 0.38), (0.66, 0.62), (0.52, 0.92), (0.32, 1.12)]

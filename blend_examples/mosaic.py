@@ -13,7 +13,8 @@ from pathlib import Path
 import bpy
 import dapple
 import numpy as np
-from studio import BODY, add_floor, add_light, aim, material, set_render, use_nodes
+
+from blend_examples.studio import BODY, add_floor, add_light, aim, material, set_render, use_nodes
 
 ROOT = Path(__file__).parent.parent
 SIZE = (1.5, 1.1, 1.3)  # of the box

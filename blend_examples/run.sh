@@ -12,4 +12,4 @@ case ${1:-} in
 esac
 scripts/setup.sh
 # Blender can hang at exit; nothing that holds bpy runs without a limit.
-exec timeout --kill-after=10 1800 "$python" "blend_examples/$scene.py" "$@"
+PYTHONPATH=$root exec timeout --kill-after=10 1800 "$python" -m "blend_examples.$scene" "$@"

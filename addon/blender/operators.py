@@ -4,6 +4,7 @@
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.props import EnumProperty, IntProperty
 
 from ..core.errors import ScatterError
@@ -11,11 +12,12 @@ from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
 from . import preview
+from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
 from .properties import BIND_TO, is_scatter
 from .store import clear_keys
 from .topology import differences, match_subdivision
-from .work import add_steps, bake_steps, optimise_steps, rebind_steps
+from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
 from .workfiles import work_files
 
 _OPTIONS = {"REGISTER", "UNDO"}
@@ -127,6 +129,28 @@ class DAPPLE_OT_rebind(StepsOperator, bpy.types.Operator):
         return rebind_steps(context)
 
 
+class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
+    """Make the area that belongs to each point a tile: of the points as they were optimised, on the
+    surface as it is in this frame. Tiles made before are replaced; their modifiers stay"""
+
+    bl_idname = "dapple.tile"
+    bl_label = "Make Tiles"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return tile_steps(context)
+
+    def done(self, context: bpy.types.Context, result: Any) -> None:
+        made, tiles = result
+        text = f"'{made.name}': {len(np.unique(tiles.cells)):,} tiles"
+        lost = f", {tiles.lost} were narrower than the grout" if tiles.lost else ""
+        self.report({"WARNING" if tiles.lost else "INFO"}, text + lost)
+
+
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
     """Remove the baked keys; the points then ride on the surface as they were optimised"""
 
@@ -205,6 +229,49 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class DAPPLE_OT_edit_classes(bpy.types.Operator):
+    """Change the list of classes; optimise again to see it"""
+
+    bl_idname = "dapple.edit_classes"
+    bl_label = "Edit Classes"
+    bl_options = _OPTIONS
+
+    action: EnumProperty(
+        name="Action",
+        items=[
+            ("ADD", "Add", "Add a class; the first takes over what the scatter places now"),
+            ("REMOVE", "Remove", "Remove the class that is shown"),
+            ("UP", "Move Up", "Move the class that is shown one place up"),
+            ("DOWN", "Move Down", "Move the class that is shown one place down"),
+        ],
+        default="ADD",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        change_classes(context.object, self.action)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_select_overlap(bpy.types.Operator):
+    """Select the two points whose things overlap most, and put the 3D cursor between them"""
+
+    bl_idname = "dapple.select_overlap"
+    bl_label = "Select Overlap"
+    bl_options = _OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and context.object.dapple.report.worst_overlap > 0
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        context.scene.cursor.location = select_overlap(context.object)
+        return {"FINISHED"}
+
+
 def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
     """The active object, or the surface of the active scatter."""
     obj = context.object
@@ -218,8 +285,11 @@ CLASSES = (
     DAPPLE_OT_optimise,
     DAPPLE_OT_bake,
     DAPPLE_OT_rebind,
+    DAPPLE_OT_tile,
     DAPPLE_OT_clear_bake,
     DAPPLE_OT_discard_bake,
     DAPPLE_OT_preview,
     DAPPLE_OT_match_subdivision,
+    DAPPLE_OT_edit_classes,
+    DAPPLE_OT_select_overlap,
 )

@@ -6,6 +6,7 @@ from dataclasses import fields
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     IntProperty,
@@ -14,12 +15,21 @@ from bpy.props import (
 )
 
 from ..core.records import SCHEMA_KEY
-from ..core.settings import Settings
+from ..core.settings import ClassSettings, Settings
 from ..core.solve import Report
 from ..core.stale import changed_settings
-from ..nodes import GROUP_NAME, VERSION_KEY, has_input, set_input
+from ..core.tiles import TileSettings
+from ..nodes import (
+    GROUP_NAME,
+    INSTANCE_INPUTS,
+    VERSION_KEY,
+    has_input,
+    input_name,
+    set_input,
+)
 
 _DEFAULT = Settings()
+_TILES = TileSettings()
 BIND_TO = [
     ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
     (
@@ -81,14 +91,21 @@ def settings_reason(obj: bpy.types.Object) -> str:
 
 def write_instance_inputs(obj: bpy.types.Object) -> None:
     """Tell the node group what to instance and how."""
-    modifier, settings = scatter_modifier(obj), obj.dapple
+    modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    set_input(modifier, "Instance", settings.instance)
-    set_input(modifier, "Scale", settings.scale)
-    set_input(modifier, "Scale Randomness", settings.scale_randomness)
-    set_input(modifier, "Turn Randomness", settings.turn_randomness)
+    if not obj.dapple.classes:
+        _write_kind(modifier, obj.dapple, None)
+    for index, kind in enumerate(obj.dapple.classes):
+        _write_kind(modifier, kind, index)
     obj.update_tag()
+
+
+def _write_kind(modifier: bpy.types.NodesModifier, kind: "Instanced", index: int | None) -> None:
+    for name, _ in INSTANCE_INPUTS:
+        label = input_name(name, index)
+        if has_input(modifier, label):
+            set_input(modifier, label, getattr(kind, name.lower().replace(" ", "_")))
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
@@ -125,9 +142,148 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         description="On frames without a key: mean distance from where points were solved, "
         "in spacings",
     )
+    worst_overlap: FloatProperty(
+        name="Worst Overlap",
+        description="Of things with radii: by how much of both radii the two nearest overlap",
+        subtype="FACTOR",
+    )
+    overlap_first: IntProperty(name="First Overlapping Point", default=-1)
+    overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
 
 
-class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
+class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
+    """How the cells of a scatter are made into tiles."""
+
+    grout: FloatProperty(
+        options=_STILL,
+        name="Grout",
+        description="Width of the gap between tiles, as a share of the points' spacing",
+        default=_TILES.grout,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    inset_randomness: FloatProperty(
+        options=_STILL,
+        name="Random Inset",
+        description="By how much more a tile may draw back, as a share of the points' spacing",
+        default=_TILES.inset_randomness,
+        min=0.0,
+        max=0.5,
+        subtype="FACTOR",
+    )
+    thickness: FloatProperty(
+        options=_STILL,
+        name="Thickness",
+        description="Of the tiles, as a share of the points' spacing; 0 leaves them in the surface",
+        default=_TILES.thickness,
+        min=0.0,
+        soft_max=1.0,
+        subtype="FACTOR",
+    )
+    colour_by: EnumProperty(
+        options=_STILL,
+        name="Colour By",
+        description="What the colour attribute of the tiles tells",
+        items=[
+            ("RANDOM", "Tile", "Each tile has a colour by chance of its id"),
+            ("CLASS", "Class", "Tiles of one class have one colour"),
+        ],
+        default=_TILES.colour_by,
+    )
+    object: PointerProperty(
+        name="Tiles",
+        description="Object that the tiles are written to",
+        type=bpy.types.Object,
+    )
+
+
+class Instanced:
+    """What is put on points, and how."""
+
+    instance: PointerProperty(
+        name="Instance",
+        description="Object to put on every point; a small cone if empty",
+        type=bpy.types.Object,
+        update=_instance_changed,
+    )
+    collection: PointerProperty(
+        name="Collection",
+        description="Objects of which every point gets one by chance; goes before Instance",
+        type=bpy.types.Collection,
+        update=_instance_changed,
+    )
+    scale: FloatProperty(
+        options=_STILL,
+        name="Scale",
+        description="Size of the instances",
+        default=1.0,
+        soft_min=0.0,
+        soft_max=10.0,
+        update=_instance_changed,
+    )
+    scale_randomness: FloatProperty(
+        options=_STILL,
+        name="Random Scale",
+        description="By how much of their size instances may be smaller",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_instance_changed,
+    )
+    turn_randomness: FloatProperty(
+        options=_STILL,
+        name="Random Turn",
+        description="Share of a full turn by which instances are turned about the normal",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_instance_changed,
+    )
+
+
+class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
+    """One kind of things among several; its `name` is what the list shows."""
+
+    use_count: BoolProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Exact Count",
+        description="Give the class so many points, instead of a share of the rest",
+    )
+    count: IntProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Count",
+        description="Number of points of the class, met exactly",
+        default=100,
+        min=1,
+        soft_max=100_000,
+    )
+    share: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Share",
+        description="Of the points that no class counts itself, in relation to the other shares",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+    )
+    radius: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Radius",
+        description="Of a thing on the ground: things of all classes are kept from overlapping",
+        default=0.0,
+        min=0.0,
+        soft_max=10.0,
+        unit="LENGTH",
+    )
+
+
+class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     """Settings of a scatter object."""
 
     surface: PointerProperty(
@@ -190,41 +346,8 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         min=1,
         soft_max=1000,
     )
-    instance: PointerProperty(
-        name="Instance",
-        description="Object to put on every point; a small cone if empty",
-        type=bpy.types.Object,
-        update=_instance_changed,
-    )
-    scale: FloatProperty(
-        options=_STILL,
-        name="Scale",
-        description="Size of the instances",
-        default=1.0,
-        soft_min=0.0,
-        soft_max=10.0,
-        update=_instance_changed,
-    )
-    scale_randomness: FloatProperty(
-        options=_STILL,
-        name="Random Scale",
-        description="By how much of their size instances may be smaller",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_instance_changed,
-    )
-    turn_randomness: FloatProperty(
-        options=_STILL,
-        name="Random Turn",
-        description="Share of a full turn by which instances are turned about the normal",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_instance_changed,
-    )
+    classes: CollectionProperty(type=DAPPLE_PG_class)
+    class_index: IntProperty(name="Class", description="The class that is shown", options=_STILL)
     key_every: IntProperty(
         options=_STILL,
         name="Key Every",
@@ -305,6 +428,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         min=1,
         soft_max=1000,
     )
+    tiles: PointerProperty(type=DAPPLE_PG_tiles)
     report: PointerProperty(type=DAPPLE_PG_report)
     surface_vertices: IntProperty(
         options=_STILL,
@@ -330,7 +454,20 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
 
 def settings_of(obj: bpy.types.Object) -> Settings:
     """The options that the native package takes."""
-    return Settings(**{field.name: getattr(obj.dapple, field.name) for field in fields(Settings)})
+    values = {field.name: getattr(obj.dapple, field.name) for field in fields(Settings)}
+    return Settings(**values | {"classes": tuple(map(_class_settings, obj.dapple.classes))})
+
+
+def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
+    """How the tiles of a scatter are cut."""
+    tiles = obj.dapple.tiles
+    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.colour_by)
+
+
+def _class_settings(kind: DAPPLE_PG_class) -> ClassSettings:
+    if kind.use_count:
+        return ClassSettings(share=0.0, count=kind.count, radius=kind.radius)
+    return ClassSettings(share=kind.share, radius=kind.radius)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:
@@ -339,7 +476,7 @@ def write_report(obj: bpy.types.Object, report: Report) -> None:
         setattr(obj.dapple.report, field.name, getattr(report, field.name))
 
 
-CLASSES = (DAPPLE_PG_report, DAPPLE_PG_scatter)
+CLASSES = (DAPPLE_PG_report, DAPPLE_PG_class, DAPPLE_PG_tiles, DAPPLE_PG_scatter)
 
 
 def register() -> None:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing results into the file: the scatter object and its baked keys."""
 
+from typing import Any
+
 import bmesh
 import bpy
 import numpy as np
@@ -27,7 +29,16 @@ from ..core.records import (
 from ..core.solve import Report, Scattered
 from ..core.stale import settings_text
 from ..core.surface import Floats, SurfaceArrays
-from ..nodes import GROUP_NAME, ensure_group, get_input, has_input, set_input
+from ..nodes import (
+    GROUP_NAME,
+    INPUTS,
+    VERSION,
+    VERSION_KEY,
+    ensure_group,
+    get_input,
+    has_input,
+    set_input,
+)
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .properties import (
     scatter_modifier,
@@ -56,12 +67,24 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     modifier = scatter_modifier(obj)
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
-    group = ensure_group()
+    group = ensure_group(len(obj.dapple.classes))
     if modifier.node_group != group:
+        before = _inputs(modifier)
         modifier.node_group = group
+        for name, value in before.items():
+            if has_input(modifier, name):
+                set_input(modifier, name, value)
         write_surface_inputs(obj, modifier)
         write_instance_inputs(obj)
     return modifier
+
+
+def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
+    """What a node group for another number of classes is told, by name; none of older versions."""
+    if modifier.node_group is None or modifier.node_group.get(VERSION_KEY) != VERSION:
+        return {}
+    names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
+    return {name: get_input(modifier, name) for name in names}
 
 
 def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:

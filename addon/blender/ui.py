@@ -9,15 +9,19 @@ import bpy
 from ..core.errors import ScatterError
 from ..core.native import missing
 from . import preview
+from .classes import count_labels
 from .operators import (
     DAPPLE_OT_add,
     DAPPLE_OT_bake,
     DAPPLE_OT_clear_bake,
     DAPPLE_OT_discard_bake,
+    DAPPLE_OT_edit_classes,
     DAPPLE_OT_match_subdivision,
     DAPPLE_OT_optimise,
     DAPPLE_OT_preview,
     DAPPLE_OT_rebind,
+    DAPPLE_OT_select_overlap,
+    DAPPLE_OT_tile,
     active_surface,
 )
 from .properties import is_scatter, settings_reason
@@ -125,13 +129,86 @@ class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
         self.layout.prop(context.object.dapple.report, "spacing")
 
 
+class DAPPLE_UL_classes(bpy.types.UIList):
+    """Name of each class, and how many points it gets."""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.AnyType,
+        item: bpy.types.AnyType,
+        icon: int,
+        active_data: bpy.types.AnyType,
+        active_property: str,
+        index: int = 0,
+        flt_flag: int = 0,
+    ) -> None:
+        row = layout.row()
+        icon_name = "OUTLINER_COLLECTION" if item.collection else "OBJECT_DATA"
+        row.prop(item, "name", text="", emboss=False, icon=icon_name)
+        counts = count_labels(data.id_data)
+        part = row.row()
+        part.alignment = "RIGHT"
+        part.label(text=counts[index])
+
+
 class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
     bl_label = "Instances"
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
-        for name in ("instance", "scale", "scale_randomness", "turn_randomness"):
-            self.layout.prop(context.object.dapple, name)
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split = True
+        _draw_class_list(layout, settings)
+        kinds, at = settings.classes, settings.class_index
+        shown = kinds[at] if at < len(kinds) else settings
+        if kinds:
+            _draw_class(layout, shown)
+        for name in ("instance", "collection", "scale", "scale_randomness", "turn_randomness"):
+            layout.prop(shown, name)
+        if settings.report.worst_overlap > 0:
+            row = layout.row()
+            row.label(text=f"Worst overlap {100 * settings.report.worst_overlap:.0f} %")
+            row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    edit = DAPPLE_OT_edit_classes.bl_idname
+    if not settings.classes:
+        layout.operator(edit, text="Several Classes", icon="ADD").action = "ADD"
+        return
+    row = layout.row()
+    row.template_list(DAPPLE_UL_classes.__name__, "", settings, "classes", settings, "class_index")
+    column = row.column(align=True)
+    icons = {"ADD": "ADD", "REMOVE": "REMOVE", "UP": "TRIA_UP", "DOWN": "TRIA_DOWN"}
+    for action, icon in icons.items():
+        column.operator(edit, text="", icon=icon).action = action
+
+
+def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
+    row = layout.row(heading="Exact Count")
+    row.prop(kind, "use_count", text="")
+    part = row.row()
+    part.active = kind.use_count
+    part.prop(kind, "count", text="")
+    part = layout.row()
+    part.active = not kind.use_count
+    part.prop(kind, "share")
+    layout.prop(kind, "radius")
+
+
+class DAPPLE_PT_tiles(_ScatterPanel, bpy.types.Panel):
+    bl_label = "Tiles"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, tiles = self.layout, context.object.dapple.tiles
+        layout.use_property_split, layout.use_property_decorate = True, False
+        for name in ("grout", "inset_randomness", "thickness", "colour_by"):
+            layout.prop(tiles, name)
+        text = "Replace Tiles" if tiles.object else "Make Tiles"
+        layout.operator(DAPPLE_OT_tile.bl_idname, text=text, icon="MESH_GRID")
+        layout.prop(tiles, "object", text="Object")
 
 
 def baked_line(obj: bpy.types.Object) -> str:
@@ -188,4 +265,11 @@ def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
 
 
-CLASSES = (DAPPLE_PT_main, DAPPLE_PT_evenness, DAPPLE_PT_instances, DAPPLE_PT_animation)
+CLASSES = (
+    DAPPLE_UL_classes,
+    DAPPLE_PT_main,
+    DAPPLE_PT_evenness,
+    DAPPLE_PT_instances,
+    DAPPLE_PT_tiles,
+    DAPPLE_PT_animation,
+)

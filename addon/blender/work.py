@@ -21,10 +21,11 @@ from ..core.settings import Settings
 from ..core.solve import scatter
 from ..core.steps import Steps, Task
 from ..core.surface import SurfaceArrays, check_unchanged
+from ..core.tiles import tiled
 from ..core.together import TogetherBaker
 from .held import Held
 from .meshio import read_rest, read_surface
-from .properties import settings_of
+from .properties import settings_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
     new_scatter,
@@ -36,6 +37,7 @@ from .store import (
     write_binding,
     write_scattered,
 )
+from .tiles import write_tiles
 from .topology import check_render_topology
 from .workfiles import work_files
 
@@ -58,7 +60,7 @@ def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FA
     check_unchanged(arrays, _read(surface.get()))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
-    for name in settings.__dataclass_fields__:
+    for name in ("count", "seed"):
         setattr(obj.dapple, name, getattr(settings, name))
     obj.dapple.bind_to = bind_to
     write_scattered(obj, arrays, solved, rest)
@@ -180,6 +182,18 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
             "Topology Change to Re-bind"
         )
     return bound_nearest(places_of(obj), arrays), point_columns_of(obj)
+
+
+def tile_steps(context: bpy.types.Context) -> Steps:
+    """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
+    held, surface = Held(context.object), Held(surface_of(context.object))
+    arrays = _read(surface.get())
+    binding, columns = read_binding(context.object, len(arrays.vertices))
+    settings, seed = tile_settings_of(context.object), context.object.dapple.seed
+    tiles = yield Task(lambda worker: tiled(arrays, binding, columns, settings, seed, worker))
+    obj = held.get()
+    check_unchanged(arrays, _read(surface.get()))
+    return write_tiles(obj, tiles), tiles
 
 
 def rebind_steps(context: bpy.types.Context) -> Steps:

@@ -12,6 +12,7 @@ from typing import Any
 from .binding import placed_of, rebound, samples_of
 from .frames import carried
 from .keys import Baked, Keyframes, Placed
+from .kinds import tracked
 from .native import package
 from .records import Binding
 from .settings import Settings
@@ -138,7 +139,7 @@ class Baker:
         return self._tracker
 
     def _new_tracker(self) -> Any:
-        return package().Tracker(*self._beginning(), **self.start.settings.tracker_options())
+        return tracked(*self._beginning(), self.start.settings)
 
     def _beginning(self) -> tuple[Any, Any]:
         """The surface where the topology begins, and the samples on it."""

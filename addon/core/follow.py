@@ -10,6 +10,7 @@ from .bake import Start
 from .binding import placed_of, samples_of
 from .errors import StoppedError
 from .frames import carried
+from .kinds import tracked
 from .native import package
 from .records import Binding
 from .solve import named
@@ -27,7 +28,7 @@ class Follower:
         with named(surface.name):
             native = package().Surface(surface.vertices, surface.faces)
             samples = samples_of(start.binding, native, start.ids, start.classes)
-            self._tracker = package().Tracker(native, samples, **start.settings.tracker_options())
+            self._tracker = tracked(native, samples, start.settings)
 
     def follow(self, surface: SurfaceArrays, budget: float) -> Binding | None:
         """The binding for this shape, found within so many seconds.

@@ -15,6 +15,7 @@ from .bake import Baker
 from .errors import ScatterError
 from .frames import carried
 from .keys import Placed
+from .kinds import check_one_class
 from .native import package
 from .records import Binding, Columns
 from .sidecar import Solved
@@ -39,6 +40,7 @@ class PopulationBaker(Baker):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_one_class(self.start.settings, "Keep Density")
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far

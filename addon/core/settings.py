@@ -6,6 +6,15 @@ from typing import Any
 
 
 @dataclass(frozen=True)
+class ClassSettings:
+    """One kind of things among several."""
+
+    share: float = 1.0  # of the points that no class counts itself, in relation to other shares
+    count: int = 0  # exactly so many; 0: by its share
+    radius: float = 0.0  # of a thing, in world units: they are kept from overlapping
+
+
+@dataclass(frozen=True)
 class Settings:
     """Options of one optimisation."""
 
@@ -16,14 +25,16 @@ class Settings:
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
     stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
+    classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
 
     def sample_options(self) -> dict[str, Any]:
-        """Keyword options of dapple.sample, without the count."""
+        """Keyword options of dapple.sample, without count and classes."""
         options = asdict(self)
-        del options["count"], options["stickiness"]
+        del options["count"], options["stickiness"], options["classes"]
         return options
 
     def tracker_options(self) -> dict[str, Any]:
-        """Keyword options of dapple.Tracker, which has a limit of evaluations of its own."""
+        """Keyword options of dapple.Tracker, which has a limit of evaluations of its own, without
+        classes."""
         names = ("capacity_weight", "gap_weight", "tolerance", "stickiness")
         return {name: getattr(self, name) for name in names}

@@ -10,6 +10,7 @@ import numpy as np
 
 from .binding import binding_of
 from .errors import ScatterError, StoppedError
+from .kinds import sampled
 from .native import package
 from .records import Binding, Columns, own_random
 from .settings import Settings
@@ -30,6 +31,9 @@ class Report:
     converged: bool = False
     key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
     key_error_mean: float = 0.0
+    worst_overlap: float = 0.0  # of things with radii; 0: none overlap
+    overlap_first: int = -1  # the two points that do most
+    overlap_second: int = -1
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,7 @@ def scatter(arrays: SurfaceArrays, settings: Settings, context: Any) -> Scattere
     """Scatter points over a surface as it stands."""
     with named(arrays.name):
         surface = package().Surface(arrays.vertices, arrays.faces)
-        samples = package().sample(
-            surface, settings.count, context=context, **settings.sample_options()
-        )
+        samples = sampled(surface, settings, context)
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     binding = binding_of(samples, arrays.faces)
     return Scattered(np.asarray(samples.positions), binding, columns, report_of(samples.report))
@@ -69,7 +71,15 @@ def report_of(report: Any) -> Report:
     """The shown part of a dapple.Report."""
     names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations")
     shown = {name: getattr(report, name) for name in names}
-    return Report(milliseconds=1000.0 * report.seconds, converged=report.converged, **shown)
+    first, second = report.overlapping
+    return Report(
+        milliseconds=1000.0 * report.seconds,
+        converged=report.converged,
+        worst_overlap=report.worst_overlap,
+        overlap_first=first,
+        overlap_second=second,
+        **shown,
+    )
 
 
 @contextmanager

@@ -33,10 +33,12 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
         before = {}
     if not isinstance(before, dict):
         before = {}
+    before.setdefault("classes", [])  # older files have none
+    values = json.loads(settings_text(now))
     return [
         name.replace("_", " ")
-        for name, value in asdict(now).items()
-        if name not in before or before[name] != value
+        for name in asdict(now)
+        if name not in before or before[name] != values[name]
     ]
 
 

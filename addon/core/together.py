@@ -6,6 +6,7 @@ from typing import Any
 
 from .bake import Baker
 from .errors import ScatterError
+from .kinds import check_one_class
 from .native import package
 from .solve import named
 from .surface import SurfaceArrays
@@ -19,6 +20,7 @@ class TogetherBaker(Baker):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_one_class(self.start.settings, "Smoothing over all frames")
         self._held: list[SurfaceArrays] = []
 
     @property

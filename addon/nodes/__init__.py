@@ -2,6 +2,25 @@
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
 from .inputs import get_input, has_input, set_input
-from .scatter import GROUP_NAME, VERSION_KEY, ensure_group
+from .scatter import (
+    GROUP_NAME,
+    INPUTS,
+    INSTANCE_INPUTS,
+    VERSION,
+    VERSION_KEY,
+    ensure_group,
+    input_name,
+)
 
-__all__ = ["GROUP_NAME", "VERSION_KEY", "ensure_group", "get_input", "has_input", "set_input"]
+__all__ = [
+    "GROUP_NAME",
+    "INPUTS",
+    "INSTANCE_INPUTS",
+    "VERSION",
+    "VERSION_KEY",
+    "ensure_group",
+    "get_input",
+    "has_input",
+    "input_name",
+    "set_input",
+]

@@ -104,19 +104,24 @@ class Builder:
 
     def arrange(self) -> None:
         """Lay the nodes out in columns by their distance from the group input."""
+        before: dict[str, list[str]] = {}
+        for link in self.tree.links:  # read once: a socket's own links are searched among all
+            before.setdefault(link.to_node.name, []).append(link.from_node.name)
+        depths: dict[str, int] = {}
         columns: dict[int, int] = {}
         for node in self.tree.nodes:
-            column = self._depth(node, {})
+            column = _depth(node.name, before, depths)
             row = columns.get(column, 0)
             node.location = (column * 220.0, -row * 220.0)
             columns[column] = row + 1
 
-    def _depth(self, node: bpy.types.Node, seen: dict[str, int]) -> int:
-        if node.name not in seen:
-            links = [link for socket in node.inputs for link in socket.links]
-            depths = [self._depth(link.from_node, seen) for link in links]
-            seen[node.name] = max(depths, default=-1) + 1
-        return seen[node.name]
+
+def _depth(name: str, before: dict[str, list[str]], depths: dict[str, int]) -> int:
+    """Links on the longest way to a node."""
+    if name not in depths:
+        own = [_depth(other, before, depths) for other in before.get(name, [])]
+        depths[name] = max(own, default=-1) + 1
+    return depths[name]
 
 
 def new_group(

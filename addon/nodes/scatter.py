@@ -5,12 +5,13 @@ from typing import Any
 
 import bpy
 
-from . import bound_point, playback, rest_point
+from . import bound_point, playback, rest_point, things
 from .builder import Builder, Socket, new_group
 
 GROUP_NAME = "Dapple Scatter"
-VERSION = 3
+VERSION = 4
 VERSION_KEY = "dapple_version"
+_KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
 _PART_KEY = "dapple_part"  # of groups inside
 
 INPUTS = [
@@ -25,27 +26,39 @@ INPUTS = [
     ("First Frame", "NodeSocketInt"),
     ("Stale", "NodeSocketString"),
     ("Preview", "NodeSocketObject"),
-    ("Instance", "NodeSocketObject"),
     ("Spacing", "NodeSocketFloat"),
+]
+INSTANCE_INPUTS = [
+    ("Instance", "NodeSocketObject"),
+    ("Collection", "NodeSocketCollection"),
     ("Scale", "NodeSocketFloat"),
     ("Scale Randomness", "NodeSocketFloat"),
     ("Turn Randomness", "NodeSocketFloat"),
 ]
 
 
-def ensure_group() -> bpy.types.NodeTree:
-    """The group of this version in the open file, built if there is none."""
+def ensure_group(classes: int = 0) -> bpy.types.NodeTree:
+    """The group of this version for so many classes in the open file, built if there is none."""
     for group in bpy.data.node_groups:
-        if group.library is None and group.get(VERSION_KEY) == VERSION:
+        known = group.get(VERSION_KEY) == VERSION and group.get(_KINDS_KEY, 0) == classes
+        if known and group.library is None:
             return group
-    return build()
+    return build(classes)
 
 
-def build() -> bpy.types.NodeTree:
+def input_name(name: str, kind: int | None) -> str:
+    """What one of INSTANCE_INPUTS is called for a class; None: where there is one kind only."""
+    return name if kind is None else f"{name} {kind + 1}"
+
+
+def build(classes: int = 0) -> bpy.types.NodeTree:
     """New group, marked with its version."""
-    tree = new_group(GROUP_NAME, INPUTS, [("Geometry", "NodeSocketGeometry")])
+    kinds: list[int | None] = list(range(classes)) or [None]
+    inputs = [(input_name(name, k), socket) for k in kinds for name, socket in INSTANCE_INPUTS]
+    name = f"{GROUP_NAME} {classes} Classes" if classes else GROUP_NAME
+    tree = new_group(name, INPUTS + inputs, [("Geometry", "NodeSocketGeometry")])
     tree.is_modifier = True
-    tree[VERSION_KEY] = VERSION
+    tree[VERSION_KEY], tree[_KINDS_KEY] = VERSION, classes
     b = Builder(tree)
     info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
     rows, triangles, frames = (_stored(b, name) for name in ("Keys", "Triangles", "Frames"))
@@ -57,13 +70,13 @@ def build() -> bpy.types.NodeTree:
     bindings = [playback.chosen(b, baked, own, key) for key in keys]
     preview, live = _preview(b)
     bindings = [playback.chosen(b, live, stored, preview) for stored in bindings]
-    points = _placed(b, info, bindings, moment.fraction)
+    points = _placed(b, info, bindings, moment.fraction, kinds)
     played = b.boolean("AND", baked, b.boolean("NOT", live))
     bound = b.switch("INT", played, b.input("Surface Vertices"), moment.vertices)
     other = b.compare("NOT_EQUAL", vertices, bound)
     other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
     fits = _guards(b, other, played)
-    b.output("Geometry", b.switch("GEOMETRY", fits, None, _instances(b, points)))
+    b.output("Geometry", b.switch("GEOMETRY", fits, None, _instances(b, points, kinds)))
     b.arrange()
     return tree
 
@@ -103,7 +116,11 @@ def _warning(b: Builder, show: Socket, message: Any) -> Socket:
 
 
 def _placed(
-    b: Builder, info: bpy.types.Node, bindings: list[playback.Bound], fraction: Socket
+    b: Builder,
+    info: bpy.types.Node,
+    bindings: list[playback.Bound],
+    fraction: Socket,
+    kinds: list[int | None],
 ) -> Socket:
     """Points on the surface, with `rotation`, `fade` and `scale` attributes."""
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
@@ -114,12 +131,13 @@ def _placed(
     by_rest, rest = b.input("Rest Binding"), _rest(b, surface, side)
     position = b.switch("VECTOR", by_rest, position, rest.outputs[0])
     rotation = b.switch("ROTATION", by_rest, rotation, rest.outputs[1])
-    turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), b.input("Turn Randomness"))
+    randomness = _of_class(b, "Turn Randomness", kinds)
+    turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), randomness)
     points = b.input("Geometry")
     points = b.store(points, "rotation", b.turned(rotation, turn), "QUATERNION")
     gone = b.mix("FLOAT", fraction, *(binding.gone for binding in bindings))
     points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
-    points = b.store(points, "scale", _size(b), "FLOAT_VECTOR")
+    points = b.store(points, "scale", _size(b, kinds), "FLOAT_VECTOR")
     return b.out("GeometryNodeSetPosition", points, True, position)
 
 
@@ -151,38 +169,40 @@ def _inner_group(part: Any) -> bpy.types.NodeTree:
     return group
 
 
-def _size(b: Builder) -> Socket:
+def _of_class(b: Builder, name: str, kinds: list[int | None]) -> Socket:
+    """The number among INSTANCE_INPUTS that belongs to a point's class."""
+    value = b.input(input_name(name, kinds[0]))
+    for kind in kinds[1:]:
+        value = b.switch("FLOAT", _is_of(b, kind), value, b.input(input_name(name, kind)))
+    return value
+
+
+def _is_of(b: Builder, kind: int | None) -> Socket:
+    return b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind)
+
+
+def _size(b: Builder, kinds: list[int | None]) -> Socket:
     """Scale * fade * (1 - randomness * own random number)."""
     own = b.attribute("dapple_scale", "FLOAT")
-    less = b.number("MULTIPLY", own, b.input("Scale Randomness"))
-    factor = b.number("MULTIPLY", b.input("Scale"), b.number("SUBTRACT", 1.0, less))
+    less = b.number("MULTIPLY", own, _of_class(b, "Scale Randomness", kinds))
+    scale = _of_class(b, "Scale", kinds)
+    factor = b.number("MULTIPLY", scale, b.number("SUBTRACT", 1.0, less))
     factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
     return b.scaled((1.0, 1.0, 1.0), factor)
 
 
-def _instances(b: Builder, points: Socket) -> Socket:
-    """The chosen object on every point; a small cone when none is chosen."""
-    node = b.node("GeometryNodeObjectInfo", b.input("Instance"), True)
-    chosen = node.outputs["Geometry"]
-    some = b.compare("GREATER_THAN", b.count(chosen, "INSTANCES"), 0)
-    shape = b.switch("GEOMETRY", some, _cone(b), chosen)
-    return b.out(
-        "GeometryNodeInstanceOnPoints",
-        points,
-        b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT"),
-        shape,
-        False,
-        None,
-        b.attribute("rotation", "QUATERNION"),
-        b.attribute("scale", "FLOAT_VECTOR"),
-    )
+def _instances(b: Builder, points: Socket, kinds: list[int | None]) -> Socket:
+    """What is chosen for each class on its points."""
+    there = b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT")
+    if kinds == [None]:
+        return _placed_things(b, points, there, None)
+    joined = b.node("GeometryNodeJoinGeometry")
+    for kind in reversed(kinds):  # the last that is linked comes first
+        chosen = b.boolean("AND", there, _is_of(b, kind))
+        b.tree.links.new(_placed_things(b, points, chosen, kind), joined.inputs[0])
+    return joined.outputs[0]
 
 
-def _cone(b: Builder) -> Socket:
-    node = b.node("GeometryNodeMeshCone")
-    node.inputs["Vertices"].default_value = 8
-    node.inputs["Radius Top"].default_value = 0.0
-    spacing = b.input("Spacing")
-    b.tree.links.new(b.number("MULTIPLY", spacing, 0.3), node.inputs["Radius Bottom"])
-    b.tree.links.new(b.number("MULTIPLY", spacing, 0.6), node.inputs["Depth"])
-    return node.outputs["Mesh"]
+def _placed_things(b: Builder, points: Socket, where: Socket, kind: int | None) -> Socket:
+    chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
+    return _inner(b, things, (points, where, *chosen, b.input("Spacing"))).outputs[0]

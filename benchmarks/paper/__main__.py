@@ -14,7 +14,16 @@ from time import perf_counter
 
 from benchmarks.compare.cases import mesh_folder
 from benchmarks.compare.tables import say
-from benchmarks.paper import classes, motion, pictures, plane, report, study, surfaces
+from benchmarks.paper import (
+    classes,
+    motion,
+    pictures,
+    placement,
+    plane,
+    report,
+    study,
+    surfaces,
+)
 from benchmarks.paper.setting import Maker, Setting
 
 # In the order of the table; a figure is a function that draws a picture and returns its rows.
@@ -32,6 +41,7 @@ FIGURES: dict[int, Maker] = {
     13: classes.figure_13,
     14: pictures.figure_14,
     15: pictures.figure_15,
+    16: placement.figure_16,
     17: motion.figure_17,
 }
 

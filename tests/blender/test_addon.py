@@ -114,8 +114,12 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     tracker = re.findall(r"(stickiness): float = ([\d.]+)", "".join(heads[1:]))
     sample = dict([*found, *tracker])
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
+    assert settings.classes == ()  # a list, for sample_classes
+    assert shown["classes"].type == "COLLECTION"
     for field in fields(settings):
         value = getattr(settings, field.name)
+        if field.name == "classes":
+            continue
         assert field.name in sample
         assert shown[field.name].default == pytest.approx(value, rel=1e-6)
         if field.name != "count":

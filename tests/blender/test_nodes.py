@@ -112,8 +112,8 @@ def test_groups_are_built_once_and_have_no_broken_link():
     nodes = addon_host.part("nodes")
     group = nodes.ensure_group()
     assert nodes.ensure_group() == group
-    # The scatter, and how a point is bound to faces and to the rest shape.
-    assert len(bpy.data.node_groups) == 3
+    # The scatter, how a point is bound to faces and to the rest shape, and what is put there.
+    assert len(bpy.data.node_groups) == 4
     links = [link for tree in bpy.data.node_groups for link in tree.links]
     assert links
     assert all(link.is_valid for link in links)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several classes of points: how many each gets, and what the native package is told of them."""
+
+from typing import Any
+
+import numpy as np
+
+from .errors import ScatterError
+from .native import package
+from .settings import Settings
+from .surface import Ints
+
+
+def class_counts(settings: Settings) -> list[int]:
+    """Points of each class: those it counts itself, the rest of the count by largest remainders.
+
+    Where every class counts its points, their sum takes the place of the count.
+
+    Raises:
+        ScatterError: the classes count more points than there are.
+    """
+    counts = [kind.count for kind in settings.classes]
+    shares = [0.0 if kind.count else kind.share for kind in settings.classes]
+    rest, total = settings.count - sum(counts), sum(shares)
+    if all(counts) or not settings.classes:
+        return counts
+    if rest < 0:
+        raise ScatterError(
+            f"The classes count {sum(counts):,} points exactly, Count is {settings.count:,}: "
+            "raise it, or let them count fewer"
+        )
+    if rest and not total:
+        raise ScatterError(f"{rest:,} points are of no class: all shares are 0")
+    quotas = [rest * share / total if total else 0.0 for share in shares]
+    given = [int(quota) for quota in quotas]
+    order = sorted(range(len(quotas)), key=lambda k: (given[k] - quotas[k], k))
+    for k in order[: rest - sum(given)]:
+        given[k] += 1
+    return [count + more for count, more in zip(counts, given, strict=True)]
+
+
+def sampled(surface: Any, settings: Settings, context: Any) -> Any:
+    """dapple.Samples of one class, or of those that the settings list."""
+    options = settings.sample_options()
+    if not settings.classes:
+        return package().sample(surface, settings.count, context=context, **options)
+    kinds = zip(class_counts(settings), settings.classes, strict=True)
+    classes = [package().SampleClass(count, radius=kind.radius) for count, kind in kinds]
+    return package().sample_classes(surface, classes, context=context, **options)
+
+
+def tracked(surface: Any, samples: Any, settings: Settings) -> Any:
+    """A dapple.Tracker that keeps the classes even by themselves and together."""
+    options = settings.tracker_options()
+    if not settings.classes:
+        return package().Tracker(surface, samples, **options)
+    counts = _counts_of(samples.classes, settings)
+    kinds = zip(counts, settings.classes, strict=True)
+    classes = [package().SampleClass(count, radius=kind.radius) for count, kind in kinds]
+    return package().Tracker(surface, samples, classes=classes, **options)
+
+
+def check_one_class(settings: Settings, what: str) -> None:
+    """ScatterError if there are several classes, which `what` cannot keep apart."""
+    if settings.classes:
+        raise ScatterError(
+            f"{what} does not keep several classes even: remove the classes, or choose another"
+        )
+
+
+def _counts_of(classes: Ints, settings: Settings) -> list[int]:
+    found = np.bincount(classes, minlength=len(settings.classes)).tolist()
+    if len(found) > len(settings.classes):
+        raise ScatterError(
+            f"There are points of class {len(found)}, the list has {len(settings.classes)}: "
+            "optimise the scatter"
+        )
+    return found

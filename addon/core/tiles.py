@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The cells of a scatter as tiles: a mesh of polygons, with what each tile owns."""
+
+import colorsys
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .binding import samples_of
+from .native import package
+from .records import Binding, Columns, own_random
+from .solve import named
+from .surface import Floats, Ints, SurfaceArrays
+
+_INSET_STREAM, _COLOUR_STREAM = 2, 3  # of own_random
+_HUES = (0.06, 0.53, 0.13, 0.35, 0.90, 0.72)  # of classes, one after another
+_SATURATION = 0.6
+
+
+@dataclass(frozen=True)
+class TileSettings:
+    """How tiles are cut; lengths in spacings of the points."""
+
+    grout: float = 0.1  # width of the gap between tiles
+    inset_randomness: float = 0.0  # up to so much farther a tile draws back, by its id
+    thickness: float = 0.15  # 0: they lie in the surface
+    colour_by: str = "RANDOM"  # or CLASS
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """Polygons in world space, tile after tile; tiles share no vertices."""
+
+    vertices: Floats  # (v, 3)
+    corners: Ints  # (c,) vertex indices, polygon after polygon
+    starts: Ints  # (m,) where each polygon begins
+    cells: Ints  # (m,) id of the point
+    classes: Ints  # (m,)
+    colours: Floats  # (v, 4) linear, of each vertex that of its tile
+    lost: int  # points whose cell the grout takes whole
+
+
+def tiled(
+    arrays: SurfaceArrays,
+    binding: Binding,
+    columns: Columns,
+    settings: TileSettings,
+    seed: int,
+    context: Any,
+) -> Tiles:
+    """The cells of bound points on a surface as it stands."""
+    ids, classes = columns["id"], columns["dapple_class"]
+    with named(arrays.name):
+        surface = package().Surface(arrays.vertices, arrays.faces)
+        samples = samples_of(binding, surface, ids, classes)
+        spacing = samples.report.spacing
+        made = package().mosaic(
+            surface,
+            samples,
+            grout=settings.grout * spacing,
+            insets=settings.inset_randomness * spacing * own_random(seed, ids, _INSET_STREAM),
+            thickness=settings.thickness * spacing,
+            context=context,
+        )
+    owners = np.empty(len(made.vertices), dtype=np.int64)  # points, of the vertices
+    owners[made.corners] = np.repeat(made.sites, np.diff(made.starts))
+    colours = _colours(settings.colour_by, seed, ids, classes)
+    return Tiles(
+        np.asarray(made.vertices),
+        np.asarray(made.corners),
+        np.asarray(made.starts[:-1]),
+        ids[made.sites],
+        np.asarray(made.classes),
+        colours[owners],
+        int((made.parts == 0).sum()),
+    )
+
+
+def _colours(colour_by: str, seed: int, ids: Ints, classes: Ints) -> Floats:
+    """(n, 4): the hue of the class, or by chance of the id; lighter or darker by chance."""
+    chance = own_random(seed, ids, _COLOUR_STREAM)
+    if colour_by == "CLASS":
+        hues = np.array(_HUES)[classes % len(_HUES)]
+    else:
+        hues = np.array(_HUES)[(chance * len(_HUES)).astype(np.int64)]
+    values = 0.35 + 0.45 * (1000.0 * chance % 1.0)
+    pairs = zip(hues.tolist(), values.tolist(), strict=True)
+    rows = [colorsys.hsv_to_rgb(hue, _SATURATION, value) for hue, value in pairs]
+    return np.column_stack([np.array(rows).reshape(-1, 3), np.ones(len(ids))])

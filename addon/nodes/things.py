@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: points with rotation and scale -> instances of an object or of a collection's."""
+
+import bpy
+
+from .builder import Builder, Socket, new_group
+
+NAME = "Dapple Things"
+
+
+def build() -> bpy.types.NodeTree:
+    """New group: objects of the collection by chance, or the object; a small cone without any."""
+    tree = new_group(
+        NAME,
+        [
+            ("Points", "NodeSocketGeometry"),
+            ("Selection", "NodeSocketBool"),
+            ("Instance", "NodeSocketObject"),
+            ("Collection", "NodeSocketCollection"),
+            ("Spacing", "NodeSocketFloat"),
+        ],
+        [("Instances", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    several = b.out("GeometryNodeCollectionInfo", b.input("Collection"), True, True)
+    count = b.count(several, "INSTANCES")
+    some = b.compare("GREATER_THAN", count, 0)
+    placed = b.out(
+        "GeometryNodeInstanceOnPoints",
+        b.input("Points"),
+        b.input("Selection"),
+        b.switch("GEOMETRY", some, _one(b), several),
+        some,
+        _picked(b, count),
+        b.attribute("rotation", "QUATERNION"),
+        b.attribute("scale", "FLOAT_VECTOR"),
+    )
+    b.output("Instances", placed)
+    b.arrange()
+    return tree
+
+
+def _one(b: Builder) -> Socket:
+    node = b.node("GeometryNodeObjectInfo", b.input("Instance"), True)
+    chosen = node.outputs["Geometry"]
+    some = b.compare("GREATER_THAN", b.count(chosen, "INSTANCES"), 0)
+    return b.switch("GEOMETRY", some, _cone(b), chosen)
+
+
+def _picked(b: Builder, count: Socket) -> Socket:
+    """Which thing a point gets: by digits of its random scale that its size hides."""
+    own = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 1000.0))
+    index = b.number("FLOOR", b.number("MULTIPLY", own, count))
+    return b.number("MINIMUM", index, b.number("SUBTRACT", count, 1.0))
+
+
+def _cone(b: Builder) -> Socket:
+    node = b.node("GeometryNodeMeshCone")
+    node.inputs["Vertices"].default_value = 8
+    node.inputs["Radius Top"].default_value = 0.0
+    spacing = b.input("Spacing")
+    b.tree.links.new(b.number("MULTIPLY", spacing, 0.3), node.inputs["Radius Bottom"])
+    b.tree.links.new(b.number("MULTIPLY", spacing, 0.6), node.inputs["Depth"])
+    return node.outputs["Mesh"]

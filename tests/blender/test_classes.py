@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several classes: their counts, what is placed, and what a bake makes of them."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def with_classes(surface, *kinds, count=90):
+    """A scatter with classes of these properties, optimised."""
+    obj = scenes.scattered(surface, count=count)
+    for values in kinds:
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        for name, value in values.items():
+            setattr(obj.dapple.classes[-1], name, value)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    return obj
+
+
+def solid(name, location=(0.0, 0.0, 0.0)):
+    bpy.ops.mesh.primitive_cube_add(size=0.1, location=location)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def classes_of(obj):
+    meshio = addon_host.part("blender.meshio")
+    return meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+
+
+def shown(obj):
+    """Name of the object on each instance, and its place."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    rows = [
+        (one.object.name, np.array(one.matrix_world)[:3, 3])
+        for one in depsgraph.object_instances
+        if one.is_instance and one.parent.original == obj
+    ]
+    return [name for name, _ in rows], np.array([place for _, place in rows])
+
+
+def counts(*kinds, count=100):
+    settings = addon_host.part("core.settings")
+    classes = tuple(settings.ClassSettings(**kind) for kind in kinds)
+    return addon_host.part("core.kinds").class_counts(
+        settings.Settings(count=count, classes=classes)
+    )
+
+
+def test_shares_are_met_by_largest_remainders():
+    assert counts({"share": 1}, {"share": 1}, {"share": 1}) == [34, 33, 33]
+    assert counts({"share": 0.2}, {"share": 0.6}) == [25, 75]
+    assert counts({"count": 40, "share": 0}, {"share": 1}, {"share": 2}) == [40, 20, 40]
+    assert counts({"count": 7}, {"count": 9}) == [7, 9]
+    assert counts({"count": 100}, {"share": 1}) == [100, 0]
+    assert counts({"share": 0.0}, {"share": 1.0}) == [0, 100]
+
+
+def test_counts_that_cannot_be_are_refused():
+    error = addon_host.part("core.errors").ScatterError
+    with pytest.raises(error, match="count 120 points exactly, Count is 100"):
+        counts({"count": 120}, {"share": 1})
+    with pytest.raises(error, match="60 points are of no class: all shares are 0"):
+        counts({"count": 40}, {"share": 0})
+
+
+def test_each_class_gets_its_points_and_its_object():
+    rock, bush = solid("Rock"), solid("Bush")
+    surface = scenes.sphere()
+    obj = with_classes(
+        surface, {"instance": rock, "share": 2.0}, {"instance": bush, "share": 1.0}, count=90
+    )
+    assert np.bincount(classes_of(obj)).tolist() == [60, 30]
+    names, places = shown(obj)
+    assert (names.count("Rock"), names.count("Bush")) == (60, 30)
+    points = scenes.positions(obj)
+    for place, name in zip(places, names, strict=True):
+        nearest = np.argmin(np.linalg.norm(points - place, axis=1))
+        assert classes_of(obj)[nearest] == ("Rock", "Bush").index(name)
+
+
+def test_each_class_is_even_by_itself_and_together():
+    obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0}, count=200)
+    points, kinds = scenes.positions(obj), classes_of(obj)
+    for chosen, least in ((kinds == 0, 0.45), (kinds == 1, 0.45), (kinds >= 0, 0.3)):
+        some = points[chosen]
+        distance = np.linalg.norm(some[:, None] - some[None], axis=2) + 9.0 * np.eye(len(some))
+        best = np.sqrt(2.0 * 4.0 * np.pi / (np.sqrt(3.0) * len(some)))
+        assert distance.min() / best > least
+
+
+def test_each_class_has_its_own_size():
+    rock, bush = solid("Rock"), solid("Bush")
+    obj = with_classes(
+        scenes.sphere(), {"instance": rock, "scale": 2.0}, {"instance": bush, "scale": 0.5}
+    )
+    sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+    assert sorted(np.unique(sizes.round(4))) == [0.5, 2.0]
+    obj.dapple.classes[1].scale = 3.0
+    sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+    assert sorted(np.unique(sizes.round(4))) == [2.0, 3.0]
+
+
+def test_a_collection_gives_each_point_one_of_its_objects():
+    trees = bpy.data.collections.new("Trees")
+    for k in range(3):
+        tree = solid(f"Tree {k}", location=(5.0, k, 0.0))
+        trees.objects.link(tree)
+    obj = with_classes(scenes.sphere(), {"collection": trees}, {"share": 1.0}, count=120)
+    names, places = shown(obj)
+    found = [names.count(f"Tree {k}") for k in range(3)]
+    assert sum(found) == 60
+    assert min(found) > 8
+    assert np.linalg.norm(places, axis=1).max() < 1.1, "where the objects stand does not count"
+
+
+def test_a_collection_without_classes():
+    both = bpy.data.collections.new("Both")
+    for name in ("One", "Two"):
+        both.objects.link(solid(name))
+    obj = scenes.scattered(scenes.sphere(), count=50)
+    obj.dapple.collection = both
+    names, _ = shown(obj)
+    assert len(names) == 50
+    assert min(names.count("One"), names.count("Two")) > 8
+
+
+def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
+    surface = scenes.sphere()
+    obj = with_classes(surface, {"radius": 0.16}, {"radius": 0.08}, count=60)
+    radii = np.array([0.16, 0.08])[classes_of(obj)]
+    points = scenes.positions(obj)
+    distance = np.linalg.norm(points[:, None] - points[None], axis=2)
+    np.fill_diagonal(distance, np.inf)
+    overlap = 1.0 - distance / (radii[:, None] + radii[None])
+    report = obj.dapple.report
+    assert report.worst_overlap == pytest.approx(max(overlap.max(), 0.0), abs=1e-4)
+    obj.dapple.classes[0].radius = obj.dapple.classes[1].radius = 0.24  # nearly the densest
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert report.worst_overlap > 0.02
+    assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
+    chosen = [v.index for v in obj.data.vertices if v.select]
+    assert sorted(chosen) == sorted([report.overlap_first, report.overlap_second])
+    between = scenes.positions(obj)[chosen].mean(axis=0)
+    assert np.allclose(bpy.context.scene.cursor.location, between, atol=1e-5)
+
+
+def test_the_first_class_takes_over_what_was_placed():
+    rock = solid("Rock")
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.instance, obj.dapple.scale = rock, 1.5
+    bpy.ops.dapple.edit_classes(action="ADD")
+    assert obj.dapple.classes[0].instance == rock
+    assert obj.dapple.classes[0].scale == 1.5
+    assert set(shown(obj)[0]) == {"Rock"}
+
+
+def test_the_list_is_edited_and_the_node_group_follows():
+    obj = scenes.scattered(scenes.sphere())
+    for _ in range(3):
+        bpy.ops.dapple.edit_classes(action="ADD")
+    names = [kind.name for kind in obj.dapple.classes]
+    assert names == ["Class 1", "Class 2", "Class 3"]
+    assert obj.dapple.class_index == 2
+    bpy.ops.dapple.edit_classes(action="UP")
+    assert [kind.name for kind in obj.dapple.classes] == ["Class 1", "Class 3", "Class 2"]
+    bpy.ops.dapple.edit_classes(action="REMOVE")
+    assert [kind.name for kind in obj.dapple.classes] == ["Class 1", "Class 2"]
+    assert obj.modifiers[0].node_group == addon_host.part("nodes").ensure_group(2)
+    assert len(scenes.positions(obj)) == 60
+    for _ in range(2):
+        bpy.ops.dapple.edit_classes(action="REMOVE")
+    assert obj.modifiers[0].node_group == addon_host.part("nodes").ensure_group()
+    bpy.ops.dapple.edit_classes(action="REMOVE")
+    assert len(scenes.positions(obj)) == 60
+
+
+def test_changed_classes_are_stale():
+    stale = addon_host.part("blender.properties").settings_reason
+    obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
+    assert stale(obj) == ""
+    obj.dapple.classes[0].share = 2.0
+    assert stale(obj) == "Settings were changed (classes): optimise again"
+    obj.dapple.classes[0].share = 1.0
+    obj.dapple.classes[0].scale = 4.0
+    assert stale(obj) == "", "what is placed does not move the points"
+
+
+def test_a_bake_keeps_classes_even_and_survives_another_class():
+    surface = scenes.tail()
+    obj = with_classes(surface, {"share": 2.0}, {"share": 1.0}, count=60)
+    before = classes_of(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert (classes_of(obj) == before).all()
+    bpy.context.scene.frame_set(4)
+    baked = scenes.positions(obj)
+    bpy.ops.dapple.edit_classes(action="ADD")  # another node group: its keys are handed on
+    assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("count_over_time", "KEEP_DENSITY", "Keep Density does not keep several classes"),
+        ("bake_smoothing", "BOTH_WAYS", "Smoothing over all frames does not keep several"),
+    ],
+)
+def test_bakes_that_cannot_keep_classes_say_so(name, value, said):
+    obj = with_classes(scenes.tail(), {"share": 1.0}, {"share": 1.0}, count=40)
+    before = scenes.positions(obj)
+    setattr(obj.dapple, name, value)
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.dapple.bake()
+    assert np.allclose(scenes.positions(obj), before)
+    assert obj.dapple.baked_keys == 0

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tiles of a scatter: an object with attributes, on the surface of the frame."""
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def tiled(obj, **settings):
+    for name, value in settings.items():
+        setattr(obj.dapple.tiles, name, value)
+    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    return obj.dapple.tiles.object
+
+
+def column(mesh, name, kind):
+    values = np.empty(len(mesh.polygons), dtype=kind)
+    mesh.attributes[name].data.foreach_get("value", values)
+    return values
+
+
+def area(made):
+    bpy.context.view_layer.update()
+    mesh = made.data.copy()
+    mesh.transform(made.matrix_world)
+    return sum(polygon.area for polygon in mesh.polygons)
+
+
+def test_tiles_cover_the_surface_without_grout():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface, count=60)
+    made = tiled(obj, grout=0.0, thickness=0.0)
+    assert area(made) == pytest.approx(area(surface), rel=1e-3)
+    assert set(column(made.data, "cell", np.int32)) == set(range(60))
+    assert not made.data.validate()
+    assert made.data.edges
+
+
+def test_grout_and_inset_take_area_and_thickness_makes_bodies():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    whole = area(tiled(obj, grout=0.0, thickness=0.0))
+    grout = area(tiled(obj, grout=0.1))
+    assert 0.75 < grout / whole < 0.87
+    assert area(tiled(obj, inset_randomness=0.2)) < 0.9 * grout
+    made = tiled(obj, inset_randomness=0.0, thickness=0.2)
+    faces_of = np.bincount([key for p in made.data.polygons for key in edge_indices(made, p)])
+    assert set(faces_of) == {2}, "closed bodies"
+
+
+def edge_indices(made, polygon):
+    return [made.data.loops[k].edge_index for k in polygon.loop_indices]
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 2.0, 0.5)])
+def test_tiles_lie_on_a_transformed_surface_and_move_with_it(scale):
+    surface = scenes.sphere(scale=scale, location=(3.0, -2.0, 1.0), rotation=(0.3, 0.2, 0.1))
+    made = tiled(scenes.scattered(surface, count=40), thickness=0.0, grout=0.0)
+    assert area(made) == pytest.approx(area(surface), rel=1e-3)
+    before = np.array([made.matrix_world @ v.co for v in made.data.vertices])
+    local = np.array([surface.matrix_world.inverted() @ v for v in map(vector, before)])
+    assert np.abs(np.linalg.norm(local, axis=1) - 1.0).max() < 0.03
+    surface.location.x += 1.0
+    bpy.context.view_layer.update()
+    after = np.array([made.matrix_world @ v.co for v in made.data.vertices])
+    assert np.allclose(after - before, (1.0, 0.0, 0.0), atol=1e-5)
+
+
+def vector(row):
+    from mathutils import Vector
+
+    return Vector(row)
+
+
+def test_tiles_of_one_class_have_one_hue_and_all_carry_their_class():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    for _ in range(2):
+        bpy.ops.dapple.edit_classes(action="ADD")
+    bpy.ops.dapple.optimise()
+    made = tiled(obj, colour_by="CLASS")
+    kinds = column(made.data, "dapple_class", np.int32)
+    assert set(kinds) == {0, 1}
+    colours = np.array([one.color[:3] for one in made.data.color_attributes["Colour"].data])
+    for kind in (0, 1):
+        corners = [
+            made.data.loops[k].vertex_index
+            for p in np.flatnonzero(kinds == kind)
+            for k in made.data.polygons[p].loop_indices
+        ]
+        order = {tuple(np.argsort(row)) for row in colours[corners].round(5)}
+        assert len(order) == 1
+    assert made.data.materials[0].name == "Dapple Tiles"
+
+
+def test_tiles_are_replaced_and_what_was_added_to_them_stays():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    made = tiled(obj)
+    made.modifiers.new("Bevel", "BEVEL")
+    material = bpy.data.materials.new("Stone")
+    made.data.materials[0] = material
+    obj.dapple.count = 30
+    bpy.ops.dapple.optimise()
+    objects = len(bpy.data.objects)
+    assert tiled(obj) == made
+    assert len(bpy.data.objects) == objects
+    assert len(set(column(made.data, "cell", np.int32))) == 30
+    assert made.modifiers[0].name == "Bevel"
+    assert made.data.materials[0] == material
+
+
+def test_tiles_follow_the_frame():
+    surface = scenes.tail()
+    obj = scenes.scattered(surface, count=30)
+    extents = []
+    for frame in (1, 6):
+        bpy.context.scene.frame_set(frame)
+        made = tiled(obj, thickness=0.0, grout=0.0)
+        there = np.array([made.matrix_world @ v.co for v in made.data.vertices])
+        extents.append(np.array([there.min(axis=0), there.max(axis=0)]))
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        shape = np.array([v.co for v in surface.evaluated_get(depsgraph).to_mesh().vertices])
+        assert np.allclose(extents[-1], [shape.min(axis=0), shape.max(axis=0)], atol=1e-3)
+    assert not np.allclose(*extents, atol=0.5)
+
+
+def test_a_grout_that_takes_all_is_told():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    made = tiled(obj, grout=1.0, inset_randomness=0.5)
+    assert len(set(column(made.data, "cell", np.int32))) < 60
+
+
+def test_a_surface_that_lost_its_faces_is_refused_and_the_tiles_stay():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface, count=60)
+    made = tiled(obj)
+    polygons = len(made.data.polygons)
+    surface.data.clear_geometry()
+    with pytest.raises(RuntimeError, match="Sphere"):
+        bpy.ops.dapple.tile()
+    assert len(made.data.polygons) == polygons
