@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes <-> numpy arrays, in bulk."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -10,6 +10,7 @@ import numpy as np
 from ..core.errors import ScatterError
 from ..core.records import Columns
 from ..core.surface import Floats, Ints, SurfaceArrays, topology_digest
+from .weights import read_weights
 
 _NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32}
 _WIDTH = {"INT": 1, "FLOAT": 1, "FLOAT_VECTOR": 3}
@@ -35,8 +36,10 @@ def evaluated_mesh(
         evaluated.to_mesh_clear()
 
 
-def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> SurfaceArrays:
-    """The evaluated surface in world space, triangulated."""
+def read_surface(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, names: Iterable[str] = ()
+) -> SurfaceArrays:
+    """The evaluated surface in world space, triangulated, with values of its vertices by name."""
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = _matrix(obj.evaluated_get(depsgraph))
         vertices = _vertices(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
@@ -49,6 +52,7 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
             np.ascontiguousarray(faces),
             topology(mesh),
             matrix,
+            {name: read_weights(obj, mesh, name) for name in names},
         )
 
 

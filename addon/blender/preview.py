@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.bake import Start
+from ..core.density import names_of
 from ..core.errors import ScatterError
 from ..core.follow import Follower
 from ..core.records import ROW_ATTRIBUTES, Binding
@@ -67,7 +68,8 @@ def start(obj: bpy.types.Object) -> None:
     surface = obj.dapple.surface
     if surface is None:
         raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    names = names_of(settings_of(obj))
+    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get(), names)
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
     check_bound_to_faces(obj, "preview")

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Properties of a scatter object: what is set, and the figures of the last result."""
 
+import math
 from dataclasses import fields
+from typing import Any
 
 import bpy
 from bpy.props import (
@@ -15,7 +17,7 @@ from bpy.props import (
 )
 
 from ..core.records import SCHEMA_KEY
-from ..core.settings import ClassSettings, Settings
+from ..core.settings import ClassSettings, DensitySettings, Settings
 from ..core.solve import Report
 from ..core.stale import changed_settings
 from ..core.tiles import TileSettings
@@ -27,8 +29,10 @@ from ..nodes import (
     input_name,
     set_input,
 )
+from .weights import weight_names
 
 _DEFAULT = Settings()
+_DENSITY = DensitySettings()
 _TILES = TileSettings()
 BIND_TO = [
     ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
@@ -151,6 +155,104 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
 
 
+def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[str]:
+    """Names that fit what was typed so far; others, made by modifiers, can be typed too."""
+    surface = settings.id_data.dapple.surface
+    names = weight_names(surface) if surface is not None else []
+    return [name for name in names if text.lower() in name.lower()]
+
+
+class DAPPLE_PG_density(bpy.types.PropertyGroup):
+    """Terms of the density, which are multiplied."""
+
+    attribute: StringProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Attribute",
+        description="Attribute or vertex group of the surface after its modifiers: 0 is no points, "
+        "twice as much is twice as many. Colours count by their brightness",
+        search=_weight_names,
+        search_options={"SUGGESTION"},
+    )
+    curvature: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Curvature",
+        description="How much thinner flat places are than bent ones",
+        default=_DENSITY.curvature,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    use_slope: BoolProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Slope",
+        description="Points only where the angle between the surface and the ground is in a range",
+    )
+    slope_from: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="From",
+        description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
+        default=_DENSITY.slope_from,
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+    )
+    slope_to: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="To",
+        description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
+        default=_DENSITY.slope_to,
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+    )
+    slope_fade: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Fade",
+        description="Over how many degrees beside the range the points get fewer",
+        default=_DENSITY.slope_fade,
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+    )
+    use_height: BoolProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Height",
+        description="Points only where world Z is in a range",
+    )
+    height_from: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="From",
+        description="Lowest world Z with full density",
+        default=_DENSITY.height_from,
+        unit="LENGTH",
+    )
+    height_to: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="To",
+        description="Highest world Z with full density",
+        default=_DENSITY.height_to,
+        unit="LENGTH",
+    )
+    height_fade: FloatProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Fade",
+        description="Over what height beside the range the points get fewer",
+        default=_DENSITY.height_fade,
+        min=0.0,
+        unit="LENGTH",
+    )
+
+
 class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     """How the cells of a scatter are made into tiles."""
 
@@ -270,6 +372,15 @@ class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
         default=1.0,
         min=0.0,
         soft_max=10.0,
+    )
+    density: StringProperty(
+        options=_STILL,
+        update=_settings_changed,
+        name="Density",
+        description="Attribute or vertex group of the surface that multiplies its density for this "
+        "class",
+        search=_weight_names,
+        search_options={"SUGGESTION"},
     )
     radius: FloatProperty(
         options=_STILL,
@@ -428,6 +539,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         min=1,
         soft_max=1000,
     )
+    density: PointerProperty(type=DAPPLE_PG_density)
     tiles: PointerProperty(type=DAPPLE_PG_tiles)
     report: PointerProperty(type=DAPPLE_PG_report)
     surface_vertices: IntProperty(
@@ -455,7 +567,14 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
 def settings_of(obj: bpy.types.Object) -> Settings:
     """The options that the native package takes."""
     values = {field.name: getattr(obj.dapple, field.name) for field in fields(Settings)}
-    return Settings(**values | {"classes": tuple(map(_class_settings, obj.dapple.classes))})
+    density = {f.name: getattr(obj.dapple.density, f.name) for f in fields(DensitySettings)}
+    return Settings(
+        **values
+        | {
+            "classes": tuple(map(_class_settings, obj.dapple.classes)),
+            "density": DensitySettings(**density),
+        }
+    )
 
 
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
@@ -465,9 +584,8 @@ def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
 
 
 def _class_settings(kind: DAPPLE_PG_class) -> ClassSettings:
-    if kind.use_count:
-        return ClassSettings(share=0.0, count=kind.count, radius=kind.radius)
-    return ClassSettings(share=kind.share, radius=kind.radius)
+    share, count = (0.0, kind.count) if kind.use_count else (kind.share, 0)
+    return ClassSettings(share, count, kind.radius, kind.density)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:
@@ -476,7 +594,13 @@ def write_report(obj: bpy.types.Object, report: Report) -> None:
         setattr(obj.dapple.report, field.name, getattr(report, field.name))
 
 
-CLASSES = (DAPPLE_PG_report, DAPPLE_PG_class, DAPPLE_PG_tiles, DAPPLE_PG_scatter)
+CLASSES = (
+    DAPPLE_PG_report,
+    DAPPLE_PG_class,
+    DAPPLE_PG_density,
+    DAPPLE_PG_tiles,
+    DAPPLE_PG_scatter,
+)
 
 
 def register() -> None:

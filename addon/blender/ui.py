@@ -153,6 +153,23 @@ class DAPPLE_UL_classes(bpy.types.UIList):
         part.label(text=counts[index])
 
 
+class DAPPLE_PT_density(_ScatterPanel, bpy.types.Panel):
+    bl_label = "Density"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, density = self.layout, context.object.dapple.density
+        layout.use_property_split, layout.use_property_decorate = True, False
+        layout.prop(density, "attribute")
+        layout.prop(density, "curvature")
+        for term in ("slope", "height"):
+            layout.prop(density, f"use_{term}")
+            if getattr(density, f"use_{term}"):
+                column = layout.column(align=True)
+                for part in ("from", "to", "fade"):
+                    column.prop(density, f"{term}_{part}")
+
+
 class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
     bl_label = "Instances"
 
@@ -195,6 +212,7 @@ def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
     part.active = not kind.use_count
     part.prop(kind, "share")
     layout.prop(kind, "radius")
+    layout.prop(kind, "density")
 
 
 class DAPPLE_PT_tiles(_ScatterPanel, bpy.types.Panel):
@@ -268,6 +286,7 @@ def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 CLASSES = (
     DAPPLE_UL_classes,
     DAPPLE_PT_main,
+    DAPPLE_PT_density,
     DAPPLE_PT_evenness,
     DAPPLE_PT_instances,
     DAPPLE_PT_tiles,

@@ -4,14 +4,16 @@
 Between two steps the artist may delete anything, so objects are found again by their uid.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import bpy
 
 from ..core.bake import Baker, Start
 from ..core.binding import bound_nearest
+from ..core.density import names_of
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
@@ -55,9 +57,10 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
 def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FACES") -> Steps:
     """Scatter over the active object; returns the new scatter object."""
     surface = Held(context.object)
-    arrays = _read_checked(surface.get(), context, bind_to)
+    names = names_of(settings)
+    arrays = _read_checked(surface.get(), context, bind_to, names)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
-    check_unchanged(arrays, _read(surface.get()))
+    check_unchanged(arrays, _read(surface.get(), names))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
     for name in ("count", "seed"):
@@ -71,10 +74,11 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
-    arrays = _read_checked(surface.get(), context, bind_to)
+    names = names_of(settings)
+    arrays = _read_checked(surface.get(), context, bind_to, names)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
     obj = held.get()
-    check_unchanged(arrays, _read(surface.get()))
+    check_unchanged(arrays, _read(surface.get(), names))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     write_scattered(obj, arrays, solved, rest)
     return obj
@@ -100,7 +104,8 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
 
 def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
     count = last - first + 1
-    begin = arrays = _at_frame(surface, first)
+    names = names_of(settings_of(held.get()))
+    begin = arrays = _at_frame(surface, first, names=names)
     check_render_topology(surface.get(), bpy.context)
     baker = _baker(held.get(), arrays, first, count)
     end = _READING if isinstance(baker, TogetherBaker) else 1.0
@@ -111,7 +116,7 @@ def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
         yield from _solve(baker, surface, arrays, share)
     if isinstance(baker, TogetherBaker):
         yield Task(baker.solve, end, 1.0)
-    check_unchanged(begin, _at_frame(surface, first))
+    check_unchanged(begin, _at_frame(surface, first, names=names))
     return baker
 
 
@@ -119,7 +124,8 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
     """The next frame: what a stopped bake left, or solved now."""
     if baker.changes(arrays):
         number = baker.first + baker.done
-        baker.cross(*_seam(surface, number, baker.bound.topology))
+        before, after = _seam(surface, number, baker.bound.topology)
+        baker.cross(before, _with_weights(surface, baker, number, after))
         arrays = _at_frame(surface, number)
     baker.enter(arrays)
     try:
@@ -128,6 +134,12 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
         yield Task(baker.advance, *share)
     except StoppedError as error:
         raise StoppedError(_stopped(baker)) from error
+
+
+def _with_weights(surface: Held, baker: Baker, number: int, after: SurfaceArrays) -> SurfaceArrays:
+    """The first surface of a new topology, with the values that the frame gives its vertices."""
+    names = names_of(baker.start.settings)
+    return replace(after, weights=_at_frame(surface, number, names=names).weights)
 
 
 def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
@@ -214,21 +226,23 @@ def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
         raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")
 
 
-def _at_frame(surface: Held, frame: int, part: float = 0.0) -> SurfaceArrays:
+def _at_frame(
+    surface: Held, frame: int, part: float = 0.0, names: Iterable[str] = ()
+) -> SurfaceArrays:
     bpy.context.scene.frame_set(frame, subframe=part)
-    return _read(surface.get())
+    return _read(surface.get(), names)
 
 
-def _read(surface: bpy.types.Object) -> SurfaceArrays:
-    return read_surface(surface, bpy.context.evaluated_depsgraph_get())
+def _read(surface: bpy.types.Object, names: Iterable[str] = ()) -> SurfaceArrays:
+    return read_surface(surface, bpy.context.evaluated_depsgraph_get(), names)
 
 
 def _read_checked(
-    surface: bpy.types.Object, context: bpy.types.Context, bind_to: str
+    surface: bpy.types.Object, context: bpy.types.Context, bind_to: str, names: Iterable[str] = ()
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
-    return _read(surface)
+    return _read(surface, names)
 
 
 def _rest(

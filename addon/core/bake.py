@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .binding import placed_of, rebound, samples_of
+from .density import native_surface
 from .frames import carried
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
@@ -51,7 +52,10 @@ class Baker:
 
     def __post_init__(self) -> None:
         start = self.start
-        self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes))
+        weights = self.bound.weights.values()
+        self._chain = Fingerprint(
+            start.settings, start.binding, (start.ids, start.classes, *weights)
+        )
         self._now = self.bound
         self.topologies = [self.bound.topology]
         self.last = start.binding
@@ -139,11 +143,12 @@ class Baker:
         return self._tracker
 
     def _new_tracker(self) -> Any:
-        return tracked(*self._beginning(), self.start.settings)
+        return tracked(*self._beginning(), self.bound, self.start.settings)
 
     def _beginning(self) -> tuple[Any, Any]:
         """The surface where the topology begins, and the samples on it."""
-        surface, start = package().Surface(self.bound.vertices, self.bound.faces), self.start
+        start = self.start
+        surface = native_surface(self.bound, start.settings)
         return surface, samples_of(start.binding, surface, start.ids, start.classes)
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:

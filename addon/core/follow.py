@@ -8,6 +8,7 @@ import numpy as np
 
 from .bake import Start
 from .binding import placed_of, samples_of
+from .density import native_surface
 from .errors import StoppedError
 from .frames import carried
 from .kinds import tracked
@@ -26,9 +27,9 @@ class Follower:
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
-            native = package().Surface(surface.vertices, surface.faces)
+            native = native_surface(surface, start.settings)
             samples = samples_of(start.binding, native, start.ids, start.classes)
-            self._tracker = tracked(native, samples, start.settings)
+            self._tracker = tracked(native, samples, surface, start.settings)
 
     def follow(self, surface: SurfaceArrays, budget: float) -> Binding | None:
         """The binding for this shape, found within so many seconds.

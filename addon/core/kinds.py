@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from .density import class_density, native_surface
 from .errors import ScatterError
 from .native import package
 from .settings import Settings
-from .surface import Ints
+from .surface import Ints, SurfaceArrays
 
 
 def class_counts(settings: Settings) -> list[int]:
@@ -39,25 +40,34 @@ def class_counts(settings: Settings) -> list[int]:
     return [count + more for count, more in zip(counts, given, strict=True)]
 
 
-def sampled(surface: Any, settings: Settings, context: Any) -> Any:
+def sampled(arrays: SurfaceArrays, settings: Settings, context: Any) -> Any:
     """dapple.Samples of one class, or of those that the settings list."""
-    options = settings.sample_options()
+    surface, options = native_surface(arrays, settings), settings.sample_options()
     if not settings.classes:
         return package().sample(surface, settings.count, context=context, **options)
-    kinds = zip(class_counts(settings), settings.classes, strict=True)
-    classes = [package().SampleClass(count, radius=kind.radius) for count, kind in kinds]
+    classes = _native_classes(arrays, settings, class_counts(settings))
     return package().sample_classes(surface, classes, context=context, **options)
 
 
-def tracked(surface: Any, samples: Any, settings: Settings) -> Any:
-    """A dapple.Tracker that keeps the classes even by themselves and together."""
+def tracked(surface: Any, samples: Any, arrays: SurfaceArrays, settings: Settings) -> Any:
+    """A dapple.Tracker that keeps the classes even by themselves and together.
+
+    surface and samples are those of the arrays.
+    """
     options = settings.tracker_options()
     if not settings.classes:
         return package().Tracker(surface, samples, **options)
-    counts = _counts_of(samples.classes, settings)
-    kinds = zip(counts, settings.classes, strict=True)
-    classes = [package().SampleClass(count, radius=kind.radius) for count, kind in kinds]
+    classes = _native_classes(arrays, settings, _counts_of(samples.classes, settings))
     return package().Tracker(surface, samples, classes=classes, **options)
+
+
+def _native_classes(arrays: SurfaceArrays, settings: Settings, counts: list[int]) -> list[Any]:
+    return [
+        package().SampleClass(
+            count, radius=kind.radius, density=class_density(arrays, settings, kind.density)
+        )
+        for count, kind in zip(counts, settings.classes, strict=True)
+    ]
 
 
 def check_one_class(settings: Settings, what: str) -> None:

@@ -12,6 +12,23 @@ class ClassSettings:
     share: float = 1.0  # of the points that no class counts itself, in relation to other shares
     count: int = 0  # exactly so many; 0: by its share
     radius: float = 0.0  # of a thing, in world units: they are kept from overlapping
+    density: str = ""  # values of the surface that multiply its density for this class
+
+
+@dataclass(frozen=True)
+class DensitySettings:
+    """Terms that are multiplied; none: the same density everywhere. Angles in radians."""
+
+    attribute: str = ""  # values of the surface's vertices, faces or corners, or a vertex group
+    curvature: float = 0.0  # 0..1: how much thinner flat places are than bent ones
+    use_slope: bool = False  # the angle between normal and world Z
+    slope_from: float = 0.0
+    slope_to: float = 0.7853982
+    slope_fade: float = 0.1745329
+    use_height: bool = False  # world Z
+    height_from: float = 0.0
+    height_to: float = 1.0
+    height_fade: float = 0.1
 
 
 @dataclass(frozen=True)
@@ -26,11 +43,13 @@ class Settings:
     max_evaluations: int = 200  # stop after so many evaluations of the energy
     stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
     classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
+    density: DensitySettings = DensitySettings()
 
     def sample_options(self) -> dict[str, Any]:
-        """Keyword options of dapple.sample, without count and classes."""
+        """Keyword options of dapple.sample, without count, classes and density."""
         options = asdict(self)
-        del options["count"], options["stickiness"], options["classes"]
+        for name in ("count", "stickiness", "classes", "density"):
+            del options[name]
         return options
 
     def tracker_options(self) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from .settings import Settings
 from .surface import Floats, SurfaceArrays
 
 SKETCH_SUMS = 3
+_ADDED = ("classes", "density")  # settings that older files do not have: they were solved without
 _VERTICES = 4096  # so many are looked at, evenly spread over their indices
 _TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
 
@@ -33,8 +34,9 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
         before = {}
     if not isinstance(before, dict):
         before = {}
-    before.setdefault("classes", [])  # older files have none
-    values = json.loads(settings_text(now))
+    values, defaults = (json.loads(settings_text(one)) for one in (now, Settings()))
+    for name in _ADDED:
+        before.setdefault(name, defaults[name])
     return [
         name.replace("_", " ")
         for name in asdict(now)

@@ -23,12 +23,16 @@ class SurfaceArrays:
     faces: Ints  # (m, 3), triangulated as of this frame
     topology: str  # digest of the polygons' corners, the same however quads are cut
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
+    weights: dict[str, Floats] = field(default_factory=dict)  # (v,) values of the vertices, by name
 
     @cached_property
     def fingerprint(self) -> str:
-        """Digest of topology and positions."""
+        """Digest of topology, positions and weights."""
         digest = hashlib.blake2b(self.topology.encode(), digest_size=16)
         digest.update(self.vertices.tobytes())
+        for name, values in self.weights.items():
+            digest.update(name.encode())
+            digest.update(values.tobytes())
         return digest.hexdigest()
 
 
