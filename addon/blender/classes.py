@@ -9,7 +9,7 @@ from ..core.errors import ScatterError
 from ..core.kinds import class_counts
 from ..nodes import INSTANCE_INPUTS
 from .meshio import read_points, to_world
-from .properties import settings_of, write_instance_inputs, write_stale_input
+from .scatter import settings_of, write_instance_inputs, write_stale_input
 from .store import ensure_modifier
 
 

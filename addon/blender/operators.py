@@ -14,7 +14,8 @@ from ..core.steps import Steps
 from . import preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
-from .properties import BIND_TO, is_scatter
+from .properties import BIND_TO
+from .scatter import is_scatter
 from .store import clear_keys
 from .topology import differences, match_subdivision
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps

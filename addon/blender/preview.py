@@ -21,7 +21,7 @@ from ..core.records import ROW_ATTRIBUTES, Binding
 from ..nodes import get_input, has_input, set_input
 from .held import Held
 from .meshio import read_surface, write_columns, write_points
-from .properties import is_scatter, scatter_modifier, settings_of
+from .scatter import is_scatter, scatter_modifier, settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import ensure_modifier, own_points, read_binding
 

@@ -9,7 +9,7 @@ from ..core.records import FRAME_ATTRIBUTES
 from ..core.stale import moved
 from ..core.surface import SurfaceArrays
 from .meshio import evaluated_mesh, read_columns, read_surface, topology
-from .properties import settings_reason
+from .scatter import settings_reason
 from .store import stored_object
 
 

@@ -40,7 +40,7 @@ from ..nodes import (
     set_input,
 )
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
-from .properties import (
+from .scatter import (
     scatter_modifier,
     settings_of,
     write_instance_inputs,

@@ -24,7 +24,7 @@ from .operators import (
     DAPPLE_OT_tile,
     active_surface,
 )
-from .properties import is_scatter, settings_reason
+from .scatter import is_scatter, settings_reason
 from .staleness import stale_reason
 from .topology import differences
 from .workfiles import unfinished, unsaved_note

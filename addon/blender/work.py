@@ -27,7 +27,7 @@ from ..core.tiles import tiled
 from ..core.together import TogetherBaker
 from .held import Held
 from .meshio import read_rest, read_surface
-from .properties import settings_of, tile_settings_of
+from .scatter import settings_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
     new_scatter,

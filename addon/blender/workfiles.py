@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from ..core.sidecar import Sidecar
-from .properties import is_scatter
+from .scatter import is_scatter
 
 
 def work_files(obj: bpy.types.Object) -> Sidecar:

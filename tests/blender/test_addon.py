@@ -116,9 +116,15 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     assert settings.classes == ()  # a list, for sample_classes
     assert shown["classes"].type == "COLLECTION"
+    own = shown["density"].fixed_type.properties  # terms of a density
+    for field in fields(settings.density):
+        value = getattr(settings.density, field.name)
+        assert own[field.name].default == (
+            value if isinstance(value, str) else pytest.approx(value, rel=1e-6)
+        )
     for field in fields(settings):
         value = getattr(settings, field.name)
-        if field.name == "classes":
+        if field.name in ("classes", "density"):
             continue
         assert field.name in sample
         assert shown[field.name].default == pytest.approx(value, rel=1e-6)

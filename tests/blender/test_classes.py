@@ -178,7 +178,7 @@ def test_the_list_is_edited_and_the_node_group_follows():
 
 
 def test_changed_classes_are_stale():
-    stale = addon_host.part("blender.properties").settings_reason
+    stale = addon_host.part("blender.scatter").settings_reason
     obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
     assert stale(obj) == ""
     obj.dapple.classes[0].share = 2.0

@@ -153,7 +153,7 @@ def test_a_bake_keeps_to_the_density():
 
 
 def test_a_changed_density_is_stale_and_undone_is_fresh():
-    stale = addon_host.part("blender.properties").settings_reason
+    stale = addon_host.part("blender.scatter").settings_reason
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.density.curvature = 0.5
     assert stale(obj) == "Settings were changed (density): optimise again"

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scatter object between its properties, the core and the node group: what is read and told."""
+
+from dataclasses import fields
+
+import bpy
+
+from ..core.records import SCHEMA_KEY
+from ..core.settings import ClassSettings, DensitySettings, Settings
+from ..core.solve import Report
+from ..core.stale import changed_settings
+from ..core.tiles import TileSettings
+from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
+
+
+def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The modifier that plays the scatter back."""
+    for modifier in obj.modifiers:
+        group = modifier.node_group if modifier.type == "NODES" else None
+        if group is not None and group.get(VERSION_KEY, 0) > 0:
+            return modifier
+    return None
+
+
+def is_scatter(obj: bpy.types.Object | None) -> bool:
+    """Whether the object was made by Dapple."""
+    return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
+
+
+def write_stale_input(obj: bpy.types.Object) -> None:
+    """Have the modifier warn when the settings are not those of the result."""
+    modifier = scatter_modifier(obj)
+    if modifier is not None and has_input(modifier, "Stale"):
+        set_input(modifier, "Stale", settings_reason(obj))
+        obj.update_tag()
+
+
+def settings_reason(obj: bpy.types.Object) -> str:
+    """Which settings are not those that the result was solved with; empty when all are."""
+    if not obj.dapple.solved_settings:
+        return ""
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if obj.dapple.bind_to != obj.dapple.bound_to:
+        names.append("bind to")
+    if not names:
+        return ""
+    again = "bake" if obj.dapple.baked_keys else "optimise"
+    return f"Settings were changed ({', '.join(names)}): {again} again"
+
+
+def write_instance_inputs(obj: bpy.types.Object) -> None:
+    """Tell the node group what to instance and how."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return
+    if not obj.dapple.classes:
+        _write_kind(modifier, obj.dapple, None)
+    for index, kind in enumerate(obj.dapple.classes):
+        _write_kind(modifier, kind, index)
+    obj.update_tag()
+
+
+def _write_kind(
+    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
+) -> None:
+    for name, _ in INSTANCE_INPUTS:
+        label = input_name(name, index)
+        if has_input(modifier, label):
+            set_input(modifier, label, getattr(kind, name.lower().replace(" ", "_")))
+
+
+def settings_of(obj: bpy.types.Object) -> Settings:
+    """The options that the native package takes."""
+    values = {field.name: getattr(obj.dapple, field.name) for field in fields(Settings)}
+    density = {f.name: getattr(obj.dapple.density, f.name) for f in fields(DensitySettings)}
+    return Settings(
+        **values
+        | {
+            "classes": tuple(map(_class_settings, obj.dapple.classes)),
+            "density": DensitySettings(**density),
+        }
+    )
+
+
+def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
+    """How the tiles of a scatter are cut."""
+    tiles = obj.dapple.tiles
+    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.colour_by)
+
+
+def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
+    share, count = (0.0, kind.count) if kind.use_count else (kind.share, 0)
+    return ClassSettings(share, count, kind.radius, kind.density)
+
+
+def write_report(obj: bpy.types.Object, report: Report) -> None:
+    """Show these figures."""
+    for field in fields(Report):
+        setattr(obj.dapple.report, field.name, getattr(report, field.name))
