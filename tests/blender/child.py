@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
+import numpy
 
 HERE = Path(__file__).resolve().parent
 
@@ -26,24 +27,32 @@ os._exit(0)
 
 def run(script, *arguments, **environment):
     """What a script prints; it finds its arguments in `arguments`."""
-    done = _done(script, *arguments, **environment)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    return _said(_done(_command, script, *arguments, **environment))
+
+
+def bare(script, *arguments, **environment):
+    """As run, in a Blender as users have it: its Python finds bpy and numpy, no other package."""
+    return _said(_done(_bare_command, script, *arguments, **environment))
 
 
 def killed(script, *arguments, **environment):
     """Run a script that ends its own process by the signal KILL."""
-    done = _done(script, *arguments, **environment)
+    done = _done(_command, script, *arguments, **environment)
     assert done.returncode == -signal.SIGKILL, done.stdout + done.stderr
 
 
-def _done(script, *arguments, **environment):
+def _said(done):
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def _done(command, script, *arguments, **environment):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "script.py")
         path.write_text(_HEAD + script + _TAIL)
         home = {"BLENDER_USER_RESOURCES": folder}
         return subprocess.run(
-            [*_command(path), "--", *map(str, arguments)],
+            [*command(path), "--", *map(str, arguments)],
             env={**os.environ, **home, **environment},
             capture_output=True,
             text=True,
@@ -55,6 +64,19 @@ def _command(path):
     if not bpy.app.binary_path:
         return [sys.executable, str(path)]
     return [*blender("--background"), "--python", str(path)]
+
+
+def _bare_command(path):
+    if bpy.app.binary_path:
+        command = [*blender("--background"), "--python", str(path)]
+        command.remove("--python-use-system-env")
+        return command
+    packages = path.parent / "packages"
+    packages.mkdir()
+    for found in (Path(bpy.utils.resource_path("LOCAL")), Path(numpy.__file__)):
+        (packages / found.parent.name).symlink_to(found.parent, target_is_directory=True)
+    path.write_text(f"import sys\nsys.path.append({str(packages)!r})\n{path.read_text()}")
+    return [sys.executable, "-I", "-S", str(path)]
 
 
 def blender(*options):

@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Builds the extension that Blender installs from disk, the native package in it:
+# build/package/dapple-VERSION-PLATFORM.zip. The same build gives the same bytes.
+#   scripts/package.sh [--build FOLDER] [--to FOLDER]
+#     --build   package this build as it is; otherwise scripts/setup.sh makes build/release
+#     --to      write there instead of build/package
+here=$PWD
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+platform=linux-x64
+build='' to=$root/build/package
+while [ $# -gt 0 ]; do
+  case $1 in
+    --build) build=$(cd "$here" && realpath -- "${2:?--build needs a folder}") ;;
+    --to) to=$(cd "$here" && realpath -m -- "${2:?--to needs a folder}") ;;
+    *) fail "unknown option $1; see the head of scripts/package.sh" ;;
+  esac
+  shift 2
+done
+[ "$(uname -sm)" = 'Linux x86_64' ] || fail "this machine is $(uname -sm); packages are made for Linux x86_64"
+
+umask 022
+export SOURCE_DATE_EPOCH=315532800 # the first day that a zip can hold, so that contents alone decide the bytes
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Packages whose code is in the module or beside it: their licences travel along.
+bundled=(libboost-dev libcgal-dev libeigen3-dev libembree-dev libgmp10 libnanoflann-dev libopenmesh-dev libtbb-dev
+  pybind11-dev)
+
+stage_files() {
+  DESTDIR=$work/installed cmake --install "$build" --component python || return
+  local module
+  module=$(find "$work/installed" -name '_native.*.so' -print -quit)
+  [ -n "$module" ] || { echo "$build has no Python package: configure it with DAPPLE_PYTHON=ON"; return 1; }
+  mkdir -p "$work/tree" && mv "${module%/*}" "$work/tree/dapple"
+}
+
+build_wheel() {
+  local licences=() name
+  for name in "${bundled[@]}"; do licences+=("/usr/share/doc/$name/copyright"); done
+  mkdir "$work/linux" &&
+    "$python" scripts/package.py describe "$work/tree" "$version" LICENSE "${licences[@]}" &&
+    wheel pack "$work/tree" --dest-dir "$work/linux" &&
+    auditwheel repair --wheel-dir "$work/wheels" "$work"/linux/*.whl
+}
+
+# Blender exports rtc* functions of its own: the wheel must neither use nor offer functions of these names, and its
+# module finds in its private Embree all that it uses (native/python/CMakeLists.txt).
+check_wheel() {
+  local files used offered
+  "$python" -m zipfile -e "$work"/wheels/*.whl "$work/unpacked" || return
+  mapfile -t files < <(find "$work/unpacked" -name '*.so*')
+  if nm -D "${files[@]}" | grep -E ' rtc[A-Z]'; then
+    echo 'the wheel uses or offers functions of the names above, which Blender has too'
+    return 1
+  fi
+  used=$(nm -D --undefined-only "$work"/unpacked/dapple/_native.*.so | grep -o 'dapple_rtc.*' | sort) || {
+    echo 'the module uses no private Embree'
+    return 1
+  }
+  offered=$(nm -D --defined-only "$work/unpacked/dapple/libdapple_embree.so" | grep -o 'dapple_rtc.*' | sort)
+  comm -23 <(echo "$used") <(echo "$offered") >"$work/missing"
+  [ ! -s "$work/missing" ] || { echo "the private Embree lacks: $(<"$work/missing")"; return 1; }
+}
+
+build_extension() {
+  rm -rf "$to/extension" && mkdir -p "$to" &&
+    "$python" scripts/package.py extension "$to/extension" "$platform" "$version" "$work"/wheels/*.whl &&
+    "$python" "$blender_ext" build --source-dir="$to/extension" --output-filepath="$work/built.zip" &&
+    "$python" scripts/package.py settle "$work/built.zip" "$zip" &&
+    "$python" "$blender_ext" validate "$zip"
+}
+
+if [ -z "$build" ]; then
+  scripts/setup.sh
+  build=$root/build/release
+fi
+blender_ext=$(find "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli -name blender_ext.py)
+stage 'stage the Python package' stage_files
+version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple; print(dapple.__version__)')
+zip=$to/dapple-$version-$platform.zip
+stage 'build the wheel' build_wheel
+stage 'check the wheel' check_wheel
+stage 'build the extension' build_extension
+"$python" scripts/package.py show "$zip"

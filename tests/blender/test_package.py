@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The zip that ships, installed into a Blender that has nothing else of Dapple's."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from zipfile import ZipFile
+
+import bpy
+import child
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("DAPPLE_BUILD", ROOT / "build" / "release"))
+
+needs_bpy_module = pytest.mark.skipif(
+    bool(bpy.app.binary_path) or sys.platform != "linux",
+    reason="needs Linux and bpy as a module of Python",
+)
+
+INSTALL = """
+import scenes
+bpy.ops.preferences.addon_enable(module="bl_pkg")
+bpy.ops.extensions.package_install_files(
+    filepath=arguments[0], repo="user_default", enable_on_install=True
+)
+import dapple
+from pathlib import Path
+extensions = Path(os.environ["BLENDER_USER_RESOURCES"], "extensions")
+assert Path(dapple.__file__).is_relative_to(extensions / ".local"), dapple.__file__
+"""
+
+BAKE = (
+    INSTALL
+    + """
+bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+bpy.context.scene.frame_start = 1
+obj = scenes.scattered(scenes.tail(frames=2), count=60)
+assert bpy.ops.dapple.bake() == {"FINISHED"}
+print(len(scenes.positions(obj)), "points,", obj.dapple.baked_keys, "frames")
+bpy.ops.preferences.addon_disable(module="bl_ext.user_default.dapple")
+assert not hasattr(bpy.types.Object, "dapple")
+"""
+)
+
+LOADED = (
+    INSTALL
+    + """
+bundled = ("libtbb", "libgmp", "libOpenMesh", "libdapple_embree", "libembree")
+mapped = {line.split(maxsplit=5)[5].strip() for line in open("/proc/self/maps") if "/lib" in line}
+blender = Path(bpy.utils.resource_path("LOCAL")).resolve().parent
+for path in sorted(path for path in mapped if Path(path).name.startswith(bundled)):
+    if not Path(path).is_relative_to(blender):
+        print("loaded", Path(path).relative_to(extensions))
+"""
+)
+
+PRELOADED = (
+    INSTALL
+    + """
+import ctypes, hashlib
+import numpy as np
+print("there" if hasattr(ctypes.CDLL(None), "rtcPointQuery") else "away")
+steps = np.arange(12) * (np.pi / 6)
+ring = np.column_stack([np.cos(steps), np.sin(steps), np.zeros(12)])
+rows = [ring + [0, 0, 0.5 * row] for row in range(4)]
+i = np.arange(12)
+j = (i + 1) % 12
+faces = [np.column_stack([12 * r + i, 12 * r + j, 12 * r + 12 + j]) for r in range(3)]
+faces += [np.column_stack([12 * r + i, 12 * r + 12 + j, 12 * r + 12 + i]) for r in range(3)]
+samples = dapple.sample(dapple.Surface(np.vstack(rows), np.vstack(faces)), 200, seed=1)
+print(hashlib.sha256(samples.positions.tobytes()).hexdigest())
+"""
+)
+
+
+def built(folder):
+    """The zip that scripts/package.sh makes of this build."""
+    script = [ROOT / "scripts" / "package.sh", "--build", BUILD, "--to", folder]
+    done = subprocess.run(script, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (archive,) = folder.glob("*.zip")
+    return archive
+
+
+@pytest.fixture(scope="session")
+def archive(tmp_path_factory):
+    if not list(BUILD.glob("native/python/dapple/_native.*")):
+        pytest.skip(f"no Python package in {BUILD}")
+    return built(tmp_path_factory.mktemp("package"))
+
+
+def test_the_manifest_differs_from_the_sources_by_platform_and_wheel(archive):
+    with ZipFile(archive) as files:
+        shipped = tomllib.loads(files.read("blender_manifest.toml").decode())
+        wheels = [f"./{name}" for name in files.namelist() if name.startswith("wheels/")]
+    platform = {"platforms": ["linux-x64"], "wheels": wheels}
+    source = tomllib.loads((ROOT / "addon" / "blender_manifest.toml").read_text())
+    assert len(wheels) == 1
+    assert shipped == source | platform
+    assert archive.name == f"dapple-{source['version']}-linux-x64.zip"
+
+
+def test_it_is_small_and_brings_the_licences_of_what_is_bundled(archive):
+    assert archive.stat().st_size < 30e6
+    with ZipFile(archive) as files:
+        assert "LICENSE" in files.namelist()
+        (wheel,) = (name for name in files.namelist() if name.endswith(".whl"))
+        with files.open(wheel) as file, ZipFile(file) as inner:
+            names = {Path(name).name for name in inner.namelist() if "/licenses/" in name}
+    assert names >= {"LICENSE", "libembree-dev.txt", "libtbb-dev.txt", "libopenmesh-dev.txt"}
+
+
+def test_the_same_build_gives_the_same_bytes(archive, tmp_path):
+    assert built(tmp_path).read_bytes() == archive.read_bytes()
+
+
+def test_a_blender_without_the_package_scatters_and_bakes_once_it_is_installed(archive):
+    assert "60 points, 2 frames" in child.bare(BAKE, archive)
+
+
+@needs_bpy_module
+def test_no_library_of_the_system_is_used_that_users_may_lack(archive):
+    said = child.bare(LOADED, archive)
+    names = {Path(line).name for line in said.splitlines() if line.startswith("loaded")}
+    loaded = {re.match(r"\w+", name)[0] for name in names}
+    assert loaded == {"libdapple_embree", "libOpenMeshCore", "libgmp", "libtbb"}
+
+
+@needs_bpy_module
+def test_blenders_own_embree_and_tbb_change_nothing(archive):
+    lib = Path(bpy.utils.resource_path("LOCAL")).parent / "lib"
+    preload = f"{lib}/libembree4.so.4 {lib}/libtbb.so.12"
+    alone = child.bare(PRELOADED, archive).split()[-2:]
+    beside = child.bare(PRELOADED, archive, LD_PRELOAD=preload).split()[-2:]
+    assert (alone[0], beside[0]) == ("away", "there")
+    assert alone[1] == beside[1]
