@@ -9,6 +9,7 @@ from bpy.props import EnumProperty, IntProperty
 
 from ..core.errors import ScatterError
 from ..core.native import missing
+from ..core.quality import QUALITIES, quality_settings
 from ..core.settings import Settings
 from ..core.steps import Steps
 from . import preview
@@ -257,6 +258,25 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class DAPPLE_OT_set_quality(bpy.types.Operator):
+    """Set how even and how regular the points become; optimise again to see it"""
+
+    bl_idname = "dapple.set_quality"
+    bl_label = "Quality"
+    bl_options = _OPTIONS
+
+    quality: EnumProperty(name="Quality", items=QUALITIES, default="NATURAL")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        for name, value in quality_settings(self.quality).items():
+            setattr(context.object.dapple, name, value)
+        return {"FINISHED"}
+
+
 class DAPPLE_OT_select_overlap(bpy.types.Operator):
     """Select the two points whose things overlap most, and put the 3D cursor between them"""
 
@@ -293,4 +313,5 @@ CLASSES = (
     DAPPLE_OT_match_subdivision,
     DAPPLE_OT_edit_classes,
     DAPPLE_OT_select_overlap,
+    DAPPLE_OT_set_quality,
 )

@@ -58,6 +58,26 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         min=1,
         soft_max=100_000,
     )
+    amount: EnumProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Amount",
+        description="What tells the number of points",
+        items=[
+            ("COUNT", "Count", "Exactly so many points"),
+            ("PER_AREA", "Per Area", "So many points on a square unit of the surface in the world"),
+        ],
+        default="COUNT",
+    )
+    points_per_area: FloatProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Points per Area",
+        description="On a square unit of the surface, with its scale, where the density is 1",
+        default=100.0,
+        min=0.0001,
+        soft_max=10_000.0,
+    )
     seed: IntProperty(
         options=STILL,
         update=settings_changed,

@@ -71,14 +71,14 @@ def _write_kind(
 
 def settings_of(obj: bpy.types.Object) -> Settings:
     """The options that the native package takes."""
-    values = {field.name: getattr(obj.dapple, field.name) for field in fields(Settings)}
+    names = {field.name for field in fields(Settings)} - {"per_area", "classes", "density"}
+    values = {name: getattr(obj.dapple, name) for name in names}
     density = {f.name: getattr(obj.dapple.density, f.name) for f in fields(DensitySettings)}
     return Settings(
-        **values
-        | {
-            "classes": tuple(map(_class_settings, obj.dapple.classes)),
-            "density": DensitySettings(**density),
-        }
+        **values,
+        per_area=obj.dapple.points_per_area if obj.dapple.amount == "PER_AREA" else 0.0,
+        classes=tuple(map(_class_settings, obj.dapple.classes)),
+        density=DensitySettings(**density),
     )
 
 

@@ -21,6 +21,7 @@ from .operators import (
     DAPPLE_OT_preview,
     DAPPLE_OT_rebind,
     DAPPLE_OT_select_overlap,
+    DAPPLE_OT_set_quality,
     DAPPLE_OT_tile,
     active_surface,
 )
@@ -68,7 +69,8 @@ class DAPPLE_PT_main(_Panel, bpy.types.Panel):
 def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     settings = context.object.dapple
     layout.prop(settings, "surface")
-    layout.prop(settings, "count")
+    layout.prop(settings, "amount")
+    layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
     layout.prop(settings, "seed")
     layout.prop(settings, "bind_to")
     if settings.bind_to == "FACES":
@@ -124,6 +126,7 @@ class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
+        self.layout.operator_menu_enum(DAPPLE_OT_set_quality.bl_idname, "quality")
         for name in ("capacity_weight", "gap_weight", "tolerance", "max_evaluations"):
             self.layout.prop(context.object.dapple, name)
         self.layout.prop(context.object.dapple.report, "spacing")

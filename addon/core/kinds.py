@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Several classes of points: how many each gets, and what the native package is told of them."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from .errors import ScatterError
 from .native import package
 from .settings import Settings
 from .surface import Ints, SurfaceArrays
+
+MOST_POINTS = 20_000_000
 
 
 def class_counts(settings: Settings) -> list[int]:
@@ -40,9 +43,27 @@ def class_counts(settings: Settings) -> list[int]:
     return [count + more for count, more in zip(counts, given, strict=True)]
 
 
+def counted(surface: Any, settings: Settings) -> Settings:
+    """The settings with the count that points per area make on a dapple.Surface.
+
+    Raises:
+        ScatterError: they make more points than anyone can want.
+    """
+    if settings.per_area == 0.0:
+        return settings
+    count = round(settings.per_area * surface.mass)
+    if count > MOST_POINTS:
+        raise ScatterError(
+            f"{settings.per_area:g} points per area are {count:,} points on this surface: "
+            f"at most {MOST_POINTS:,} are made"
+        )
+    return replace(settings, count=max(count, 1))
+
+
 def sampled(arrays: SurfaceArrays, settings: Settings, context: Any) -> Any:
     """dapple.Samples of one class, or of those that the settings list."""
     surface, options = native_surface(arrays, settings), settings.sample_options()
+    settings = counted(surface, settings)
     if not settings.classes:
         return package().sample(surface, settings.count, context=context, **options)
     classes = _native_classes(arrays, settings, class_counts(settings))

@@ -36,6 +36,7 @@ class Settings:
     """Options of one optimisation."""
 
     count: int = 1000  # number of points, met exactly
+    per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
     gap_weight: float = 3.0  # kappa: keeps neighbours apart
@@ -48,7 +49,7 @@ class Settings:
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without count, classes and density."""
         options = asdict(self)
-        for name in ("count", "stickiness", "classes", "density"):
+        for name in ("count", "per_area", "stickiness", "classes", "density"):
             del options[name]
         return options
 

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets of evenness against regularity: more steps and less lambda make more pattern."""
+
+from typing import Any
+
+from .settings import Settings
+
+# Name, label, what it looks like: as Blender lists choices.
+QUALITIES = [
+    ("DRAFT", "Draft", "Quick to see: even, with a few close pairs"),
+    ("NATURAL", "Natural", "Even and without any pattern, as grass or pebbles lie"),
+    ("FINE", "Fine", "More even than Natural, a little more regular, twice the time"),
+    ("REGULAR", "Regular", "Neighbours at nearly one distance, as scales or cobbles lie"),
+    ("HONEYCOMB", "Honeycomb", "Patches of hexagons, as far as the surface lets them"),
+]
+_DEFAULT = Settings()
+_PRESETS: dict[str, dict[str, Any]] = {
+    "DRAFT": {"tolerance": 5e-4, "max_evaluations": 30},
+    "NATURAL": {},
+    "FINE": {"tolerance": 1e-5},
+    "REGULAR": {"capacity_weight": 5.0, "tolerance": 2e-6, "max_evaluations": 400},
+    "HONEYCOMB": {"capacity_weight": 0.0, "tolerance": 1e-6, "max_evaluations": 600},
+}
+
+
+def quality_settings(name: str) -> dict[str, Any]:
+    """What the preset of that name sets; the rest of these are at their defaults."""
+    names = ("capacity_weight", "gap_weight", "tolerance", "max_evaluations")
+    return {key: getattr(_DEFAULT, key) for key in names} | _PRESETS[name]
