@@ -266,6 +266,36 @@ class Instanced:
         subtype="FACTOR",
         update=instance_changed,
     )
+    align: FloatProperty(
+        options=STILL,
+        name="Align to Normal",
+        description="1 stands upright on the surface, 0 upright in the world",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=instance_changed,
+    )
+    tilt: FloatProperty(
+        options=STILL,
+        name="Random Tilt",
+        description="Largest angle by which instances lean, each its own way",
+        default=0.0,
+        min=0.0,
+        max=math.pi,
+        subtype="ANGLE",
+        update=instance_changed,
+    )
+    density_scale: FloatProperty(
+        options=STILL,
+        name="Scale by Density",
+        description="How much smaller instances are where the density is less",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=instance_changed,
+    )
 
 
 class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):

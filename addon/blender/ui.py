@@ -37,6 +37,10 @@ def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
+_SIZE = ("scale", "scale_randomness", "density_scale")
+_DIRECTION = ("align", "turn_randomness", "tilt")
+
+
 class _Panel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -184,8 +188,10 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
         shown = kinds[at] if at < len(kinds) else settings
         if kinds:
             _draw_class(layout, shown)
-        for name in ("instance", "collection", "scale", "scale_randomness", "turn_randomness"):
-            layout.prop(shown, name)
+        for names in (("instance", "collection"), _SIZE, _DIRECTION):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(shown, name)
         if settings.report.worst_overlap > 0:
             row = layout.row()
             row.label(text=f"Worst overlap {100 * settings.report.worst_overlap:.0f} %")

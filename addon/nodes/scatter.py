@@ -34,6 +34,9 @@ INSTANCE_INPUTS = [
     ("Scale", "NodeSocketFloat"),
     ("Scale Randomness", "NodeSocketFloat"),
     ("Turn Randomness", "NodeSocketFloat"),
+    ("Align", "NodeSocketFloat"),
+    ("Tilt", "NodeSocketFloat"),
+    ("Density Scale", "NodeSocketFloat"),
 ]
 
 
@@ -131,14 +134,28 @@ def _placed(
     by_rest, rest = b.input("Rest Binding"), _rest(b, surface, side)
     position = b.switch("VECTOR", by_rest, position, rest.outputs[0])
     rotation = b.switch("ROTATION", by_rest, rotation, rest.outputs[1])
-    randomness = _of_class(b, "Turn Randomness", kinds)
-    turn = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), randomness)
     points = b.input("Geometry")
-    points = b.store(points, "rotation", b.turned(rotation, turn), "QUATERNION")
+    points = b.store(points, "rotation", _turned(b, rotation, kinds), "QUATERNION")
     gone = b.mix("FLOAT", fraction, *(binding.gone for binding in bindings))
     points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
     points = b.store(points, "scale", _size(b, kinds), "FLOAT_VECTOR")
     return b.out("GeometryNodeSetPosition", points, True, position)
+
+
+def _turned(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
+    """From upright to the normal as Align says, then about itself, then tilted any way."""
+    upright = b.number("SUBTRACT", 1.0, _of_class(b, "Align", kinds))
+    up = (0.0, 0.0, 1.0)
+    rotation = b.out("FunctionNodeAlignRotationToVector", rotation, upright, up, axis="Z")
+    own = b.attribute("dapple_turn", "FLOAT")
+    turn = b.number("MULTIPLY", own, _of_class(b, "Turn Randomness", kinds))
+    rotation = b.turned(rotation, turn)
+    way = b.number("MULTIPLY", own, 1000.0)  # digits that the turn hides
+    axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", way), b.number("SINE", way))
+    chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
+    angle = b.number("MULTIPLY", chance, _of_class(b, "Tilt", kinds))
+    tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)
+    return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
 
 
 def _bound(b: Builder, surface: Socket, binding: playback.Bound, side: Socket) -> bpy.types.Node:
@@ -182,12 +199,15 @@ def _is_of(b: Builder, kind: int | None) -> Socket:
 
 
 def _size(b: Builder, kinds: list[int | None]) -> Socket:
-    """Scale * fade * (1 - randomness * own random number)."""
+    """Scale * fade * (1 - randomness * own random number), less where the density is less."""
     own = b.attribute("dapple_scale", "FLOAT")
     less = b.number("MULTIPLY", own, _of_class(b, "Scale Randomness", kinds))
     scale = _of_class(b, "Scale", kinds)
     factor = b.number("MULTIPLY", scale, b.number("SUBTRACT", 1.0, less))
     factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
+    sparse = b.number("SUBTRACT", 1.0, b.attribute("dapple_density", "FLOAT"))
+    smaller = b.number("MULTIPLY", sparse, _of_class(b, "Density Scale", kinds))
+    factor = b.number("MULTIPLY", factor, b.number("SUBTRACT", 1.0, smaller))
     return b.scaled((1.0, 1.0, 1.0), factor)
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node group alone, on bindings made by hand: one point in the middle of every triangle."""
 
+import math
+
 import addon_host
 import bpy
 import numpy as np
@@ -132,3 +134,44 @@ def test_a_scatter_of_an_older_version_gets_the_group_of_this_one():
     assert obj.modifiers[0].node_group == nodes.ensure_group()
     assert obj.dapple.baked_keys == 2
     assert len(scenes.positions(obj)) == 60
+
+
+def rotations_with(obj, **placement):
+    for name, value in placement.items():
+        setattr(obj.dapple, name, value)
+    return scenes.rotations(obj)
+
+
+def test_things_stand_on_the_surface_or_upright_in_the_world():
+    obj, _ = bound_to_every_triangle(scenes.sphere())
+    outward = scenes.positions(obj) / np.linalg.norm(scenes.positions(obj), axis=1)[:, None]
+    found = rotations_with(obj, turn_randomness=0.0)
+    assert np.einsum("nd,nd->n", found[:, :, 2], outward).min() > 0.99
+    found = rotations_with(obj, align=0.0)
+    assert np.allclose(found[:, :, 2], (0.0, 0.0, 1.0), atol=1e-5)
+    found = rotations_with(obj, align=0.5)
+    to_up = np.arccos(np.clip(found[:, 2, 2], -1, 1))
+    whole = np.arccos(np.clip(outward[:, 2], -1, 1))
+    side = whole < 0.9 * math.pi  # at the lower pole any way up is as near
+    assert np.allclose(to_up[side], 0.5 * whole[side], atol=0.05)
+
+
+def test_things_lean_as_far_as_they_may_each_its_own_way():
+    obj, _ = bound_to_every_triangle(scenes.sphere())
+    straight = rotations_with(obj, turn_randomness=1.0)
+    leaning = rotations_with(obj, tilt=0.5)
+    angle = np.arccos(np.clip(np.einsum("nd,nd->n", straight[:, :, 2], leaning[:, :, 2]), -1, 1))
+    assert 0.45 < angle.max() <= 0.5 + 1e-4
+    assert angle.min() < 0.1
+    way = np.einsum("nda,nd->na", straight[:, :, :2], leaning[:, :, 2])
+    turn = np.arctan2(way[:, 1], way[:, 0])
+    assert abs(np.exp(1j * turn).mean()) < 0.15
+
+
+def test_things_are_smaller_where_the_density_is_less():
+    obj, _ = bound_to_every_triangle(scenes.sphere())
+    density = np.linspace(0.2, 1.0, len(obj.data.vertices)).astype(np.float32)
+    obj.data.attributes["dapple_density"].data.foreach_set("value", density)
+    obj.dapple.density_scale = 0.5
+    sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
+    assert np.allclose(sizes, 1.0 - 0.5 * (1.0 - density), atol=1e-5)
