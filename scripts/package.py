@@ -71,15 +71,28 @@ def manifest(text: str, platform: str, version: str, wheels: list[str]) -> str:
     return after
 
 
+def refuse_wheels(version: str, names: list[str]) -> None:
+    """Blender takes the wheel for its Python: all are of this version, no two for one Python."""
+    pythons = set()
+    for name in names:
+        distribution, found, python = name.split("-")[:3]
+        if (distribution, found) != ("dapple", version):
+            raise SystemExit(f"{name}: wheels must be of dapple {version}")
+        if python in pythons:
+            raise SystemExit(f"{name}: there is another wheel for {python}")
+        pythons.add(python)
+
+
 def extension(folder: str, platform: str, version: str, *wheels: str) -> None:
     """Write the folder that Blender builds into a zip: the add-on, its licence, its wheels."""
+    names = [Path(wheel).name for wheel in wheels]
+    refuse_wheels(version, names)
     target = Path(folder)
     shutil.copytree(ROOT / "addon", target, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", target)
     (target / "wheels").mkdir()
     for wheel in wheels:
         shutil.copy(wheel, target / "wheels")
-    names = [Path(wheel).name for wheel in wheels]
     text = manifest((ROOT / "addon" / MANIFEST).read_text(), platform, version, names)
     (target / MANIFEST).write_text(text)
 

@@ -1,23 +1,28 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Builds the extension that Blender installs from disk, the native package in it:
-# build/package/dapple-VERSION-PLATFORM.zip. The same build gives the same bytes.
-#   scripts/package.sh [--build FOLDER] [--to FOLDER]
+# build/package/dapple-VERSION-PLATFORM.zip. The same build gives the same bytes. It suits Blenders of the Python that it
+# was made with: 3.11 on Debian 12 (as Blender 4.5), 3.13 on Debian 13 (as Blender 5.2); --wheel adds the other one.
+#   scripts/package.sh [--build FOLDER] [--wheel FILE]... [--to FOLDER]
 #     --build   package this build as it is; otherwise scripts/setup.sh makes build/release
+#     --wheel   put this wheel in too: one made for another Python, from extension/wheels beside its zip
 #     --to      write there instead of build/package
 here=$PWD
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 platform=linux-x64
-build='' to=$root/build/package
+build='' others=() to=$root/build/package
 while [ $# -gt 0 ]; do
   case $1 in
     --build) build=$(cd "$here" && realpath -- "${2:?--build needs a folder}") ;;
+    --wheel) others+=("$(cd "$here" && realpath -- "${2:?--wheel needs a file}")") ;;
     --to) to=$(cd "$here" && realpath -m -- "${2:?--to needs a folder}") ;;
     *) fail "unknown option $1; see the head of scripts/package.sh" ;;
   esac
   shift 2
 done
+[ ! -e "$to/extension" ] || [ -f "$to/extension/blender_manifest.toml" ] ||
+  fail "$to/extension is in the way: --to needs a folder that only this script writes to"
 [ "$(uname -sm)" = 'Linux x86_64' ] || fail "this machine is $(uname -sm); packages are made for Linux x86_64"
 
 umask 022
@@ -66,11 +71,12 @@ check_wheel() {
 }
 
 build_extension() {
-  rm -rf "$to/extension" && mkdir -p "$to" &&
-    "$python" scripts/package.py extension "$to/extension" "$platform" "$version" "$work"/wheels/*.whl &&
-    "$python" "$blender_ext" build --source-dir="$to/extension" --output-filepath="$work/built.zip" &&
-    "$python" scripts/package.py settle "$work/built.zip" "$zip" &&
-    "$python" "$blender_ext" validate "$zip"
+  local folder=$work/extension
+  "$python" scripts/package.py extension "$folder" "$platform" "$version" "$work"/wheels/*.whl "${others[@]}" &&
+    "$python" "$blender_ext" build --source-dir="$folder" --output-filepath="$work/built.zip" &&
+    "$python" scripts/package.py settle "$work/built.zip" "$work/$zip" &&
+    "$python" "$blender_ext" validate "$work/$zip" &&
+    rm -rf "$to/extension" && mkdir -p "$to" && mv "$folder" "$work/$zip" "$to"
 }
 
 if [ -z "$build" ]; then
@@ -80,8 +86,8 @@ fi
 blender_ext=$(find "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli -name blender_ext.py)
 stage 'stage the Python package' stage_files
 version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple; print(dapple.__version__)')
-zip=$to/dapple-$version-$platform.zip
+zip=dapple-$version-$platform.zip
 stage 'build the wheel' build_wheel
 stage 'check the wheel' check_wheel
 stage 'build the extension' build_extension
-"$python" scripts/package.py show "$zip"
+"$python" scripts/package.py show "$to/$zip"

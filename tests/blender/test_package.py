@@ -46,6 +46,20 @@ assert not hasattr(bpy.types.Object, "dapple")
 """
 )
 
+UNINSTALL = (
+    INSTALL
+    + """
+bpy.ops.extensions.package_install_files(
+    filepath=arguments[0], repo="user_default", enable_on_install=True
+)
+assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+repositories = [repo.module for repo in bpy.context.preferences.extensions.repos]
+index = repositories.index("user_default")
+bpy.ops.extensions.package_uninstall(repo_index=index, pkg_id="dapple")
+print("left:", [str(path) for path in extensions.rglob("dapple*")])
+"""
+)
+
 LOADED = (
     INSTALL
     + """
@@ -77,13 +91,23 @@ print(hashlib.sha256(samples.positions.tobytes()).hexdigest())
 )
 
 
-def built(folder):
-    """The zip that scripts/package.sh makes of this build."""
-    script = [ROOT / "scripts" / "package.sh", "--build", BUILD, "--to", folder]
-    done = subprocess.run(script, capture_output=True, text=True, timeout=300)
+def package(folder, *options):
+    """Run scripts/package.sh for this build."""
+    script = [ROOT / "scripts" / "package.sh", "--build", BUILD, "--to", folder, *options]
+    return subprocess.run(script, capture_output=True, text=True, timeout=300)
+
+
+def built(folder, *options):
+    """The zip that scripts/package.sh makes."""
+    done = package(folder, *options)
     assert done.returncode == 0, done.stdout + done.stderr
     (archive,) = folder.glob("*.zip")
     return archive
+
+
+def wheels_of(archive):
+    with ZipFile(archive) as files:
+        return [name for name in files.namelist() if name.startswith("wheels/")]
 
 
 @pytest.fixture(scope="session")
@@ -96,7 +120,7 @@ def archive(tmp_path_factory):
 def test_the_manifest_differs_from_the_sources_by_platform_and_wheel(archive):
     with ZipFile(archive) as files:
         shipped = tomllib.loads(files.read("blender_manifest.toml").decode())
-        wheels = [f"./{name}" for name in files.namelist() if name.startswith("wheels/")]
+    wheels = [f"./{name}" for name in wheels_of(archive)]
     platform = {"platforms": ["linux-x64"], "wheels": wheels}
     source = tomllib.loads((ROOT / "addon" / "blender_manifest.toml").read_text())
     assert len(wheels) == 1
@@ -108,8 +132,7 @@ def test_it_is_small_and_brings_the_licences_of_what_is_bundled(archive):
     assert archive.stat().st_size < 30e6
     with ZipFile(archive) as files:
         assert "LICENSE" in files.namelist()
-        (wheel,) = (name for name in files.namelist() if name.endswith(".whl"))
-        with files.open(wheel) as file, ZipFile(file) as inner:
+        with files.open(*wheels_of(archive)) as file, ZipFile(file) as inner:
             names = {Path(name).name for name in inner.namelist() if "/licenses/" in name}
     assert names >= {"LICENSE", "libembree-dev.txt", "libtbb-dev.txt", "libopenmesh-dev.txt"}
 
@@ -118,8 +141,32 @@ def test_the_same_build_gives_the_same_bytes(archive, tmp_path):
     assert built(tmp_path).read_bytes() == archive.read_bytes()
 
 
+@needs_bpy_module
+def test_of_wheels_for_several_pythons_blender_takes_its_own(archive, tmp_path):
+    (name,) = wheels_of(archive)
+    with ZipFile(archive) as files:
+        wheel = Path(files.extract(name, tmp_path))
+    tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    older, newer = (wheel.with_name(wheel.name.replace(tag, other)) for other in ("cp310", "cp399"))
+    for other in (older, newer):
+        with ZipFile(other, "w") as files:
+            files.writestr("dapple/__init__.py", "raise RuntimeError('the wrong wheel')")
+    both = built(tmp_path, "--wheel", older, "--wheel", newer)
+    assert {Path(name).name for name in wheels_of(both)} == {
+        path.name for path in (wheel, older, newer)
+    }
+    assert "60 points, 2 frames" in child.bare(BAKE, both)
+    refused = package(tmp_path, "--wheel", wheel)
+    assert refused.returncode == 1
+    assert f"{wheel.name}: there is another wheel for {tag}" in refused.stderr
+
+
 def test_a_blender_without_the_package_scatters_and_bakes_once_it_is_installed(archive):
     assert "60 points, 2 frames" in child.bare(BAKE, archive)
+
+
+def test_installed_twice_it_works_and_uninstalled_it_leaves_nothing(archive):
+    assert "left: []" in child.bare(UNINSTALL, archive)
 
 
 @needs_bpy_module
