@@ -6,9 +6,7 @@ Chen et al. 2012, Fig. 16b. Run through `blend_examples/run.sh decals`, which se
 
 from __future__ import annotations
 
-import argparse
 import math
-from pathlib import Path
 
 import bpy
 import dapple
@@ -17,13 +15,12 @@ from dapple import texturing
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from blend_examples.mosaic import build_studio
+from blend_examples.scene import begin, build_studio, finish, options, run
 from blend_examples.studio import material
 
-ROOT = Path(__file__).parent.parent
 PROFILE = [(0.30, 0.0), (0.46, 0.10), (0.62, 0.38), (0.66, 0.62), (0.52, 0.92), (0.32, 1.12)]
 PROFILE += [(0.27, 1.24), (0.36, 1.40)]  # radius and height of the vase, from its foot up
-SIDES, STEPS = 96, 12  # around, and between two points of the profile
+SIDES, STEPS = 72, 7  # around, and between two points of the profile
 GLAZE = (0.10, 0.27, 0.38)  # as in pictures; materials take it linear
 GAMMA = 2.2
 Image = NDArray[np.float64]
@@ -156,16 +153,10 @@ def place_cards(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=150, help="daisies; half as many leaves")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--texture", type=int, default=2048, help="width of the baked image")
-    parser.add_argument("--width", type=int, default=720, help="of the picture, in pixels")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "examples")
+    parser = options(__doc__, 150, "daisies; half as many leaves")
+    parser.add_argument("--texture", type=int, default=1280, help="width of the baked image")
     given = parser.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    begin()
     left, right = build_vase("Baked", -0.72), build_vase("Instances", 0.72)
     surface, chart = surface_of(left.data)
     radii = [0.46 * surface.spacing(given.count + given.count // 2) * k for k in (1.0, 0.9)]
@@ -187,12 +178,9 @@ def main() -> None:
     ]
     place_cards(right, samples, cards)
     build_studio(given.width, given.width // 2, (0.0, -6.2, 2.6), (0.0, 0.0, 0.66), 72)
-    scene = bpy.context.scene
-    scene.render.filepath = str(given.out / "decals.png")
-    bpy.ops.render.render(write_still=True)
-    bpy.ops.wm.save_as_mainfile(filepath=str(given.out / "decals.blend"), compress=True)
-    print(f"{given.out}: {len(samples)} decals, {samples.report.worst_overlap:.2f} worst overlap")
+    overlap = samples.report.worst_overlap
+    finish("decals", given, f"{len(samples)} decals, {overlap:.2f} worst overlap")
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

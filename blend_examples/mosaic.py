@@ -6,17 +6,13 @@ Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which se
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Sequence
-from pathlib import Path
-
 import bpy
 import dapple
 import numpy as np
 
-from blend_examples.studio import BODY, add_floor, add_light, aim, material, set_render, use_nodes
+from blend_examples.scene import begin, build_studio, finish, options, run
+from blend_examples.studio import BODY, material
 
-ROOT = Path(__file__).parent.parent
 SIZE = (1.5, 1.1, 1.3)  # of the box
 ROUNDING = 0.16
 HUES = [(0.80, 0.24, 0.07), (0.93, 0.62, 0.20), (0.86, 0.80, 0.66), (0.07, 0.34, 0.40)]
@@ -83,51 +79,20 @@ def glazed(name: str) -> bpy.types.Material:
     return made
 
 
-def build_studio(
-    width: int, height: int, place: Sequence[float], target: Sequence[float], lens: float
-) -> None:
-    """Floor, light and a camera at the place."""
-    scene = bpy.context.scene
-    add_floor()
-    add_light("Key", (3.5, -4.5, 6.0), 1.4, 420, (1.0, 0.95, 0.88))
-    add_light("Fill", (-6.0, -4.0, 3.0), 5.0, 130, (0.80, 0.90, 1.0))
-    world = bpy.data.worlds.new("World")
-    use_nodes(world)
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.75, 0.72, 0.70, 1)
-    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.35
-    scene.world = world
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.data.lens = lens
-    scene.collection.objects.link(camera)
-    aim(camera, place, target)
-    scene.camera = camera
-    set_render(scene, width, height)
-    scene.cycles.samples = 32
-
-
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=420, help="tiles")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--width", type=int, default=720, help="of the picture, in pixels")
-    parser.add_argument("--out", type=Path, default=ROOT / "build" / "examples")
-    given = parser.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    given = options(__doc__, 420, "tiles").parse_args()
+    begin()
     surface = surface_of(build_box())
     samples = dapple.sample(surface, given.count, seed=given.seed)
     spacing = samples.report.spacing
     mosaic = dapple.mosaic(surface, samples, grout=0.09 * spacing, thickness=0.14 * spacing)
     build_tiles(mosaic)
     build_studio(given.width, 3 * given.width // 4, (3.3, -4.4, 3.0), (0.0, 0.0, 0.6), 78)
-    scene = bpy.context.scene
-    scene.render.filepath = str(given.out / "mosaic.png")
-    bpy.ops.render.render(write_still=True)
-    bpy.ops.wm.save_as_mainfile(filepath=str(given.out / "mosaic.blend"), compress=True)
     kept = 100 * mosaic.areas.sum() / mosaic.cell_areas.sum()
-    print(f"{given.out}: {given.count} tiles of {len(mosaic)} polygons, {kept:.0f} % of the box")
+    finish(
+        "mosaic", given, f"{given.count} tiles of {len(mosaic)} polygons, {kept:.0f} % of the box"
+    )
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -289,9 +289,9 @@ class Instanced:
     density_scale: FloatProperty(
         options=STILL,
         name="Scale by Density",
-        description="How much smaller instances are where the density is less",
+        description="How much smaller instances are where the density is less; below 0 larger",
         default=0.0,
-        min=0.0,
+        min=-1.0,
         max=1.0,
         subtype="FACTOR",
         update=instance_changed,

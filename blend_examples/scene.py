@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the still examples share: options, the add-on, a studio, saving, and a dump of the scene."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+import addon  # noqa: E402  (the add-on as it lies in the repository)
+from blend_examples.studio import add_floor, add_light, aim, set_render, use_nodes  # noqa: E402
+
+Vector = Sequence[float]
+
+
+def options(text: str, count: int, of: str) -> argparse.ArgumentParser:
+    """The options that every example takes."""
+    parser = argparse.ArgumentParser(description=text.splitlines()[0])
+    parser.add_argument("--count", type=int, default=count, help=of)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--width", type=int, default=720, help="of the picture; 0: none is made")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "examples")
+    return parser
+
+
+def begin() -> None:
+    """An empty file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.preferences.filepaths.save_version = 0  # no second file beside the first
+
+
+def run(make: Callable[[], None]) -> None:
+    """Make an example with the add-on."""
+    addon.register()
+    try:
+        make()
+    finally:
+        addon.unregister()  # a class that is still registered at exit can hang Blender
+
+
+def mesh_object(name: str, vertices: Any, faces: Any, smooth: bool = True) -> bpy.types.Object:
+    """A mesh of plain arrays, in the scene."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], [list(map(int, face)) for face in faces])
+    if smooth:
+        mesh.shade_smooth()
+    made = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(made)
+    return made
+
+
+def hidden(thing: bpy.types.Object) -> bpy.types.Object:
+    """Of this object only the instances are to be seen."""
+    thing.hide_render = thing.hide_viewport = True
+    return thing
+
+
+def grid(name: str, size: float, cells: int) -> tuple[bpy.types.Object, NDArray[np.float64]]:
+    """A flat square around the origin, and its vertices (v, 3)."""
+    line = np.linspace(-size / 2, size / 2, cells + 1)
+    x, y = np.meshgrid(line, line)
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    low = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    faces = np.column_stack([low, low + 1, low + cells + 2, low + cells + 1])
+    return mesh_object(name, vertices, faces), vertices
+
+
+def move_vertices(thing: bpy.types.Object, vertices: NDArray[np.float64]) -> None:
+    thing.data.vertices.foreach_set("co", vertices.astype(np.float32).ravel())
+    thing.data.update()
+
+
+def paint(thing: bpy.types.Object, name: str, values: NDArray[np.float64]) -> None:
+    """A float attribute on the vertices."""
+    attribute = thing.data.attributes.new(name, "FLOAT", "POINT")
+    attribute.data.foreach_set("value", values.astype(np.float32))
+
+
+def scatter(surface: bpy.types.Object, count: int, seed: int) -> bpy.types.Object:
+    """A scatter of the add-on over the surface."""
+    bpy.ops.object.select_all(action="DESELECT")
+    surface.select_set(True)
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.dapple.add(count=count, seed=seed)
+    return bpy.context.object
+
+
+def add_class(made: bpy.types.Object, name: str, **values: Any) -> None:
+    """One more class of a scatter."""
+    bpy.ops.dapple.edit_classes(action="ADD")
+    kind = made.dapple.classes[-1]
+    kind.name = name
+    for key, value in values.items():
+        setattr(kind, key, value)
+
+
+def build_studio(
+    width: int, height: int, place: Vector, target: Vector, lens: float, floor: bool = True
+) -> None:
+    """Floor, light and a camera at the place."""
+    scene = bpy.context.scene
+    if floor:
+        add_floor()
+    add_light("Key", (3.5, -4.5, 6.0), 1.4, 420, (1.0, 0.95, 0.88))
+    add_light("Fill", (-6.0, -4.0, 3.0), 5.0, 130, (0.80, 0.90, 1.0))
+    world = bpy.data.worlds.new("World")
+    use_nodes(world)
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.75, 0.72, 0.70, 1)
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.35
+    scene.world = world
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.lens = lens
+    scene.collection.objects.link(camera)
+    aim(camera, place, target)
+    scene.camera = camera
+    set_render(scene, max(width, 1), max(height, 1))
+    scene.cycles.samples = 32
+
+
+def dump() -> dict[str, Any]:
+    """What the depsgraph shows: instances by the name of their mesh, and their box."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [  # read at once: an instance is gone when the next one comes
+        (one.object.data.name, tuple(one.matrix_world.translation))
+        for one in depsgraph.object_instances
+        if one.is_instance and one.object.data
+    ]
+    names = Counter(name for name, _ in shown)
+    places = np.array([place for _, place in shown]).reshape(-1, 3)
+    box = [places.min(axis=0), places.max(axis=0)] if len(places) else []
+    polygons = sum(len(o.data.polygons) for o in bpy.context.scene.objects if o.type == "MESH")
+    return {
+        "instances": dict(sorted(names.items())),
+        "box": [[round(float(x), 3) for x in row] for row in box],
+        "polygons": polygons,
+    }
+
+
+def finish(name: str, given: argparse.Namespace, said: str) -> None:
+    """The picture, the .blend and the dump; then one line of figures."""
+    given.out.mkdir(parents=True, exist_ok=True)
+    scene = bpy.context.scene
+    if given.width:
+        scene.render.filepath = str(given.out / f"{name}.png")
+        bpy.ops.render.render(write_still=True)
+    (given.out / f"{name}.json").write_text(json.dumps(dump(), indent=1) + "\n")
+    bpy.ops.wm.save_as_mainfile(filepath=str(given.out / f"{name}.blend"), compress=True)
+    print(f"{given.out}: {said}")

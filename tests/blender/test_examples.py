@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The still examples: rebuilt small, compared with a dump, opened without the add-on."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import child
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DUMPS = Path(__file__).parent / "dumps"  # of these counts: python -m blend_examples.NAME --width 0
+COUNTS = {"meadow": 300, "studs": 200, "mosaic": 60, "portrait": 400, "city": 200, "decals": 30}
+LARGEST = 2**20  # bytes of a .blend
+
+OPENED = """
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
+assert not hasattr(bpy.types.Object, "dapple")
+depsgraph = bpy.context.evaluated_depsgraph_get()
+print("shown", sum(one.is_instance for one in depsgraph.object_instances))
+"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Folder with what every example writes; a picture of none."""
+    if bpy.app.binary_path:
+        pytest.skip("the examples are run by the bpy module")
+    folder = tmp_path_factory.mktemp("examples")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    for name, count in COUNTS.items():
+        arguments = ["--count", count, "--width", 0, "--out", folder]
+        done = subprocess.run(
+            [sys.executable, "-m", f"blend_examples.{name}", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=ROOT,
+            env=environment,
+            timeout=120,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_an_example_is_as_it_was(built, name):
+    found = json.loads((built / f"{name}.json").read_text())
+    before = json.loads((DUMPS / f"{name}.json").read_text())
+    assert found["instances"] == before["instances"]
+    assert found["polygons"] == pytest.approx(before["polygons"], rel=0.02)
+    assert np.allclose(found["box"], before["box"], atol=0.1)
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_an_example_opens_without_the_add_on(built, name):
+    file = built / f"{name}.blend"
+    assert file.stat().st_size < LARGEST
+    expected = sum(json.loads((DUMPS / f"{name}.json").read_text())["instances"].values())
+    said = child.run(OPENED, file)
+    assert said.split()[-1] == str(expected), said
