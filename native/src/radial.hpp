@@ -56,7 +56,9 @@ class Annuli {
   int x = 1;
   for (int y = 0; y <= half_width; ++y, x = -half_width)
     for (; x <= half_width; ++x, ++value)
-      annuli.add(static_cast<std::size_t>(std::lround(std::hypot(x, y))) - 1, *value);
+      annuli.add(
+          static_cast<std::size_t>(std::lround(std::sqrt(double(x) * x + double(y) * y))) - 1,
+          *value);
   return annuli.statistics(1.0, step);
 }
 

@@ -258,7 +258,9 @@ struct Bins {
   double width;
 
   [[nodiscard]] double middle(int k) const { return (k + 0.5 - 0.5 * count) * width; }
-  [[nodiscard]] double distance(int x, int y) const { return std::hypot(middle(x), middle(y)); }
+  [[nodiscard]] double distance(int x, int y) const {
+    return std::sqrt(middle(x) * middle(x) + middle(y) * middle(y));
+  }
 };
 
 /// One of each pair d, -d.

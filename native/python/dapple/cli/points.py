@@ -85,6 +85,24 @@ def read_points(path: Path) -> Points:
         return read(path)
 
 
+def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
+    """The points of a file on the surface: where it says that they are, or else nearest.
+
+    Raises:
+        ClickException: naming the file and its first point that is not finite or has no place.
+    """
+    points = read_points(path)
+    with about(path):
+        if len(points.positions) == 0:
+            raise ValueError("holds no points")
+        faces, weights = points.faces, points.barycentric
+        if faces is None or weights is None:
+            places = np.pad(points.positions, ((0, 0), (0, 3 - points.positions.shape[1])))
+            near = dapple.project(surface, places)
+            faces, weights = near.faces, near.barycentric
+        return dapple.Samples(surface, faces, weights, ids=points.ids, classes=points.classes)
+
+
 def _listed(formats: Mapping[str, object]) -> str:
     *first, last = formats
     return f"{', '.join(first)} or {last}"

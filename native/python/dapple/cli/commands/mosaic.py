@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 import dapple
 from dapple.cli import meshes, options, polygons
-from dapple.cli.files import about, check_outputs
-from dapple.cli.points import Points, read_points
+from dapple.cli.files import check_outputs
+from dapple.cli.points import bound
 from dapple.cli.report import Reporter
 from dapple.cli.work import Work
 
@@ -78,7 +77,7 @@ def command(
     given = options.given(chosen)
     with Work("tiling", steps=2, quiet=quiet) as work:
         if points:
-            samples = bound(loaded.surface, points, read_points(points))
+            samples = bound(loaded.surface, points)
         else:
             assert count is not None
             samples = work.run(partial(dapple.sample, loaded.surface, count, **given))
@@ -97,23 +96,6 @@ def command(
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()
     reporter.say(f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area")
-
-
-def bound(surface: dapple.Surface, path: Path, points: Points) -> dapple.Samples:
-    """The points of a file on the surface: where it says that they are, or else nearest.
-
-    Raises:
-        ClickException: naming the file and its first point that is not finite or has no place.
-    """
-    with about(path):
-        if len(points.positions) == 0:
-            raise ValueError("holds no points")
-        faces, weights = points.faces, points.barycentric
-        if faces is None or weights is None:
-            places = np.pad(points.positions, ((0, 0), (0, 3 - points.positions.shape[1])))
-            near = dapple.project(surface, places)
-            faces, weights = near.faces, near.barycentric
-        return dapple.Samples(surface, faces, weights, ids=points.ids, classes=points.classes)
 
 
 def summary(made: dapple.Mosaic) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import dapple
 from dapple.cli import meshes, options
 from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.points import bound
 from dapple.cli.report import Reporter, figures
 from dapple.cli.work import Work
 
@@ -26,7 +27,12 @@ START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threa
 @click.command("track", short_help="Points that stay put on a moving mesh.")
 @click.argument("frames", type=options.INPUT, nargs=-1, required=True)
 @click.argument("out", type=options.OUTPUT)
-@click.option("-n", "--count", type=options.COUNT, required=True, help="Number of points.")
+@click.option("-n", "--count", type=options.COUNT, help="Number of points, on the first frame.")
+@click.option(
+    "--points",
+    type=options.INPUT,
+    help="Begin with these points on the first frame instead; each of their classes stays even.",
+)
 @click.option(
     "--together",
     is_flag=True,
@@ -46,7 +52,8 @@ START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threa
 def command(
     frames: tuple[Path, ...],
     out: Path,
-    count: int,
+    count: int | None,
+    points: Path | None,
     together: bool,
     closed: bool,
     sweeps: int | None,
@@ -55,24 +62,27 @@ def command(
     quiet: bool,
     **solver: Any,
 ) -> None:
-    """Put COUNT points on the first of FRAMES and keep them even and in place on the others.
+    """Keep COUNT points, or a file's, even and in place on the FRAMES of a motion.
 
     FRAMES are meshes as for `dapple sample` with the same faces, or one .npz with 'vertices'
     (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals' (frames, n, 3),
     'faces' (frames, n) and 'barycentric' (frames, n, 3): where on the mesh each point is; 'ids'
-    (n,), and 'reports' (frames,), JSON.
+    and 'classes' (n,), and 'reports' (frames,), JSON.
 
     \b
     Examples:
       dapple track walk_0.ply walk_1.ply walk_2.ply points.npz -n 2000
       dapple track walk.npz points.npz -n 2000 --together --closed
+      dapple track walk.npz points.npz --points plants.npz
     """
     reporter = Reporter(json_out, quiet)
     if out.suffix.lower() != ".npz":
         raise click.ClickException(f"{out}: the points of all frames are written as .npz")
     if not together and (closed or sweeps is not None):
         raise click.UsageError("--closed and --sweeps need --together")
-    check_outputs(frames, [out, reporter.file])
+    if (count is None) == (points is None):
+        raise click.UsageError("give either --count or --points")
+    check_outputs([*frames, points], [out, reporter.file])
     source, motion = read_motion(frames)
     loaded = meshes.load(source)
     tracking = options.given(solver)
@@ -81,25 +91,47 @@ def command(
     if together:
         tracking |= options.given({"closed": closed, "sweeps": sweeps})
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
-        first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
+        if points:
+            first = bound(loaded.surface, points)
+            tracking |= of_classes(points, first, together)
+        else:
+            assert count is not None
+            first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
         follow = follow_together if together else follow_each
         results = follow(work, loaded.surface, motion, first, tracking)
     write_motion(out, results)
     function = dapple.track_window if together else TRACKER
-    settings = {"count": count, "together": together} | options.library_defaults(function)
+    settings = {"count": len(first), "together": together} | options.library_defaults(function)
     settings["seed"] = options.library_defaults(dapple.sample)["seed"]
     reporter.store(
         "track",
-        input=loaded.describe() | {"frames": [name for name, _ in motion]},
+        input=loaded.describe()
+        | {"frames": [name for name, _ in motion], "points": str(points) if points else None},
         output=str(out),
         settings=settings | sampling | tracking,
         reports=[samples.report.to_dict() for samples in results],
     )
     slide = max(samples.report.slide_max for samples in results)
     reporter.say(
-        f"{out}: {count} points on {len(motion)} frames, the last one: "
+        f"{out}: {len(first)} points on {len(motion)} frames, the last one: "
         f"{figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
     )
+
+
+def of_classes(path: Path, first: dapple.Samples, together: bool) -> dict[str, Any]:
+    """How many points each class has, for the tracker, if there are several.
+
+    Raises:
+        ClickException: solving all frames together keeps one class only.
+    """
+    counts = np.bincount(first.classes).tolist()
+    if len(counts) < 2:
+        return {}
+    if together:
+        raise click.ClickException(
+            f"{path}: has {len(counts)} classes, but --together keeps one class even"
+        )
+    return {"classes": counts}
 
 
 def read_motion(frames: Sequence[Path]) -> tuple[meshes.Mesh, Motion]:
@@ -186,5 +218,6 @@ def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
             faces=stacked("faces"),
             barycentric=stacked("barycentric"),
             ids=results[0].ids,
+            classes=results[0].classes,
             reports=np.array(texts),
         )
