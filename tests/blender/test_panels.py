@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels in every state: a background Blender has no layout, so one stands in that looks up all
+that it is given."""
+
+import types
+
+import addon_host
+import bpy
+import pytest
+import scenes
+
+ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys()
+
+
+class Layout:
+    """Checks that what a panel shows exists; keeps the texts."""
+
+    def __init__(self, shown):
+        self.shown = shown
+
+    def row(self, **_):
+        return Layout(self.shown)
+
+    column = row
+
+    def label(self, text="", icon="NONE"):
+        assert icon in ICONS
+        self.shown.append(text)
+
+    def prop(self, data, name, text=None, icon="NONE", **_):
+        assert name in data.bl_rna.properties, f"{data} has no {name}"
+        assert icon in ICONS
+        self.shown.append(name)
+
+    def operator(self, name, text="", icon="NONE", depress=False):
+        assert icon in ICONS
+        group, verb = name.split(".")
+        kind = getattr(getattr(bpy.ops, group), verb).get_rna_type()
+        self.shown.append(name)
+        return types.SimpleNamespace(**{p.identifier: None for p in kind.properties})
+
+    def operator_menu_enum(self, name, field):
+        assert hasattr(self.operator(name), field)
+
+    def template_list(self, kind, _, data, name, active_data, active):
+        assert active in active_data.bl_rna.properties
+        kind = addon_host.part("blender.ui").DAPPLE_UL_classes
+        for index, item in enumerate(getattr(data, name)):
+            draw = types.SimpleNamespace()
+            kind.draw_item(draw, bpy.context, self, data, item, 0, active_data, active, index)
+
+
+def drawn():
+    """What all panels show for the active object."""
+    ui, shown = addon_host.part("blender.ui"), []
+    for kind in ui.CLASSES:
+        if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):
+            kind.draw(types.SimpleNamespace(layout=Layout(shown)), bpy.context)
+    return shown
+
+
+def test_a_surface_is_offered_a_scatter():
+    scenes.sphere()
+    assert drawn() == ["dapple.add"]
+
+
+def test_a_scatter_shows_its_settings_and_its_result():
+    scenes.scattered(scenes.sphere())
+    shown = drawn()
+    for name in ("count", "seed", "instance", "collection", "align", "attribute", "curvature"):
+        assert name in shown
+    for name in ("dapple.optimise", "dapple.tile", "dapple.bake", "dapple.set_quality"):
+        assert name in shown
+    assert "points_per_area" not in shown
+    assert "Fresh: fits the surface" in shown
+
+
+def test_what_is_switched_on_is_shown():
+    obj = scenes.scattered(scenes.sphere())
+    assert "slope_from" not in drawn()
+    obj.dapple.density.use_slope = obj.dapple.density.use_height = True
+    obj.dapple.amount = "PER_AREA"
+    shown = drawn()
+    assert {"slope_from", "slope_to", "height_fade", "points_per_area"} <= set(shown)
+    assert "count" not in shown
+
+
+def test_classes_show_how_many_points_each_gets():
+    obj = scenes.scattered(scenes.sphere(), count=90)
+    for share in (2.0, 1.0):
+        bpy.ops.dapple.edit_classes(action="ADD")
+        obj.dapple.classes[-1].share = share
+    shown = drawn()
+    assert {"60", "30", "use_count", "share", "radius", "density"} <= set(shown)
+    obj.dapple.classes[0].use_count, obj.dapple.classes[0].count = True, 200
+    assert drawn().count("?") == 2, "they ask for more than there are"
+
+
+def test_an_overlap_can_be_selected():
+    obj = scenes.scattered(scenes.sphere())
+    assert "dapple.select_overlap" not in drawn()
+    obj.dapple.report.worst_overlap = 0.25
+    assert "Worst overlap 25 %" in drawn()
+
+
+@pytest.mark.parametrize("mode", ["KEEP_COUNT", "KEEP_DENSITY"])
+def test_a_baked_scatter(mode):
+    obj = scenes.scattered(scenes.tail(frames=3), count=30)
+    obj.dapple.count_over_time = mode
+    bpy.ops.dapple.bake()
+    shown = drawn()
+    assert "Baked: frames 1 to 3" in shown
+    assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
