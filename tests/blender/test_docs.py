@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What docs/add-on.md says is so."""
+
+import re
+from pathlib import Path
+
+import bpy
+import numpy as np
+import scenes
+
+TEXT = (Path(__file__).parents[2] / "docs" / "add-on.md").read_text()
+
+
+def test_the_script_runs(capsys):
+    for name in ("Tuft", "Pebble"):
+        bpy.ops.mesh.primitive_cube_add(size=0.05)
+        bpy.context.object.name = name
+    rocks = bpy.data.collections.new("Rocks")
+    rocks.objects.link(bpy.data.objects["Pebble"])
+    surface = scenes.tail(frames=2)
+    values = np.ones(len(surface.data.vertices), np.float32)
+    surface.data.attributes.new("Grass", "FLOAT", "POINT").data.foreach_set("value", values)
+    (script,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    exec(script.replace("count=2000", "count=60"), {})
+    assert len(capsys.readouterr().out.split()) >= 2
+    obj = bpy.context.object
+    assert obj.dapple.baked_keys == 2
+    assert obj.dapple.report.count == 60
+
+
+def test_every_operator_and_property_is_told():
+    for name in dir(bpy.ops.dapple):
+        assert f"`{name}(" in TEXT, f"no word of bpy.ops.dapple.{name}"
+    groups = {"": scenes.scattered(scenes.sphere()).dapple}
+    groups["density."], groups["tiles."] = groups[""].density, groups[""].tiles
+    internal = {"rna_type", "name", "classes", "class_index", "density", "tiles", "report"}
+    stored = ("surface", "baked", "bound", "solved", "bake_fingerprint", "preview_budget")
+    for prefix, group in groups.items():
+        for name in set(group.bl_rna.properties.keys()) - internal:
+            parts = name.removeprefix("slope_").removeprefix("height_")
+            told = name in TEXT or (prefix and parts in TEXT)
+            assert told or name.startswith(stored), f"no word of {prefix}{name}"
