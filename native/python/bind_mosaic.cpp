@@ -33,6 +33,7 @@ template <typename Member>
 auto tile_property(Member Tile::*member) {
   return [member](const Mosaic& mosaic) {
     std::vector<Member> values;
+    values.reserve(mosaic.tiles.size());
     for (const Tile& tile : mosaic.tiles) values.push_back(tile.*member);
     return give(std::move(values));
   };
@@ -40,6 +41,7 @@ auto tile_property(Member Tile::*member) {
 
 py::array sides_of(const Mosaic& mosaic) {
   std::vector<std::int32_t> values;
+  values.reserve(mosaic.size());
   for (const TileSide side : mosaic.sides) values.push_back(static_cast<std::int32_t>(side));
   return give(std::move(values));
 }
