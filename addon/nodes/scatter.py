@@ -129,8 +129,12 @@ def _placed(
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
     surface = info.outputs["Geometry"]
     a, c = (_bound(b, surface, binding, side) for binding in bindings)
-    position = b.mix("VECTOR", fraction, a.outputs[0], c.outputs[0])
-    rotation = b.mix("ROTATION", fraction, a.outputs[1], c.outputs[1])
+    # On whole frames of keys, and without any, the second key is not looked at.
+    between = b.compare("GREATER_THAN", fraction, 0.0, "FLOAT")
+    position, rotation = (
+        b.switch(kind, between, one, b.mix(kind, fraction, one, other))
+        for kind, one, other in zip(("VECTOR", "ROTATION"), a.outputs, c.outputs, strict=True)
+    )
     by_rest, rest = b.input("Rest Binding"), _rest(b, surface, side)
     position = b.switch("VECTOR", by_rest, position, rest.outputs[0])
     rotation = b.switch("ROTATION", by_rest, rotation, rest.outputs[1])
@@ -144,9 +148,11 @@ def _placed(
 
 def _turned(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
     """From upright to the normal as Align says, then about itself, then tilted any way."""
-    upright = b.number("SUBTRACT", 1.0, _of_class(b, "Align", kinds))
+    less = b.number("SUBTRACT", 1.0, _of_class(b, "Align", kinds))
     up = (0.0, 0.0, 1.0)
-    rotation = b.out("FunctionNodeAlignRotationToVector", rotation, upright, up, axis="Z")
+    upright = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
+    aligned = _all_are(b, "Align", 1.0, kinds)
+    rotation = b.switch("ROTATION", aligned, upright, rotation)
     own = b.attribute("dapple_turn", "FLOAT")
     turn = b.number("MULTIPLY", own, _of_class(b, "Turn Randomness", kinds))
     rotation = b.turned(rotation, turn)
@@ -155,7 +161,8 @@ def _turned(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
     chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
     angle = b.number("MULTIPLY", chance, _of_class(b, "Tilt", kinds))
     tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)
-    return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
+    tilted = b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
+    return b.switch("ROTATION", _all_are(b, "Tilt", 0.0, kinds), tilted, rotation)
 
 
 def _bound(b: Builder, surface: Socket, binding: playback.Bound, side: Socket) -> bpy.types.Node:
@@ -194,6 +201,15 @@ def _of_class(b: Builder, name: str, kinds: list[int | None]) -> Socket:
     return value
 
 
+def _all_are(b: Builder, name: str, value: float, kinds: list[int | None]) -> Socket:
+    """Whether no class changes anything: one value, so that a switch leaves the other side out."""
+    plain = None
+    for kind in kinds:
+        same = b.compare("EQUAL", b.input(input_name(name, kind)), value, "FLOAT")
+        plain = same if plain is None else b.boolean("AND", plain, same)
+    return plain
+
+
 def _is_of(b: Builder, kind: int | None) -> Socket:
     return b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind)
 
@@ -207,7 +223,8 @@ def _size(b: Builder, kinds: list[int | None]) -> Socket:
     factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
     sparse = b.number("SUBTRACT", 1.0, b.attribute("dapple_density", "FLOAT"))
     smaller = b.number("MULTIPLY", sparse, _of_class(b, "Density Scale", kinds))
-    factor = b.number("MULTIPLY", factor, b.number("SUBTRACT", 1.0, smaller))
+    other = b.number("MULTIPLY", factor, b.number("SUBTRACT", 1.0, smaller))
+    factor = b.switch("FLOAT", _all_are(b, "Density Scale", 0.0, kinds), other, factor)
     return b.scaled((1.0, 1.0, 1.0), factor)
 
 

@@ -31,7 +31,7 @@ def build() -> bpy.types.NodeTree:
         b.input("Selection"),
         b.switch("GEOMETRY", some, _one(b), several),
         some,
-        _picked(b, count),
+        b.switch("INT", some, 0, _picked(b, count)),
         b.attribute("rotation", "QUATERNION"),
         b.attribute("scale", "FLOAT_VECTOR"),
     )
