@@ -45,3 +45,10 @@ def dense(mesh) -> dapple.Surface:
 @pytest.fixture(scope="session")
 def samples(surface) -> dapple.Samples:
     return dapple.sample(surface, 300)
+
+
+@pytest.fixture
+def torus(tmp_path, mesh) -> Path:
+    path = tmp_path / "torus.ply"
+    dapple.write_mesh(path, *mesh)
+    return path

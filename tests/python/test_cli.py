@@ -15,7 +15,7 @@ import dapple
 import numpy as np
 import pytest
 import shapes
-from click.testing import CliRunner, Result
+from command_line import done, refused, run
 from dapple.cli import commands, points, work
 from dapple.cli.app import main
 from dapple.cli.options import library_defaults
@@ -24,35 +24,8 @@ COMMANDS = ["analyse", "classes", "mosaic", "sample", "stipple", "track"]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
-def done(*arguments: object) -> Result:
-    found = run(*arguments)
-    assert found.exit_code == 0, found.output
-    return found
-
-
-def refused(*arguments: object) -> str:
-    """The message of a bad input: one line on stderr, exit code 1."""
-    found = run(*arguments)
-    assert found.exit_code == 1, found.output
-    assert found.stdout == ""
-    assert re.fullmatch(r"Error: [^\n]+\n", found.stderr), found.stderr
-    assert isinstance(found.exception, SystemExit)
-    return found.stderr
-
-
 def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "dapple", *map(str, arguments)]
-
-
-@pytest.fixture
-def torus(tmp_path, mesh) -> Path:
-    path = tmp_path / "torus.ply"
-    dapple.write_mesh(path, *mesh)
-    return path
 
 
 @pytest.fixture

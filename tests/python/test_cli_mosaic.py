@@ -21,13 +21,6 @@ def done(*arguments: object) -> Result:
     return found
 
 
-@pytest.fixture
-def torus(tmp_path, mesh):
-    path = tmp_path / "torus.ply"
-    dapple.write_mesh(path, *mesh)
-    return path
-
-
 def expected(surface, count=40, **options):
     samples = dapple.sample(surface, count)
     return dapple.mosaic(surface, samples, grout=0.1 * samples.report.spacing, **options)

@@ -2,42 +2,13 @@
 """dapple track: what it writes, and what it refuses."""
 
 import json
-import re
 from pathlib import Path
 
 import dapple
 import numpy as np
 import pytest
 import shapes
-from click.testing import CliRunner, Result
-from dapple.cli.app import main
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
-def done(*arguments: object) -> Result:
-    found = run(*arguments)
-    assert found.exit_code == 0, found.output
-    return found
-
-
-def refused(*arguments: object) -> str:
-    """The message of a bad input: one line on stderr, exit code 1."""
-    found = run(*arguments)
-    assert found.exit_code == 1, found.output
-    assert found.stdout == ""
-    assert re.fullmatch(r"Error: [^\n]+\n", found.stderr), found.stderr
-    assert isinstance(found.exception, SystemExit)
-    return found.stderr
-
-
-@pytest.fixture
-def torus(tmp_path, mesh) -> Path:
-    path = tmp_path / "torus.ply"
-    dapple.write_mesh(path, *mesh)
-    return path
+from command_line import done, refused, run
 
 
 @pytest.fixture
