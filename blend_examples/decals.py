@@ -15,7 +15,7 @@ from dapple import texturing
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from blend_examples.scene import begin, build_studio, finish, options, run
+from blend_examples.scene import begin, build_studio, finish, options, run, surface_of
 from blend_examples.studio import material
 
 PROFILE = [(0.30, 0.0), (0.46, 0.10), (0.62, 0.38), (0.66, 0.62), (0.52, 0.92), (0.32, 1.12)]
@@ -92,18 +92,13 @@ def build_vase(name: str, x: float) -> bpy.types.Object:
     return vase
 
 
-def surface_of(mesh: bpy.types.Mesh) -> tuple[dapple.Surface, NDArray[np.float32]]:
-    """The surface, and the texture coordinates of its faces' corners."""
-    mesh.calc_loop_triangles()
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    faces, loops = (np.empty(3 * len(mesh.loop_triangles), np.int32) for _ in range(2))
+def chart_of(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Texture coordinates (m, 3, 2) of the corners of its loop triangles."""
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
     chart = np.empty(2 * len(mesh.loops), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    mesh.loop_triangles.foreach_get("vertices", faces)
     mesh.loop_triangles.foreach_get("loops", loops)
     mesh.uv_layers[0].data.foreach_get("uv", chart)
-    surface = dapple.Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
-    return surface, chart.reshape(-1, 2)[loops.reshape(-1, 3)]
+    return chart.reshape(-1, 2)[loops.reshape(-1, 3)]
 
 
 def glaze() -> tuple[float, float, float]:
@@ -158,7 +153,7 @@ def main() -> None:
     given = parser.parse_args()
     begin()
     left, right = build_vase("Baked", -0.72), build_vase("Instances", 0.72)
-    surface, chart = surface_of(left.data)
+    surface, chart = surface_of(left.data), chart_of(left.data)
     radii = [0.46 * surface.spacing(given.count + given.count // 2) * k for k in (1.0, 0.9)]
     classes = [
         dapple.SampleClass(count, radius=radius)

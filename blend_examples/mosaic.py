@@ -10,7 +10,7 @@ import bpy
 import dapple
 import numpy as np
 
-from blend_examples.scene import begin, build_studio, finish, options, run
+from blend_examples.scene import begin, build_studio, finish, options, run, surface_of
 from blend_examples.studio import BODY, material
 
 SIZE = (1.5, 1.1, 1.3)  # of the box
@@ -29,16 +29,6 @@ def build_box() -> bpy.types.Object:
     bpy.ops.object.modifier_apply(modifier=rounding.name)
     box.data.materials.append(material("Mortar", BODY, 0.9))
     return box
-
-
-def surface_of(thing: bpy.types.Object) -> dapple.Surface:
-    mesh = thing.data
-    mesh.calc_loop_triangles()
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    faces = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.vertices.foreach_get("co", vertices)
-    mesh.loop_triangles.foreach_get("vertices", faces)
-    return dapple.Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
@@ -82,7 +72,7 @@ def glazed(name: str) -> bpy.types.Material:
 def main() -> None:
     given = options(__doc__, 420, "tiles").parse_args()
     begin()
-    surface = surface_of(build_box())
+    surface = surface_of(build_box().data)
     samples = dapple.sample(surface, given.count, seed=given.seed)
     spacing = samples.report.spacing
     mosaic = dapple.mosaic(surface, samples, grout=0.09 * spacing, thickness=0.14 * spacing)

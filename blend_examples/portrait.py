@@ -13,6 +13,7 @@ import numpy as np
 import skimage.data
 from skimage.color import rgb2gray
 
+from addon.nodes import set_input
 from addon.nodes.builder import Builder, new_group
 from blend_examples.scene import begin, build_studio, finish, hidden, mesh_object, options, run
 from blend_examples.studio import material
@@ -32,8 +33,6 @@ def pins(points: np.ndarray, pin: bpy.types.Object) -> bpy.types.Object:
     b.output("Geometry", b.out("GeometryNodeInstanceOnPoints", b.input("Geometry"), True, thing))
     modifier = made.modifiers.new("Pins", "NODES")
     modifier.node_group = tree
-    from addon.nodes import set_input
-
     set_input(modifier, "Pin", pin)
     return made
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import dapple
 import numpy as np
 from numpy.typing import NDArray
 
@@ -79,6 +80,16 @@ def grid(name: str, size: float, cells: int) -> tuple[bpy.types.Object, NDArray[
 def move_vertices(thing: bpy.types.Object, vertices: NDArray[np.float64]) -> None:
     thing.data.vertices.foreach_set("co", vertices.astype(np.float32).ravel())
     thing.data.update()
+
+
+def surface_of(mesh: bpy.types.Mesh) -> dapple.Surface:
+    """The loop triangles of a mesh as they stand."""
+    mesh.calc_loop_triangles()
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    faces = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.vertices.foreach_get("co", vertices)
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    return dapple.Surface(vertices.reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def paint(thing: bpy.types.Object, name: str, values: NDArray[np.float64]) -> None:

@@ -9,7 +9,7 @@ from ..core.errors import ScatterError
 from ..core.kinds import class_counts
 from ..nodes import INSTANCE_INPUTS
 from .meshio import read_points, to_world
-from .scatter import settings_of, write_instance_inputs, write_stale_input
+from .scatter import property_name, settings_of, write_instance_inputs, write_stale_input
 from .store import ensure_modifier
 
 
@@ -39,8 +39,8 @@ def _add(obj: bpy.types.Object) -> None:
     kind.name = f"Class {count}"
     if count > 1:
         return
-    for name, _ in INSTANCE_INPUTS:  # what is placed now stays
-        name = name.lower().replace(" ", "_")
+    for label, _ in INSTANCE_INPUTS:  # what is placed now stays
+        name = property_name(label)
         setattr(kind, name, getattr(obj.dapple, name))
 
 

@@ -60,13 +60,18 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
     obj.update_tag()
 
 
+def property_name(label: str) -> str:
+    """The property that one of INSTANCE_INPUTS is told."""
+    return label.lower().replace(" ", "_")
+
+
 def _write_kind(
     modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
 ) -> None:
     for name, _ in INSTANCE_INPUTS:
         label = input_name(name, index)
         if has_input(modifier, label):
-            set_input(modifier, label, getattr(kind, name.lower().replace(" ", "_")))
+            set_input(modifier, label, getattr(kind, property_name(name)))
 
 
 def settings_of(obj: bpy.types.Object) -> Settings:

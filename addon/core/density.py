@@ -25,13 +25,15 @@ def native_surface(arrays: SurfaceArrays, settings: Settings) -> Any:
     return package().Surface(arrays.vertices, arrays.faces, density)
 
 
-def class_density(arrays: SurfaceArrays, settings: Settings, name: str) -> Floats | None:
-    """The density (v,) of a class with values of its own; None where it has the surface's."""
+def class_density(surface: Any, arrays: SurfaceArrays, name: str) -> Floats | None:
+    """The density (v,) of a class with values of its own; None where it has the surface's.
+
+    surface is native_surface() of the arrays.
+    """
     if not name:
         return None
-    shared = density_of(arrays, settings.density)
     own = arrays.weights[name]
-    return own if shared is None else own * shared
+    return own if surface.density is None else own * surface.density
 
 
 def density_of(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .density import class_density, native_surface
+from .density import class_density
 from .errors import ScatterError
 from .native import package
 from .settings import Settings
@@ -60,13 +60,16 @@ def counted(surface: Any, settings: Settings) -> Settings:
     return replace(settings, count=max(count, 1))
 
 
-def sampled(arrays: SurfaceArrays, settings: Settings, context: Any) -> Any:
-    """dapple.Samples of one class, or of those that the settings list."""
-    surface, options = native_surface(arrays, settings), settings.sample_options()
+def sampled(surface: Any, arrays: SurfaceArrays, settings: Settings, context: Any) -> Any:
+    """dapple.Samples of one class, or of those that the settings list.
+
+    surface is native_surface() of the arrays.
+    """
+    options = settings.sample_options()
     settings = counted(surface, settings)
     if not settings.classes:
         return package().sample(surface, settings.count, context=context, **options)
-    classes = _native_classes(arrays, settings, class_counts(settings))
+    classes = _native_classes(surface, arrays, settings, class_counts(settings))
     return package().sample_classes(surface, classes, context=context, **options)
 
 
@@ -78,14 +81,16 @@ def tracked(surface: Any, samples: Any, arrays: SurfaceArrays, settings: Setting
     options = settings.tracker_options()
     if not settings.classes:
         return package().Tracker(surface, samples, **options)
-    classes = _native_classes(arrays, settings, _counts_of(samples.classes, settings))
+    classes = _native_classes(surface, arrays, settings, _counts_of(samples.classes, settings))
     return package().Tracker(surface, samples, classes=classes, **options)
 
 
-def _native_classes(arrays: SurfaceArrays, settings: Settings, counts: list[int]) -> list[Any]:
+def _native_classes(
+    surface: Any, arrays: SurfaceArrays, settings: Settings, counts: list[int]
+) -> list[Any]:
     return [
         package().SampleClass(
-            count, radius=kind.radius, density=class_density(arrays, settings, kind.density)
+            count, radius=kind.radius, density=class_density(surface, arrays, kind.density)
         )
         for count, kind in zip(counts, settings.classes, strict=True)
     ]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .binding import binding_of
-from .density import at_points, density_of
+from .density import at_points, native_surface
 from .errors import ScatterError, StoppedError
 from .kinds import sampled
 from .native import package
@@ -50,11 +50,11 @@ class Scattered:
 def scatter(arrays: SurfaceArrays, settings: Settings, context: Any) -> Scattered:
     """Scatter points over a surface as it stands."""
     with named(arrays.name):
-        samples = sampled(arrays, settings, context)
+        surface = native_surface(arrays, settings)
+        samples = sampled(surface, arrays, settings, context)
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     binding = binding_of(samples, arrays.faces)
-    density = density_of(arrays, settings.density)
-    columns["dapple_density"] = at_points(density, binding.corners, binding.barycentric)
+    columns["dapple_density"] = at_points(surface.density, binding.corners, binding.barycentric)
     return Scattered(np.asarray(samples.positions), binding, columns, report_of(samples.report))
 
 

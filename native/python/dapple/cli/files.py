@@ -4,7 +4,7 @@
 import os
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -94,3 +94,9 @@ def load_npy(path: Path) -> NDArray:
         if not isinstance(found, np.ndarray):
             raise ValueError("it holds several arrays")
         return found
+
+
+def listed(formats: Mapping[str, object]) -> str:
+    """The extensions of several formats, in words."""
+    *first, last = formats
+    return f"{', '.join(first)} or {last}"

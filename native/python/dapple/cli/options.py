@@ -111,6 +111,12 @@ def given(options: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
+def check_either(count: int | None, points: Path | None) -> None:
+    """Raise UsageError unless there is a number of new points, or else a file with points."""
+    if (count is None) == (points is None):
+        raise click.UsageError("give either --count or --points")
+
+
 def report_options(command: Decorated) -> Decorated:
     """--json and --quiet, which every command takes."""
     command = click.option(

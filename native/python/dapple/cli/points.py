@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import dapple
 from dapple.cli import ply, text
-from dapple.cli.files import Arrays, about, load_npz, replacing
+from dapple.cli.files import Arrays, about, listed, load_npz, replacing
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def check_extension(path: Path) -> str:
     if suffix in WRITERS:
         return suffix
     trouble = "STL holds triangles, no points" if suffix == ".stl" else f"unknown format '{suffix}'"
-    raise click.ClickException(f"{path}: {trouble}; points are written as {_listed(WRITERS)}")
+    raise click.ClickException(f"{path}: {trouble}; points are written as {listed(WRITERS)}")
 
 
 def read_points(path: Path) -> Points:
@@ -79,10 +79,21 @@ def read_points(path: Path) -> Points:
     read = READERS.get(path.suffix.lower())
     if read is None:
         raise click.ClickException(
-            f"{path}: unknown format '{path.suffix}'; points are read from {_listed(READERS)}"
+            f"{path}: unknown format '{path.suffix}'; points are read from {listed(READERS)}"
         )
     with about(path):
         return read(path)
+
+
+def in_space(positions: NDArray) -> NDArray:
+    """(n, 3) of (n, 2) or (n, 3); points of the plane get z = 0.
+
+    Raises:
+        ValueError: there are no points.
+    """
+    if len(positions) == 0:
+        raise ValueError("holds no points")
+    return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
 
 
 def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
@@ -93,19 +104,12 @@ def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
     """
     points = read_points(path)
     with about(path):
-        if len(points.positions) == 0:
-            raise ValueError("holds no points")
+        places = in_space(points.positions)
         faces, weights = points.faces, points.barycentric
         if faces is None or weights is None:
-            places = np.pad(points.positions, ((0, 0), (0, 3 - points.positions.shape[1])))
             near = dapple.project(surface, places)
             faces, weights = near.faces, near.barycentric
         return dapple.Samples(surface, faces, weights, ids=points.ids, classes=points.classes)
-
-
-def _listed(formats: Mapping[str, object]) -> str:
-    *first, last = formats
-    return f"{', '.join(first)} or {last}"
 
 
 def _columns(points: Points) -> Arrays:

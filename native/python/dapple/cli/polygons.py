@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple
-from dapple.cli.files import replacing
+from dapple.cli.files import listed, replacing
 
 MORE = 4  # numbers of a polygon in a PLY file beside the corners: their number, cell, class, side
 
@@ -24,9 +24,8 @@ def check_extension(path: Path) -> str:
     """
     suffix = path.suffix.lower()
     if suffix not in WRITERS:
-        *first, last = WRITERS
         raise click.ClickException(
-            f"{path}: unknown format '{suffix}'; tiles are written as {', '.join(first)} or {last}"
+            f"{path}: unknown format '{suffix}'; tiles are written as {listed(WRITERS)}"
         )
     return suffix
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import dapple
 from dapple.cli import meshes, options
 from dapple.cli.files import about, check_outputs, replacing
-from dapple.cli.points import read_points
+from dapple.cli.points import in_space, read_points
 from dapple.cli.report import Reporter
 from dapple.cli.work import Work
 
@@ -112,17 +112,6 @@ def unit_square(path: Path, places: NDArray) -> dapple.Surface:
             "square 0 <= x, y <= 1, z = 0"
         )
     return dapple.Plane(1.0, 1.0).surface
-
-
-def in_space(positions: NDArray) -> NDArray:
-    """(n, 3) of (n, 2) or (n, 3); points of the plane get z = 0.
-
-    Raises:
-        ValueError: there are no points.
-    """
-    if len(positions) == 0:
-        raise ValueError("holds no points")
-    return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
 
 
 def distances_to(surface: dapple.Surface, places: NDArray) -> NDArray:

@@ -69,8 +69,7 @@ def command(
     """
     reporter = Reporter(json_out, quiet)
     polygons.check_extension(out)
-    if (count is None) == (points is None):
-        raise click.UsageError("give either --count or --points")
+    options.check_either(count, points)
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
     loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
     shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})

@@ -80,8 +80,7 @@ def command(
         raise click.ClickException(f"{out}: the points of all frames are written as .npz")
     if not together and (closed or sweeps is not None):
         raise click.UsageError("--closed and --sweeps need --together")
-    if (count is None) == (points is None):
-        raise click.UsageError("give either --count or --points")
+    options.check_either(count, points)
     check_outputs([*frames, points], [out, reporter.file])
     source, motion = read_motion(frames)
     loaded = meshes.load(source)
