@@ -11,11 +11,17 @@ import dapple
 import numpy as np
 
 from blend_examples.scene import begin, build_studio, finish, options, run, surface_of
-from blend_examples.studio import BODY, material
+from blend_examples.studio import BODY, colour_by_chance, material
 
 SIZE = (1.5, 1.1, 1.3)  # of the box
 ROUNDING = 0.16
-HUES = [(0.80, 0.24, 0.07), (0.93, 0.62, 0.20), (0.86, 0.80, 0.66), (0.07, 0.34, 0.40)]
+# Colours of the tiles, and the share up to which each is used.
+HUES = [
+    (0.25, (0.80, 0.24, 0.07)),
+    (0.50, (0.93, 0.62, 0.20)),
+    (0.75, (0.86, 0.80, 0.66)),
+    (1.00, (0.07, 0.34, 0.40)),
+]
 
 
 def build_box() -> bpy.types.Object:
@@ -38,7 +44,7 @@ def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
     mesh.from_pydata(mosaic.vertices, [], [row.tolist() for row in corners])
     for name, values in (("cell", mosaic.sites), ("dapple_class", mosaic.classes)):
         mesh.attributes.new(name, "INT", "FACE").data.foreach_set("value", values)
-    mesh.materials.append(glazed("Glaze"))
+    mesh.materials.append(colour_by_chance("Glaze", "cell", "GEOMETRY", HUES, roughness=0.25))
     tiles = bpy.data.objects.new("Tiles", mesh)
     bpy.context.scene.collection.objects.link(tiles)
     edges = tiles.modifiers.new("Worn edges", "BEVEL")
@@ -46,27 +52,6 @@ def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
     edges.angle_limit = 1.0
     edges.use_clamp_overlap = True
     return tiles
-
-
-def glazed(name: str) -> bpy.types.Material:
-    """One of HUES for each cell, a little lighter or darker."""
-    made = material(name, HUES[0], 0.25)
-    nodes, links = made.node_tree.nodes, made.node_tree.links
-    cell = nodes.new("ShaderNodeAttribute")
-    cell.attribute_name = "cell"
-    noise = nodes.new("ShaderNodeTexWhiteNoise")
-    noise.noise_dimensions = "1D"
-    ramp = nodes.new("ShaderNodeValToRGB")
-    ramp.color_ramp.interpolation = "CONSTANT"
-    while len(ramp.color_ramp.elements) < len(HUES):
-        ramp.color_ramp.elements.new(1.0)
-    for k, colour in enumerate(HUES):
-        ramp.color_ramp.elements[k].position = k / len(HUES)
-        ramp.color_ramp.elements[k].color = (*colour, 1)
-    links.new(cell.outputs["Fac"], noise.inputs["W"])
-    links.new(noise.outputs["Value"], ramp.inputs["Fac"])
-    links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
-    return made
 
 
 def main() -> None:

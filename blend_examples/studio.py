@@ -41,22 +41,31 @@ def material(name: str, colour: Colour, roughness: float) -> bpy.types.Material:
     return made
 
 
-def colour_by_id(name: str) -> bpy.types.Material:
-    """One of TIPS for each instance, chosen by its id: who keeps its id keeps its colour."""
-    made = material(name, TIPS[0][1], 0.3)
+def colour_by_chance(
+    name: str,
+    attribute: str,
+    kind: str,
+    colours: list[tuple[float, Colour]],
+    roughness: float = 0.3,
+) -> bpy.types.Material:
+    """One of the colours by chance of an attribute: who keeps its number keeps its colour.
+
+    kind is the attribute's type, GEOMETRY or INSTANCER; colours are as TIPS.
+    """
+    made = material(name, colours[0][1], roughness)
     nodes, links = made.node_tree.nodes, made.node_tree.links
-    ident = nodes.new("ShaderNodeAttribute")
-    ident.attribute_type, ident.attribute_name = "INSTANCER", "id"
+    number = nodes.new("ShaderNodeAttribute")
+    number.attribute_type, number.attribute_name = kind, attribute
     noise = nodes.new("ShaderNodeTexWhiteNoise")
     noise.noise_dimensions = "1D"
     ramp = nodes.new("ShaderNodeValToRGB")
     ramp.color_ramp.interpolation = "CONSTANT"
-    starts = [0.0] + [end for end, _ in TIPS[:-1]]
-    while len(ramp.color_ramp.elements) < len(TIPS):
+    starts = [0.0] + [end for end, _ in colours[:-1]]
+    while len(ramp.color_ramp.elements) < len(colours):
         ramp.color_ramp.elements.new(1.0)
-    for element, start, (_, colour) in zip(ramp.color_ramp.elements, starts, TIPS, strict=True):
+    for element, start, (_, colour) in zip(ramp.color_ramp.elements, starts, colours, strict=True):
         element.position, element.color = start, (*colour, 1)
-    links.new(ident.outputs["Fac"], noise.inputs["W"])
+    links.new(number.outputs["Fac"], noise.inputs["W"])
     links.new(noise.outputs["Value"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
     return made
@@ -79,7 +88,7 @@ def build_stud() -> bpy.types.Object:
     mesh.from_pydata(vertices, [], faces)
     mesh.shade_smooth()
     mesh.materials.append(material("Stud rim", RIM, 0.5))
-    mesh.materials.append(colour_by_id("Stud tip"))
+    mesh.materials.append(colour_by_chance("Stud tip", "id", "INSTANCER", TIPS))
     for index, face in enumerate(mesh.polygons):
         face.material_index = int(index >= STUD_RIM_RINGS * STUD_SIDES)
     stud = bpy.data.objects.new("Stud", mesh)
