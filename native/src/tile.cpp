@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "border_loops.hpp"
 #include "openmesh.hpp"
 
 namespace dapple {
@@ -286,13 +287,7 @@ Patch merged(const Patch& patch) {
 PatchTopology topology_of(const Patch& patch) {
   const PolygonMesh mesh = half_edge_mesh(patch);
   PatchTopology result;
-  std::vector<bool> seen(mesh.n_halfedges(), false);
-  for (const auto start : mesh.halfedges()) {
-    if (!mesh.is_boundary(start) || seen[static_cast<std::size_t>(start.idx())]) continue;
-    ++result.loops;
-    for (auto h = start; !seen[static_cast<std::size_t>(h.idx())]; h = h.next())
-      seen[static_cast<std::size_t>(h.idx())] = true;
-  }
+  result.loops = count_border_loops(mesh);
   std::vector<bool> reached(patch.polygons.size(), false);
   std::vector<std::size_t> pending;
   for (std::size_t p = 0; p < reached.size(); ++p) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/topology.hpp>
 
+#include "border_loops.hpp"
 #include "openmesh.hpp"
 
 namespace dapple {
@@ -44,18 +45,6 @@ bool build(const Surface& surface, HalfEdgeMesh& mesh) {
   for (const auto vertex : mesh.vertices())
     if (!mesh.is_manifold(vertex)) return false;
   return true;
-}
-
-std::int32_t count_border_loops(const HalfEdgeMesh& mesh) {
-  std::vector<bool> seen(mesh.n_halfedges(), false);
-  std::int32_t loops = 0;
-  for (const auto start : mesh.halfedges()) {
-    if (!mesh.is_boundary(start) || seen[static_cast<std::size_t>(start.idx())]) continue;
-    ++loops;
-    for (auto h = start; !seen[static_cast<std::size_t>(h.idx())]; h = h.next())
-      seen[static_cast<std::size_t>(h.idx())] = true;
-  }
-  return loops;
 }
 
 }  // namespace
