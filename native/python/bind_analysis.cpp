@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
 
@@ -49,6 +50,17 @@ std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs, int half_width,
   const SpectrumOptions options{half_width, threads};
   const py::gil_scoped_release released;
   return std::make_shared<Spectrum>(spectrum(spans, options, context.get()));
+}
+
+py::array ranks_of(const py::object& points, const py::object& classes) {
+  const DoubleArray places = doubles("points", points, 3);
+  const IntArray own = classes.is_none() ? IntArray(0) : integers("classes", classes, 0);
+  std::vector<std::int32_t> ranks;
+  {
+    const py::gil_scoped_release released;
+    ranks = progressive_ranks(as_points(places), as_span(own));
+  }
+  return give(std::move(ranks));
 }
 
 using SamplesPtr = std::shared_ptr<Samples>;
@@ -162,6 +174,21 @@ Returns:
 
 Raises:
     ValueError: naming the first point that is not finite or face out of range.)");
+  m.def("progressive_ranks", &ranks_of, py::arg("points"), py::arg("classes") = py::none(),
+        R"(An order of points in which every beginning is even, for showing a share of them.
+
+The points whose rank is below m are spread as evenly as m of them can be, for every m; a density is kept. With classes,
+each is even by itself too and keeps its share. Weighted sample elimination (Yuksel 2015) over points and classes.
+
+Args:
+    points: (n, 3) float64.
+    classes: (n,) integers >= 0, or None: all are alike.
+
+Returns:
+    (n,) int32, the rank of each point in 0..n-1.
+
+Raises:
+    ValueError: naming the first point that is not finite or class below 0.)");
   m.def("spectrum", &plane_spectrum, py::arg("runs"), py::kw_only(), py::arg("half_width") = 0,
         py::arg("threads") = 0, py::arg("context") = ContextPtr(),
         R"(Power spectrum of points on the unit torus or square, averaged over runs, by direct sums.

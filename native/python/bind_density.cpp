@@ -78,7 +78,8 @@ void bind_refined(py::module_& m) {
   py::class_<Refined, std::shared_ptr<Refined>>(
       m, "Refined",
       "A surface cut into smaller faces that carry a density in detail, and the way back.\n\n"
-      "Made by refine_image() and refine_obstacles(). Sample its surface, then to_original().")
+      "Made by refine_image(), refine_obstacles() and refine_edges(). Sample its surface, then "
+      "to_original().")
       .def_property_readonly(
           "original", [](const Refined& r) { return std::make_shared<Surface>(r.original); },
           "The Surface that was cut.")
@@ -96,6 +97,9 @@ void bind_refined(py::module_& m) {
       .def("to_original", &Refined::to_original, py::arg("samples"),
            "Samples on surface as Samples on original: the same positions, ids, classes and "
            "report. Raises ValueError.")
+      .def("from_original", &Refined::from_original, py::arg("samples"),
+           "Samples on original as Samples on surface: the same positions, ids, classes and "
+           "report. Raises ValueError.")
       .def("vertices", &fine_vertices, py::arg("vertices"),
            "(n, 3) float64: where the vertices of surface are once those of original are at "
            "vertices, (v, 3) float64: what a Tracker on surface advances to. Raises ValueError.")
@@ -104,6 +108,36 @@ void bind_refined(py::module_& m) {
       .def("then", &Refined::then, py::arg("finer"),
            "Two refinements as one, from this one's original to the surface of finer, which cut "
            "this one's surface further. Raises ValueError if it did not.");
+}
+
+void bind_edges(py::module_& m) {
+  m.def(
+      "refine_edges",
+      [](const Surface& surface, double longest, std::int64_t max_faces,
+         const ContextPtr& context) {
+        const std::size_t most = checked_max_faces(max_faces);
+        const py::gil_scoped_release released;
+        return std::make_shared<Refined>(refine_edges(surface, longest, most, context.get()));
+      },
+      py::arg("surface"), py::arg("longest"), py::kw_only(), py::arg("max_faces") = 1'000'000,
+      py::arg("context") = py::none(),
+      R"(Cut the faces of a surface until no edge is longer than a length: for a density that varies within its faces.
+
+Faces are halved at their longest edges (Rivara 1984); the shape and the density stay. Give the surface of the result a
+density of its own by with_density().
+
+Args:
+    surface: a Surface.
+    longest: in the units of the vertices, > 0.
+    max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
+    context: a Context to cancel by, or None.
+
+Returns:
+    Refined.
+
+Raises:
+    ValueError: naming the option out of range.
+    Cancelled: through the context.)");
 }
 
 void bind_verbs(py::module_& m) {
@@ -212,6 +246,7 @@ Raises:
 void bind_density(py::module_& m) {
   bind_curvature(m);
   bind_refined(m);
+  bind_edges(m);
   bind_verbs(m);
 }
 

@@ -218,58 +218,7 @@ Refined CutMesh::result(bool resolved) && {
   return refined;
 }
 
-Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
-  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-}
-
 }  // namespace
-
-Samples Refined::to_original(const Samples& samples) const {
-  check_face_indices("faces", samples.faces, surface);
-  std::vector<std::int32_t> faces;
-  std::vector<Vec3> weights;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto fine = static_cast<std::size_t>(samples.faces[k]);
-    faces.push_back(parents[fine]);
-    weights.push_back(combined(barycentric[fine], samples.barycentric[k]));
-  }
-  Samples result = bind_samples(original, faces, weights, samples.ids, samples.classes);
-  result.report = samples.report;
-  return result;
-}
-
-std::vector<Vec3> Refined::vertices(std::span<const Vec3> coarse) const {
-  check_same_length("vertices", coarse.size(), "the surface", original.vertex_count());
-  std::vector<Vec3> result(coarse.begin(), coarse.end());
-  result.reserve(coarse.size() + ends.size());
-  for (const auto& [a, b] : ends)
-    result.emplace_back(
-        0.5 * (result[static_cast<std::size_t>(a)] + result[static_cast<std::size_t>(b)]));
-  return result;
-}
-
-Refined Refined::deformed(std::span<const Vec3> coarse) const {
-  Refined result = *this;
-  result.original = original.deformed(coarse);
-  result.surface = surface.deformed(vertices(coarse));
-  return result;
-}
-
-Refined Refined::then(const Refined& finer) const {
-  check_same_length("faces of finer's original", finer.original.face_count(), "the surface",
-                    surface.face_count());
-  Refined result{original, finer.surface, {}, {}, ends, resolved && finer.resolved};
-  result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
-  for (std::size_t f = 0; f < finer.parents.size(); ++f) {
-    const auto middle = static_cast<std::size_t>(finer.parents[f]);
-    result.parents.push_back(parents[middle]);
-    std::array<Vec3, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k)
-      corners[k] = combined(barycentric[middle], finer.barycentric[f][k]);
-    result.barycentric.push_back(corners);
-  }
-  return result;
-}
 
 Refined refine(const Surface& surface, const Criterion& criterion, std::size_t max_faces,
                const Context* context) {
@@ -284,6 +233,18 @@ Refined refine(const Surface& surface, const Criterion& criterion, std::size_t m
     if (mesh.size_after_cut() > max_faces) return std::move(mesh).result(false);
     mesh.cut();
   }
+}
+
+Refined refine_edges(const Surface& surface, double longest, std::size_t max_faces,
+                     const Context* context) {
+  check_positive("longest", longest);
+  const auto too_long = [longest](const Piece& piece) {
+    EdgeMarks marks{};
+    for (std::size_t k = 0; k < 3; ++k)
+      marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > longest;
+    return marks;
+  };
+  return refine(surface, too_long, max_faces, context);
 }
 
 }  // namespace dapple

@@ -172,6 +172,26 @@ TEST_P(RefineOf, BringsSamplesBack) {
   }
 }
 
+TEST_P(RefineOf, SamplesComeBackFromTheOriginal) {
+  const Refined fine = refined();
+  Random random(11);
+  std::vector<std::int32_t> faces, ids;
+  std::vector<Vec3> weights;
+  for (std::int32_t k = 0; k < 200; ++k) {
+    faces.push_back(random.below(static_cast<std::int32_t>(fine.original.face_count())));
+    weights.push_back(k % 4 ? random.weights() : Vec3::Unit(k / 4 % 3));  // corners too
+    ids.push_back(300 - k);
+  }
+  const Samples samples = bind_samples(fine.original, faces, weights, ids);
+  const Samples there = fine.from_original(samples);
+  EXPECT_EQ(there.ids, ids);
+  const double size = std::sqrt(fine.original.area());
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    EXPECT_LE((there.positions[k] - samples.positions[k]).norm(), 1e-12 * size);
+    EXPECT_EQ(fine.parents[static_cast<std::size_t>(there.faces[k])], faces[k]);
+  }
+}
+
 TEST_P(RefineOf, TwiceIsOneRefinement) {
   const Refined first = refined();
   const double size = std::sqrt(first.original.area());
@@ -203,6 +223,21 @@ TEST(Refine, ChangesNothingWithoutMarks) {
   EXPECT_TRUE(same.ends.empty());
 }
 
+TEST(Refine, LeavesNoEdgeLongerThanAsked) {
+  const Surface surface = grid(2).surface();
+  const Refined fine = refine_edges(surface, 0.1, kPlenty);
+  EXPECT_TRUE(fine.resolved);
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f) {
+    const Face& corners = fine.surface.corners(f);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_LE(
+          (fine.surface.vertex(corners[k]) - fine.surface.vertex(corners[(k + 1) % 3])).norm(),
+          0.1);
+  }
+  EXPECT_LT(fine.surface.face_count(), 2000u);
+  expect_message<ArgumentError>([&] { (void)refine_edges(surface, 0.0, kPlenty); }, {"longest"});
+}
+
 TEST(Refine, StopsAtTheLimitOfFaces) {
   const Surface surface = grid(4).surface();
   const auto all = [](const Piece&) { return EdgeMarks{true, true, true}; };
@@ -226,6 +261,7 @@ TEST(Refine, RefusesBadArguments) {
   Samples stray = sample(surface, 3);
   stray.faces[1] = 8;
   expect_message<ArgumentError>([&] { (void)same.to_original(stray); }, {"faces[1]", "8"});
+  expect_message<ArgumentError>([&] { (void)same.from_original(stray); }, {"faces[1]", "8"});
   const Refined other = refine(grid(3).surface(), none, kPlenty);
   expect_message<ArgumentError>([&] { (void)same.then(other); }, {"finer", "18", "8"});
 }

@@ -48,6 +48,27 @@ def test_brings_samples_back(refined):
     assert white.mean() > 0.95  # one pixel of 32 leads from white to black
 
 
+def test_brings_samples_there(refined):
+    samples = dapple.sample(refined.original, 200)
+    fine = refined.from_original(samples)
+    check_samples(refined.surface, fine)
+    np.testing.assert_allclose(fine.positions, samples.positions, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(refined.parents[fine.faces], samples.faces)
+
+
+def test_cuts_long_edges():
+    surface = dapple.Surface(*grid(2))
+    refined = dapple.refine_edges(surface, 0.1)
+    corners = refined.surface.vertices[refined.surface.faces]
+    assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max() <= 0.1
+    assert refined.surface.density is None
+    assert refined.surface.area == pytest.approx(1, rel=1e-12)
+    with pytest.raises(ValueError, match=r"longest.*0"):
+        dapple.refine_edges(surface, 0)
+    with pytest.raises(ValueError, match=r"max_faces.*0"):
+        dapple.refine_edges(surface, 0.1, max_faces=0)
+
+
 def test_follows_a_deformation(refined):
     moved = bent(refined.original.vertices, 1.0)
     carried = refined.deformed(moved)
@@ -156,3 +177,5 @@ def test_stops_when_cancelled():
         dapple.refine_image(surface, flat_uv(square), checks(), context=context)
     with pytest.raises(dapple.Cancelled):
         dapple.refine_obstacles(surface, [[0, 0, 0]], 0.1, context=context)
+    with pytest.raises(dapple.Cancelled):
+        dapple.refine_edges(surface, 0.1, context=context)

@@ -31,6 +31,10 @@ struct Refined {
   /// \throw ArgumentError naming the first face out of range
   [[nodiscard]] Samples to_original(const Samples& samples) const;
 
+  /// Samples of `original` as samples of `surface`: each on the piece of its face that it lies in.
+  /// \throw ArgumentError naming the first face out of range
+  [[nodiscard]] Samples from_original(const Samples& samples) const;
+
   /// Where the vertices of `surface` are once those of `original` are at `coarse`.
   /// \throw ArgumentError for another number of vertices
   [[nodiscard]] std::vector<Vec3> vertices(std::span<const Vec3> coarse) const;
@@ -54,5 +58,10 @@ struct Refined {
 /// \throw ArgumentError unless max_faces is in 1..200000000; Cancelled
 [[nodiscard]] Refined refine(const Surface& surface, const Criterion& criterion,
                              std::size_t max_faces, const Context* context = nullptr);
+
+/// Cut faces until no edge is longer than `longest`, which must be > 0.
+/// \throw as refine()
+[[nodiscard]] Refined refine_edges(const Surface& surface, double longest, std::size_t max_faces,
+                                   const Context* context = nullptr);
 
 }  // namespace dapple

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import dapple
+import numpy as np
+import pytest
+from checks import check_array
+
+
+def test_every_beginning_is_even(surface, samples):
+    ranks = dapple.progressive_ranks(samples.positions)
+    check_array(ranks, np.int32, (len(samples),))
+    assert sorted(ranks) == list(range(len(samples)))
+    for count in (len(samples) // 2, len(samples) // 3, len(samples) // 8):
+        kept = dapple.analyse(surface, samples.positions[ranks < count])
+        assert kept.alpha_mean > 0.65
+        assert kept.alpha_min > 0.4
+
+
+def test_classes_keep_their_shares(surface):
+    samples = dapple.sample_classes(surface, [300, 100])
+    ranks = dapple.progressive_ranks(samples.positions, samples.classes)
+    for count in (200, 100, 40):
+        own = np.bincount(samples.classes[ranks < count], minlength=2)
+        np.testing.assert_allclose(own, [0.75 * count, 0.25 * count], atol=1)
+
+
+@pytest.mark.parametrize(
+    ("points", "classes", "match"),
+    [
+        ([[0, 0, np.nan]], None, r"points\[0\].*nan"),
+        (np.zeros((2, 2)), None, r"points.*\(2, 2\)"),
+        (np.zeros((2, 3)), [0, -1], r"classes\[1\].*-1"),
+        (np.zeros((2, 3)), [0], "classes.*1.*2"),
+    ],
+)
+def test_refuses_bad_arguments(points, classes, match):
+    with pytest.raises(ValueError, match=match):
+        dapple.progressive_ranks(points, classes)
