@@ -40,6 +40,7 @@ class Ball {
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] bool full() const { return true; }
   // NOLINTBEGIN(readability-identifier-naming): nanoflann's names
+  using DistanceType = double;
   [[nodiscard]] double worstDist() const { return squared_radius_; }
   bool addPoint(double squared_distance, std::int32_t index) {
     if (squared_distance < squared_radius_) found_.push_back({index, squared_distance});
