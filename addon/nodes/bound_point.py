@@ -9,20 +9,20 @@ NAME = "Dapple Bound Point"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; V0 to V2, Weights and Carry are fields of a binding (core/records.py)."""
+    """New group; V0 to V2, their weights W0 to W2 and Turn are fields (core/records.py)."""
     tree = new_group(
         NAME,
         [
             ("Surface", "NodeSocketGeometry"),
             *((f"V{k}", "NodeSocketInt") for k in range(3)),
-            ("Weights", "NodeSocketVector"),
-            ("Carry", "NodeSocketFloat"),
+            *((f"W{k}", "NodeSocketFloat") for k in range(3)),
+            ("Turn", "NodeSocketFloat"),
             ("Side", "NodeSocketFloat"),
         ],
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    weights = list(b.node("ShaderNodeSeparateXYZ", b.input("Weights")).outputs)
+    weights = [b.input(f"W{k}") for k in range(3)]
     positions = _at_corners(b, b.out("GeometryNodeInputPosition"))
     normals = _at_corners(b, b.out("GeometryNodeInputNormal"))
     b.output("Position", _weighted(b, positions, weights))
@@ -42,7 +42,7 @@ def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket
 
 
 def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
-    """Z along the interpolated normal, X along the first edge, turned by the key's angle."""
+    """Z along the interpolated normal, X along the first edge, turned by an angle."""
     edge = b.vector("SUBTRACT", positions[1], positions[0])
     outward = b.scaled(normal, b.input("Side"))
     frame = b.out(
@@ -52,4 +52,4 @@ def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
         primary_axis="Z",
         secondary_axis="X",
     )
-    return b.turned(frame, b.input("Carry"))
+    return b.turned(frame, b.input("Turn"))

@@ -61,6 +61,10 @@ class Builder:
         self._feed(node.inputs["Scale"], factor)
         return node.outputs[0]
 
+    def parts(self, vector: Any) -> list[Socket]:
+        """X, Y and Z of a vector."""
+        return list(self.node("ShaderNodeSeparateXYZ", vector).outputs)
+
     def compare(self, operation: str, a: Any, b: Any, data_type: str = "INT") -> Socket:
         return self.out("FunctionNodeCompare", a, b, data_type=data_type, operation=operation)
 
@@ -101,6 +105,17 @@ class Builder:
             data_type=data_type,
             domain="POINT",
         )
+
+    def captured(self, geometry: Any, **fields: tuple[str, Any]) -> bpy.types.Node:
+        """Geometry with fields (socket type, value) on its points, evaluated in one go.
+
+        What two of them share is computed once; other nodes that take them do not compute it again.
+        """
+        node = self.node("GeometryNodeCaptureAttribute", geometry, domain="POINT")
+        for name, (kind, value) in fields.items():
+            node.capture_items.new(kind, name)
+            self._feed(node.inputs[name], value)
+        return node
 
     def arrange(self) -> None:
         """Lay the nodes out in columns by their distance from the group input."""

@@ -24,12 +24,12 @@ class Bound:
     """Fields of one binding: three vertices, their weights, the angle carried; is it there."""
 
     corners: list[Socket]
-    weights: Socket
+    weights: list[Socket]
     carry: Socket
     gone: Socket  # 1 - fade
 
     def sockets(self) -> list[Socket]:
-        return [*self.corners, self.weights, self.carry]
+        return [*self.corners, *self.weights, self.carry, self.gone]
 
 
 def moment(b: Builder, frames: Socket, vertices: Socket) -> Moment:
@@ -68,7 +68,7 @@ def own(b: Builder) -> Bound:
     """The binding of the points themselves."""
     return Bound(
         [b.attribute(f"dapple_v{k}", "INT") for k in range(3)],
-        b.attribute("dapple_barycentric", "FLOAT_VECTOR"),
+        b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR")),
         b.attribute("dapple_carry", "FLOAT"),
         b.attribute("dapple_gone", "FLOAT"),
     )
@@ -84,7 +84,7 @@ def previewed(b: Builder, rows: Socket) -> Bound:
     bound = own(b)
     return Bound(
         [row(corner, "INT") for corner in bound.corners],
-        row(bound.weights, "FLOAT_VECTOR"),
+        b.parts(row(b.attribute("dapple_barycentric", "FLOAT_VECTOR"), "FLOAT_VECTOR")),
         row(bound.carry, "FLOAT"),
         row(bound.gone, "FLOAT"),
     )
@@ -96,19 +96,26 @@ def of_key(b: Builder, rows: Socket, triangles: Socket, key: Socket) -> Bound:
     b.tree.links.new(b.out("GeometryNodeInputIndex"), row.node.inputs[2])
     face = b.sample(rows, b.attribute("dapple_face", "INT"), row, "INT")
     place = b.sample(rows, b.out("GeometryNodeInputPosition"), row, "FLOAT_VECTOR")
-    second, third, carry = b.node("ShaderNodeSeparateXYZ", place).outputs
+    second, third, carry = b.parts(place)
     first = b.number("SUBTRACT", b.number("SUBTRACT", 1.0, second), third)
     return Bound(
         [b.sample(triangles, b.attribute(f"dapple_v{k}", "INT"), face, "INT") for k in range(3)],
-        b.out("ShaderNodeCombineXYZ", first, second, third),
+        [first, second, third],
         carry,
-        b.sample(rows, b.attribute("dapple_gone", "FLOAT"), row, "FLOAT"),
+        _gone(b, rows, row),
     )
+
+
+def _gone(b: Builder, rows: Socket, row: Socket) -> Socket:
+    """What a key holds, one 0 in a bake without births: no point has to look then."""
+    gone = b.attribute("dapple_gone", "FLOAT")
+    stored = b.sample(rows, gone.node.outputs["Exists"], 0, "BOOLEAN")
+    return b.switch("FLOAT", stored, 0.0, b.sample(rows, gone, row, "FLOAT"))
 
 
 def chosen(b: Builder, condition: Socket, false: Bound, true: Bound) -> Bound:
     """One of two bindings."""
-    kinds = ("INT", "INT", "INT", "VECTOR", "FLOAT", "FLOAT")
-    pairs = zip(kinds, [*false.sockets(), false.gone], [*true.sockets(), true.gone], strict=True)
-    *corners, weights, carry, gone = (b.switch(kind, condition, x, y) for kind, x, y in pairs)
-    return Bound(corners, weights, carry, gone)
+    kinds = (*("INT",) * 3, *("FLOAT",) * 5)
+    pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
+    either = [b.switch(kind, condition, x, y) for kind, x, y in pairs]
+    return Bound(either[:3], either[3:6], *either[6:])

@@ -21,6 +21,7 @@ def build() -> bpy.types.NodeTree:
             ("Surface", "NodeSocketGeometry"),
             ("Rest", "NodeSocketVector"),
             ("Ahead", "NodeSocketVector"),
+            ("Turn", "NodeSocketFloat"),
             ("Side", "NodeSocketFloat"),
         ],
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
@@ -37,7 +38,8 @@ def build() -> bpy.types.NodeTree:
     outward = b.scaled(_found(b, shape, _NORMAL, "Rest"), b.input("Side"))
     b.output("Position", position)
     axes = {"primary_axis": "Z", "secondary_axis": "X"}
-    b.output("Rotation", b.out("FunctionNodeAxesToRotation", outward, edge, **axes))
+    frame = b.out("FunctionNodeAxesToRotation", outward, edge, **axes)
+    b.output("Rotation", b.turned(frame, b.input("Turn")))
     b.arrange()
     return tree
 

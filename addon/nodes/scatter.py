@@ -9,7 +9,7 @@ from . import bound_point, playback, rest_point, things
 from .builder import Builder, Socket, new_group
 
 GROUP_NAME = "Dapple Scatter"
-VERSION = 4
+VERSION = 5
 VERSION_KEY = "dapple_version"
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
 _PART_KEY = "dapple_part"  # of groups inside
@@ -128,35 +128,47 @@ def _placed(
     """Points on the surface, with `rotation`, `fade` and `scale` attributes."""
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
     surface = info.outputs["Geometry"]
-    a, c = (_bound(b, surface, binding, side) for binding in bindings)
+    turn = b.number(
+        "MULTIPLY", b.attribute("dapple_turn", "FLOAT"), _of_class(b, "Turn Randomness", kinds)
+    )
+    # Things that stand on the surface are turned once, by their own angle and the key's together.
+    aligned = _all_are(b, "Align", 1.0, kinds)
+    early = b.switch("FLOAT", aligned, 0.0, turn)
+    a, c = (_bound(b, surface, binding, early, side) for binding in bindings)
     # On whole frames of keys, and without any, the second key is not looked at.
     between = b.compare("GREATER_THAN", fraction, 0.0, "FLOAT")
-    position, rotation = (
+    position, rotation, gone = (
         b.switch(kind, between, one, b.mix(kind, fraction, one, other))
-        for kind, one, other in zip(("VECTOR", "ROTATION"), a.outputs, c.outputs, strict=True)
+        for kind, one, other in (
+            ("VECTOR", a.outputs[0], c.outputs[0]),
+            ("ROTATION", a.outputs[1], c.outputs[1]),
+            ("FLOAT", *(binding.gone for binding in bindings)),
+        )
     )
-    by_rest, rest = b.input("Rest Binding"), _rest(b, surface, side)
+    by_rest, rest = b.input("Rest Binding"), _rest(b, surface, early, side)
     position = b.switch("VECTOR", by_rest, position, rest.outputs[0])
     rotation = b.switch("ROTATION", by_rest, rotation, rest.outputs[1])
-    points = b.input("Geometry")
-    points = b.store(points, "rotation", _turned(b, rotation, kinds), "QUATERNION")
-    gone = b.mix("FLOAT", fraction, *(binding.gone for binding in bindings))
+    upright = b.switch("ROTATION", aligned, _upright(b, rotation, turn, kinds), rotation)
+    rotation = _tilted(b, upright, kinds)
+    placed = b.captured(
+        b.input("Geometry"), Position=("VECTOR", position), Rotation=("ROTATION", rotation)
+    )
+    points = b.store(placed.outputs[0], "rotation", placed.outputs["Rotation"], "QUATERNION")
     points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
     points = b.store(points, "scale", _size(b, kinds), "FLOAT_VECTOR")
-    return b.out("GeometryNodeSetPosition", points, True, position)
+    return b.out("GeometryNodeSetPosition", points, True, placed.outputs["Position"])
 
 
-def _turned(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
-    """From upright to the normal as Align says, then about itself, then tilted any way."""
+def _upright(b: Builder, rotation: Socket, turn: Socket, kinds: list[int | None]) -> Socket:
+    """From upright to the normal as Align says, then turned about itself."""
     less = b.number("SUBTRACT", 1.0, _of_class(b, "Align", kinds))
     up = (0.0, 0.0, 1.0)
-    upright = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
-    aligned = _all_are(b, "Align", 1.0, kinds)
-    rotation = b.switch("ROTATION", aligned, upright, rotation)
-    own = b.attribute("dapple_turn", "FLOAT")
-    turn = b.number("MULTIPLY", own, _of_class(b, "Turn Randomness", kinds))
-    rotation = b.turned(rotation, turn)
-    way = b.number("MULTIPLY", own, 1000.0)  # digits that the turn hides
+    return b.turned(b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z"), turn)
+
+
+def _tilted(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
+    """Leaning any way, which digits choose that the turn hides."""
+    way = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
     axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", way), b.number("SINE", way))
     chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
     angle = b.number("MULTIPLY", chance, _of_class(b, "Tilt", kinds))
@@ -165,13 +177,16 @@ def _turned(b: Builder, rotation: Socket, kinds: list[int | None]) -> Socket:
     return b.switch("ROTATION", _all_are(b, "Tilt", 0.0, kinds), tilted, rotation)
 
 
-def _bound(b: Builder, surface: Socket, binding: playback.Bound, side: Socket) -> bpy.types.Node:
-    return _inner(b, bound_point, (surface, *binding.sockets(), side))
+def _bound(
+    b: Builder, surface: Socket, binding: playback.Bound, turn: Socket, side: Socket
+) -> bpy.types.Node:
+    turn = b.number("ADD", binding.carry, turn)
+    return _inner(b, bound_point, (surface, *binding.corners, *binding.weights, turn, side))
 
 
-def _rest(b: Builder, surface: Socket, side: Socket) -> bpy.types.Node:
+def _rest(b: Builder, surface: Socket, turn: Socket, side: Socket) -> bpy.types.Node:
     places = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
-    return _inner(b, rest_point, (surface, *places, side))
+    return _inner(b, rest_point, (surface, *places, turn, side))
 
 
 def _inner(b: Builder, part: Any, feeds: tuple[Socket, ...]) -> bpy.types.Node:

@@ -156,6 +156,23 @@ def test_things_stand_on_the_surface_or_upright_in_the_world():
     assert np.allclose(to_up[side], 0.5 * whole[side], atol=0.05)
 
 
+@pytest.mark.parametrize("align", [1.0, 1.0 - 1e-6])
+def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
+    surface = scenes.sphere((1, 1, 1.5))
+    obj, corners = bound_to_every_triangle(surface)
+    frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
+    vertices, count = scenes.world_vertices(surface), len(corners)
+    carry = np.linspace(-3.0, 3.0, count)
+    obj.data.attributes["dapple_carry"].data.foreach_set("value", carry.astype(np.float32))
+    own = np.empty(count, dtype=np.float32)
+    obj.data.attributes["dapple_turn"].data.foreach_get("value", own)
+    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), carry)
+    normals = frames.vertex_normals(vertices, corners)
+    expected = frames.frames(binding, vertices, normals).direction(carry + 0.5 * own)
+    found = rotations_with(obj, align=align, turn_randomness=0.5)
+    assert np.einsum("nd,nd->n", found[:, :, 0], expected).min() > 0.999
+
+
 def test_things_lean_as_far_as_they_may_each_its_own_way():
     obj, _ = bound_to_every_triangle(scenes.sphere())
     straight = rotations_with(obj, turn_randomness=1.0)

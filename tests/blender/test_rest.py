@@ -56,6 +56,23 @@ def test_it_stays_on_a_surface_whose_faces_change():
         assert not scenes.node_warnings(obj)
 
 
+@pytest.mark.parametrize("align", [1.0, 1.0 - 1e-6])
+def test_things_are_turned_each_by_its_own_angle(align):
+    obj = bound(scenes.tail(frames=6))
+    obj.dapple.align = align
+    own = np.empty(len(obj.data.vertices), dtype=np.float32)
+    obj.data.attributes["dapple_turn"].data.foreach_get("value", own)
+    obj.dapple.turn_randomness = 0.0
+    straight = scenes.rotations(obj)
+    obj.dapple.turn_randomness = 0.5
+    found = scenes.rotations(obj)[:, :, 0]
+    expected = (
+        np.cos(0.5 * own)[:, None] * straight[:, :, 0]
+        + np.sin(0.5 * own)[:, None] * straight[:, :, 1]
+    )
+    assert np.allclose(found, expected, atol=2e-5)
+
+
 def test_viewport_and_render_may_have_other_faces():
     surface = scenes.tail(levels=1, render_levels=2, frames=6)
     with pytest.raises(RuntimeError, match="set Bind To to Rest Position"):
