@@ -12,9 +12,9 @@ from ..core.records import Columns
 from ..core.surface import Floats, Ints, SurfaceArrays, topology_digest
 from .weights import read_weights
 
-_NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32}
-_WIDTH = {"INT": 1, "FLOAT": 1, "FLOAT_VECTOR": 3}
-_FIELD = {"INT": "value", "FLOAT": "value", "FLOAT_VECTOR": "vector"}
+_NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32, "BOOLEAN": np.bool_}
+_WIDTH = {"INT": 1, "FLOAT": 1, "FLOAT_VECTOR": 3, "BOOLEAN": 1}
+_FIELD = {"INT": "value", "FLOAT": "value", "FLOAT_VECTOR": "vector", "BOOLEAN": "value"}
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from ..core.errors import ScatterError
 from ..core.native import missing
@@ -15,6 +15,7 @@ from ..core.steps import Steps
 from . import preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
+from .locking import lock_points
 from .properties import BIND_TO
 from .scatter import is_scatter
 from .store import clear_keys
@@ -258,6 +259,31 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class DAPPLE_OT_lock(bpy.types.Operator):
+    """Keep the selected points where they are when the scatter is optimised, or set them free. In
+    Edit Mode points can be moved, added and deleted before; in a bake all points move"""
+
+    bl_idname = "dapple.lock"
+    bl_label = "Lock Points"
+    bl_options = _OPTIONS
+
+    lock: BoolProperty(name="Lock", description="Off: unlock", default=True)
+    every: BoolProperty(name="All Points", description="Not only those that are selected")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        try:
+            count = lock_points(context.object, self.lock, self.every)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count:,} points {'locked' if self.lock else 'unlocked'}")
+        return {"FINISHED"}
+
+
 class DAPPLE_OT_set_quality(bpy.types.Operator):
     """Set how even and how regular the points become; optimise again to see it"""
 
@@ -314,4 +340,5 @@ CLASSES = (
     DAPPLE_OT_edit_classes,
     DAPPLE_OT_select_overlap,
     DAPPLE_OT_set_quality,
+    DAPPLE_OT_lock,
 )

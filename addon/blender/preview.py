@@ -14,7 +14,6 @@ import bpy
 import numpy as np
 
 from ..core.bake import Start
-from ..core.density import names_of
 from ..core.errors import ScatterError
 from ..core.follow import Follower
 from ..core.records import ROW_ATTRIBUTES, Binding
@@ -24,6 +23,7 @@ from .meshio import read_surface, write_columns, write_points
 from .scatter import is_scatter, scatter_modifier, settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import ensure_modifier, own_points, read_binding
+from .surroundings import read_with
 
 _INPUT = "Preview"
 _TICK = 0.05  # seconds between two looks at the surface
@@ -68,8 +68,7 @@ def start(obj: bpy.types.Object) -> None:
     surface = obj.dapple.surface
     if surface is None:
         raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
-    names = names_of(settings_of(obj))
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get(), names)
+    arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get())
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
     check_bound_to_faces(obj, "preview")

@@ -213,6 +213,9 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         name="Surface Vertices",
         description="Vertices of the surface the points are bound to",
     )
+    locked_count: IntProperty(
+        options=STILL, name="Locked Points", description="Points that stay where they are"
+    )
     baked_start: IntProperty(name="First Baked Frame")
     bake_fingerprint: StringProperty(
         name="Bake Fingerprint", description="Digest of all that the keys were solved from"

@@ -173,6 +173,53 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         min=0.0,
         unit="LENGTH",
     )
+    image: PointerProperty(
+        update=settings_changed,
+        name="Image",
+        description="Picture whose brightness, as painted, times opacity multiplies the density",
+        type=bpy.types.Image,
+    )
+    uv_map: StringProperty(
+        options=STILL,
+        update=settings_changed,
+        name="UV Map",
+        description="Texture coordinates that lay the image on the surface; none: those that "
+        "renders use",
+    )
+    use_camera: BoolProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Camera View",
+        description="Points only where the scene's camera looks in this frame, hidden or not",
+    )
+    camera_margin: FloatProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Margin",
+        description="How far beyond the camera's frame there are points, as a share of half the "
+        "frame: for shadows, and for a camera that moves",
+        default=_DENSITY.camera_margin,
+        min=0.0,
+        soft_max=1.0,
+        subtype="FACTOR",
+    )
+    obstacles: PointerProperty(
+        update=settings_changed,
+        name="Keep Off",
+        description="Collection of things that points keep off: from within closed meshes and from "
+        "near any, and from the things of other scatters by their radii",
+        type=bpy.types.Collection,
+    )
+    obstacle_margin: FloatProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Margin",
+        description="How far points stay away from what they keep off",
+        default=_DENSITY.obstacle_margin,
+        min=0.0,
+        soft_max=10.0,
+        unit="LENGTH",
+    )
 
 
 class DAPPLE_PG_tiles(bpy.types.PropertyGroup):

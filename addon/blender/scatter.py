@@ -78,13 +78,20 @@ def settings_of(obj: bpy.types.Object) -> Settings:
     """The options that the native package takes."""
     names = {field.name for field in fields(Settings)} - {"per_area", "classes", "density"}
     values = {name: getattr(obj.dapple, name) for name in names}
-    density = {f.name: getattr(obj.dapple.density, f.name) for f in fields(DensitySettings)}
     return Settings(
         **values,
         per_area=obj.dapple.points_per_area if obj.dapple.amount == "PER_AREA" else 0.0,
         classes=tuple(map(_class_settings, obj.dapple.classes)),
-        density=DensitySettings(**density),
+        density=_density_settings(obj.dapple.density),
     )
+
+
+def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
+    """Data-blocks by their names."""
+    values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
+    for name in ("image", "obstacles"):
+        values[name] = values[name].name if values[name] else ""
+    return DensitySettings(**values)
 
 
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:

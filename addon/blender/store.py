@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from ..core.errors import ScatterError
 from ..core.keys import Baked
+from ..core.locked import Locked
 from ..core.population import Born
 from ..core.records import (
+    ADDED_ATTRIBUTES,
     FRAME_ATTRIBUTES,
     GONE_ATTRIBUTES,
     KEY_ATTRIBUTES,
@@ -101,9 +103,10 @@ def write_scattered(
     """Store a result: points, bindings, figures. Keys of an older result go."""
     clear_keys(obj)
     write_points(obj.data, to_local(obj, solved.positions))
-    write_columns(obj.data, solved.columns, POINT_ATTRIBUTES)
+    write_columns(obj.data, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
     obj.data[SCHEMA_KEY] = SCHEMA
     obj.dapple.solved_settings = settings_text(settings_of(obj))
+    obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_report(obj, solved.report)
     write_binding(obj, arrays, solved.binding, rest)
     write_stale_input(obj)
@@ -136,6 +139,18 @@ def point_columns_of(obj: bpy.types.Object) -> Columns:
     return _own_columns(obj, POINT_ATTRIBUTES)
 
 
+def locked_points(obj: bpy.types.Object) -> Locked | None:
+    """Points that stay where they are, as they lie in the file; None if there are none."""
+    if "dapple_locked" not in obj.data.attributes:
+        return None
+    kept = read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"] & own_points(obj)
+    if not kept.any():
+        return None
+    columns = read_columns(obj.data, POINT_ATTRIBUTES)
+    places = to_world(obj, read_points(obj.data))
+    return Locked(places[kept], columns["id"][kept], columns["dapple_class"][kept])
+
+
 def places_of(obj: bpy.types.Object) -> Floats:
     """Stored positions (n, 3) in world space, without added points."""
     return to_world(obj, read_points(obj.data)[own_points(obj)])
@@ -155,14 +170,16 @@ def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
 
 def _add_points(obj: bpy.types.Object, born: Born) -> None:
     mesh, count = obj.data, len(obj.data.vertices)
-    before = read_columns(mesh, {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES})
+    added = {name: kind for name, kind in ADDED_ATTRIBUTES.items() if name in mesh.attributes}
+    types = {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **added}
+    before = read_columns(mesh, types)
     mesh.vertices.add(len(born.positions))
     places = np.concatenate([read_points(mesh)[:count], to_local(obj, born.positions)])
     mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
     after = {**born.binding.rows(), **born.columns}
     joined = {name: np.concatenate([values, after[name]]) for name, values in before.items()}
     joined["dapple_gone"] = np.repeat([0.0, 1.0], [count, len(born.positions)])
-    write_columns(mesh, joined, {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **GONE_ATTRIBUTES})
+    write_columns(mesh, joined, {**types, **GONE_ATTRIBUTES})
     mesh.update()
 
 

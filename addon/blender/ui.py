@@ -16,6 +16,7 @@ from .operators import (
     DAPPLE_OT_clear_bake,
     DAPPLE_OT_discard_bake,
     DAPPLE_OT_edit_classes,
+    DAPPLE_OT_lock,
     DAPPLE_OT_match_subdivision,
     DAPPLE_OT_optimise,
     DAPPLE_OT_preview,
@@ -39,6 +40,11 @@ def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
 _DIRECTION = ("align", "turn_randomness", "tilt")
+_RANGES = {
+    "slope": ("from", "to", "fade"),
+    "height": ("from", "to", "fade"),
+    "camera": ("margin",),
+}
 
 
 class _Panel:
@@ -84,7 +90,16 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
     for text, icon in result_lines(context.object, context):
         _lines(layout, text, icon)
+    _draw_locked(layout, context.object)
     layout.operator(DAPPLE_OT_rebind.bl_idname)
+
+
+def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    row = layout.row(align=True)
+    row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
+    row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
+    if obj.dapple.locked_count:
+        layout.label(text=f"{obj.dapple.locked_count:,} points are locked", icon="LOCKED")
 
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -168,13 +183,20 @@ class DAPPLE_PT_density(_ScatterPanel, bpy.types.Panel):
         layout, density = self.layout, context.object.dapple.density
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(density, "attribute")
+        layout.prop(density, "image")
+        surface = context.object.dapple.surface
+        if density.image and surface:
+            layout.prop_search(density, "uv_map", surface.data, "uv_layers")
         layout.prop(density, "curvature")
-        for term in ("slope", "height"):
+        for term, parts in _RANGES.items():
             layout.prop(density, f"use_{term}")
             if getattr(density, f"use_{term}"):
                 column = layout.column(align=True)
-                for part in ("from", "to", "fade"):
+                for part in parts:
                     column.prop(density, f"{term}_{part}")
+        layout.prop(density, "obstacles")
+        if density.obstacles:
+            layout.prop(density, "obstacle_margin")
 
 
 class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):

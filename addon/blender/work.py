@@ -4,7 +4,7 @@
 Between two steps the artist may delete anything, so objects are found again by their uid.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -13,7 +13,6 @@ import bpy
 
 from ..core.bake import Baker, Start
 from ..core.binding import bound_nearest
-from ..core.density import names_of
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
@@ -30,6 +29,7 @@ from .meshio import read_rest, read_surface
 from .scatter import settings_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
+    locked_points,
     new_scatter,
     own_points,
     places_of,
@@ -39,6 +39,7 @@ from .store import (
     write_binding,
     write_scattered,
 )
+from .surroundings import read_with
 from .tiles import write_tiles
 from .topology import check_render_topology
 from .workfiles import work_files
@@ -57,10 +58,9 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
 def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FACES") -> Steps:
     """Scatter over the active object; returns the new scatter object."""
     surface = Held(context.object)
-    names = names_of(settings)
-    arrays = _read_checked(surface.get(), context, bind_to, names)
+    arrays = _read_checked(surface.get(), context, bind_to, settings)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
-    check_unchanged(arrays, _read(surface.get(), names))
+    check_unchanged(arrays, _read(surface.get(), settings))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
     for name in ("count", "seed"):
@@ -74,11 +74,11 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
-    names = names_of(settings)
-    arrays = _read_checked(surface.get(), context, bind_to, names)
-    solved = yield Task(lambda worker: scatter(arrays, settings, worker))
+    arrays = _read_checked(surface.get(), context, bind_to, settings)
+    locked = locked_points(context.object)
+    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
     obj = held.get()
-    check_unchanged(arrays, _read(surface.get(), names))
+    check_unchanged(arrays, _read(surface.get(), settings))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     write_scattered(obj, arrays, solved, rest)
     return obj
@@ -104,8 +104,8 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
 
 def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
     count = last - first + 1
-    names = names_of(settings_of(held.get()))
-    begin = arrays = _at_frame(surface, first, names=names)
+    settings = settings_of(held.get())
+    begin = arrays = _at_frame(surface, first, settings=settings)
     check_render_topology(surface.get(), bpy.context)
     baker = _baker(held.get(), arrays, first, count)
     end = _READING if isinstance(baker, TogetherBaker) else 1.0
@@ -116,7 +116,7 @@ def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
         yield from _solve(baker, surface, arrays, share)
     if isinstance(baker, TogetherBaker):
         yield Task(baker.solve, end, 1.0)
-    check_unchanged(begin, _at_frame(surface, first, names=names))
+    check_unchanged(begin, _at_frame(surface, first, settings=settings))
     return baker
 
 
@@ -125,7 +125,7 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
     if baker.changes(arrays):
         number = baker.first + baker.done
         before, after = _seam(surface, number, baker.bound.topology)
-        baker.cross(before, _with_weights(surface, baker, number, after))
+        baker.cross(before, _with_density(surface, baker, number, after))
         arrays = _at_frame(surface, number)
     baker.enter(arrays)
     try:
@@ -136,10 +136,10 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
         raise StoppedError(_stopped(baker)) from error
 
 
-def _with_weights(surface: Held, baker: Baker, number: int, after: SurfaceArrays) -> SurfaceArrays:
-    """The first surface of a new topology, with the values that the frame gives its vertices."""
-    names = names_of(baker.start.settings)
-    return replace(after, weights=_at_frame(surface, number, names=names).weights)
+def _with_density(surface: Held, baker: Baker, number: int, after: SurfaceArrays) -> SurfaceArrays:
+    """The first surface of a new topology, with what the frame tells of its density."""
+    then = _at_frame(surface, number, settings=baker.start.settings)
+    return replace(after, weights=then.weights, around=then.around)
 
 
 def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
@@ -227,22 +227,29 @@ def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
 
 
 def _at_frame(
-    surface: Held, frame: int, part: float = 0.0, names: Iterable[str] = ()
+    surface: Held, frame: int, part: float = 0.0, settings: Settings | None = None
 ) -> SurfaceArrays:
     bpy.context.scene.frame_set(frame, subframe=part)
-    return _read(surface.get(), names)
+    return _read(surface.get(), settings)
 
 
-def _read(surface: bpy.types.Object, names: Iterable[str] = ()) -> SurfaceArrays:
-    return read_surface(surface, bpy.context.evaluated_depsgraph_get(), names)
+def _read(surface: bpy.types.Object, settings: Settings | None = None) -> SurfaceArrays:
+    """The surface; with settings, also what they take from it and from beside it."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    if settings is None:
+        return read_surface(surface, depsgraph)
+    return read_with(settings, surface, depsgraph)
 
 
 def _read_checked(
-    surface: bpy.types.Object, context: bpy.types.Context, bind_to: str, names: Iterable[str] = ()
+    surface: bpy.types.Object,
+    context: bpy.types.Context,
+    bind_to: str,
+    settings: Settings | None = None,
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
-    return _read(surface, names)
+    return _read(surface, settings)
 
 
 def _rest(

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .binding import placed_of, rebound, samples_of
-from .density import native_surface
 from .frames import carried
+from .ground import Ground
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
 from .native import package
@@ -52,14 +52,13 @@ class Baker:
 
     def __post_init__(self) -> None:
         start = self.start
-        weights = self.bound.weights.values()
-        self._chain = Fingerprint(
-            start.settings, start.binding, (start.ids, start.classes, *weights)
-        )
+        read = (*self.bound.weights.values(), *self.bound.around.arrays())
+        self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes, *read))
         self._now = self.bound
         self.topologies = [self.bound.topology]
         self.last = start.binding
         self._tracker: Any = None
+        self._ground: Any = None  # that the tracker stands on
         self._tracked = 0  # frames after which the tracker stands
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
@@ -107,9 +106,11 @@ class Baker:
         """Solve the frame."""
         with named(self.bound.name):
             tracker = self._ready_tracker()
-            samples = tracker.advance(self._now.vertices, context=context)
-        self._tracked = self.done + 1
-        solved = self._solved_of(samples, tracker.settled)
+            vertices = self._ground.vertices(self._now.vertices)
+            samples = tracker.advance(vertices, context=context)
+        # What is stored leads back to cut faces but for rounding: the tracker is put there too.
+        self._tracked = -1 if self._ground.is_cut else self.done + 1
+        solved = self._solved_of(self._ground.back(samples), tracker.settled)
         self._keep(solved)
         self._add(solved)
 
@@ -137,19 +138,22 @@ class Baker:
         if self._tracker is None:
             self._tracker = self._new_tracker()
         if self._tracked < self.done:
-            samples = self._samples(self._tracker.surface)
-            self._tracker.resume(self._vertices, samples, settled=self._solved.settled)
+            samples = self._ground.there(self._samples(self._ground.original))
+            vertices = self._ground.vertices(self._vertices)
+            self._tracker.resume(vertices, samples, settled=self._solved.settled)
             self._tracked = self.done
         return self._tracker
 
     def _new_tracker(self) -> Any:
-        return tracked(*self._beginning(), self.bound, self.start.settings)
+        samples = self._begin()
+        return tracked(self._ground, samples, self.start.settings)
 
-    def _beginning(self) -> tuple[Any, Any]:
-        """The surface where the topology begins, and the samples on it."""
+    def _begin(self) -> Any:
+        """Lay the ground where the topology begins; the samples on its surface."""
         start = self.start
-        surface = native_surface(self.bound, start.settings)
-        return surface, samples_of(start.binding, surface, start.ids, start.classes)
+        self._ground = Ground(self.bound, start.settings)
+        samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
+        return self._ground.there(samples)
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from .bake import Start
 from .binding import placed_of, samples_of
-from .density import native_surface
 from .errors import StoppedError
 from .frames import carried
+from .ground import Ground
 from .kinds import tracked
 from .native import package
 from .records import Binding
@@ -27,9 +27,9 @@ class Follower:
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
-            native = native_surface(surface, start.settings)
-            samples = samples_of(start.binding, native, start.ids, start.classes)
-            self._tracker = tracked(native, samples, surface, start.settings)
+            self._ground = Ground(surface, start.settings)
+            samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
+            self._tracker = tracked(self._ground, self._ground.there(samples), start.settings)
 
     def follow(self, surface: SurfaceArrays, budget: float) -> Binding | None:
         """The binding for this shape, found within so many seconds.
@@ -56,7 +56,8 @@ class Follower:
         alarm.start()
         try:
             with named(self._first.name):
-                return self._tracker.advance(vertices, context=context)
+                fine = self._ground.vertices(vertices)
+                return self._ground.back(self._tracker.advance(fine, context=context))
         except StoppedError:
             return None
         finally:

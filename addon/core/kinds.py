@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from .density import class_density
 from .errors import ScatterError
+from .ground import Ground
+from .locked import Locked
 from .native import package
 from .settings import Settings
-from .surface import Ints, SurfaceArrays
+from .surface import Ints
 
 MOST_POINTS = 20_000_000
 
@@ -60,39 +61,45 @@ def counted(surface: Any, settings: Settings) -> Settings:
     return replace(settings, count=max(count, 1))
 
 
-def sampled(surface: Any, arrays: SurfaceArrays, settings: Settings, context: Any) -> Any:
-    """dapple.Samples of one class, or of those that the settings list.
+def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | None = None) -> Any:
+    """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
 
-    surface is native_surface() of the arrays.
+    Locked points come first in their class.
+
+    Raises:
+        ScatterError: more points of a class are locked than it has.
     """
     options = settings.sample_options()
-    settings = counted(surface, settings)
+    settings = counted(ground.surface, settings)
+    counts = class_counts(settings) or [settings.count]
+    groups = locked.of_classes(counts) if locked else [None] * len(counts)
+    kept = [None if one is None else one.samples(ground.surface) for one in groups]
     if not settings.classes:
-        return package().sample(surface, settings.count, context=context, **options)
-    classes = _native_classes(surface, arrays, settings, class_counts(settings))
-    return package().sample_classes(surface, classes, context=context, **options)
+        return package().sample(
+            ground.surface, settings.count, context=context, locked=kept[0], **options
+        )
+    classes = _native_classes(ground, settings, counts, kept)
+    return package().sample_classes(ground.surface, classes, context=context, **options)
 
 
-def tracked(surface: Any, samples: Any, arrays: SurfaceArrays, settings: Settings) -> Any:
-    """A dapple.Tracker that keeps the classes even by themselves and together.
-
-    surface and samples are those of the arrays.
-    """
+def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
+    """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
     options = settings.tracker_options()
     if not settings.classes:
-        return package().Tracker(surface, samples, **options)
-    classes = _native_classes(surface, arrays, settings, _counts_of(samples.classes, settings))
-    return package().Tracker(surface, samples, classes=classes, **options)
+        return package().Tracker(ground.surface, samples, **options)
+    counts = _counts_of(samples.classes, settings)
+    classes = _native_classes(ground, settings, counts, [None] * len(counts))
+    return package().Tracker(ground.surface, samples, classes=classes, **options)
 
 
 def _native_classes(
-    surface: Any, arrays: SurfaceArrays, settings: Settings, counts: list[int]
+    ground: Ground, settings: Settings, counts: list[int], locked: list[Any]
 ) -> list[Any]:
     return [
         package().SampleClass(
-            count, radius=kind.radius, density=class_density(surface, arrays, kind.density)
+            count, radius=kind.radius, locked=kept, **ground.class_density(kind.density)
         )
-        for count, kind in zip(counts, settings.classes, strict=True)
+        for count, kept, kind in zip(counts, locked, settings.classes, strict=True)
     ]
 
 

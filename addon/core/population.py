@@ -29,7 +29,7 @@ class Born:
 
     binding: Binding
     positions: Floats  # (k, 3) in world space
-    columns: Columns  # named as in POINT_ATTRIBUTES
+    columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
 
 
 @dataclass
@@ -51,10 +51,12 @@ class PopulationBaker(Baker):
         with named(self.bound.name):
             if self._population is None:
                 options = self.start.settings.tracker_options()
+                samples = self._begin()
                 self._population = package().Population(
-                    *self._beginning(), fade=self.fade, **options
+                    self._ground.surface, samples, fade=self.fade, **options
                 )
-            samples = self._population.advance(self._now.vertices, context=context)
+            vertices = self._ground.vertices(self._now.vertices)
+            samples = self._ground.back(self._population.advance(vertices, context=context))
         self._add(Solved(self._rows(samples), report_of(samples.report)))
 
     def born(self) -> Born | None:
@@ -98,7 +100,7 @@ class PopulationBaker(Baker):
         binding = Binding(
             self.bound.faces[faces], np.asarray(samples.barycentric)[new], np.zeros(len(faces))
         )
-        self._births.append((binding, np.asarray(samples.positions)[new]))
+        self._births.append((binding, binding.positions(self._now.vertices)))
         self._faces = np.concatenate([self._faces, faces])
         self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
         self.last = _joined([self.last, binding])

@@ -45,6 +45,9 @@ POINT_ATTRIBUTES = {
     "dapple_scale": "FLOAT",
     "dapple_turn": "FLOAT",
 }
+# Where a point stands, 0..1, in an order of which every beginning is even; and whether it stays
+# where it is. Older files have neither.
+ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN"}
 
 Columns = dict[str, np.ndarray]
 

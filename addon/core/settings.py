@@ -29,6 +29,12 @@ class DensitySettings:
     height_from: float = 0.0
     height_to: float = 1.0
     height_fade: float = 0.1
+    image: str = ""  # brightness of a picture
+    uv_map: str = ""  # through these texture coordinates; none: those that renders use
+    use_camera: bool = False  # where the scene's camera looks
+    camera_margin: float = 0.1  # and so much beyond its frame, of half the frame
+    obstacles: str = ""  # objects of a collection that points keep off
+    obstacle_margin: float = 0.05  # by so much, in world units
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from .binding import binding_of
-from .density import at_points, native_surface
 from .errors import ScatterError, StoppedError
+from .ground import Ground
 from .kinds import sampled
+from .locked import Locked, kept_ids, rows_of
 from .native import package
 from .records import Binding, Columns, own_random
 from .settings import Settings
@@ -43,19 +44,28 @@ class Scattered:
 
     positions: Floats
     binding: Binding
-    columns: Columns  # named as in POINT_ATTRIBUTES
+    columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
     report: Report
 
 
-def scatter(arrays: SurfaceArrays, settings: Settings, context: Any) -> Scattered:
-    """Scatter points over a surface as it stands."""
+def scatter(
+    arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None = None
+) -> Scattered:
+    """Scatter points over a surface as it stands, around those that are locked."""
     with named(arrays.name):
-        surface = native_surface(arrays, settings)
-        samples = sampled(surface, arrays, settings, context)
-    columns = point_columns(samples.ids, samples.classes, settings.seed)
+        ground = Ground(arrays, settings)
+        fine = sampled(ground, settings, context, locked)
+        samples = ground.back(fine)
+        ranks = package().progressive_ranks(fine.positions, fine.classes)
+    ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
+    columns = point_columns(ids, samples.classes, settings.seed)
+    if locked is not None:
+        columns["dapple_locked"][rows_of(locked, samples.classes)] = True
+    columns["dapple_density"] = ground.shares(fine)
+    columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     binding = binding_of(samples, arrays.faces)
-    columns["dapple_density"] = at_points(surface.density, binding.corners, binding.barycentric)
-    return Scattered(np.asarray(samples.positions), binding, columns, report_of(samples.report))
+    positions = np.asarray(samples.positions)
+    return Scattered(positions, binding, columns, report_of(samples.report))
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
@@ -66,6 +76,8 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
         "dapple_density": np.ones(len(ids)),
         "dapple_scale": own_random(seed, ids, 0),
         "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
+        "dapple_rank": own_random(seed, ids, 4),
+        "dapple_locked": np.zeros(len(ids), dtype=bool),
     }
 
 

@@ -41,6 +41,8 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
     values, defaults = (json.loads(settings_text(one)) for one in (now, Settings()))
     for name in _ADDED:
         before.setdefault(name, defaults[name])
+    if isinstance(before["density"], dict):
+        before["density"] = defaults["density"] | before["density"]
     return [
         name.replace("_", " ")
         for name in asdict(now)

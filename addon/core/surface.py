@@ -4,6 +4,7 @@
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,24 @@ from .errors import ScatterError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a density takes from beside the surface, as of the frame in which it is computed."""
+
+    uv: Floats | None = None  # (m, 3, 2) texture coordinates of the faces' corners
+    image: Floats | None = None  # (rows, columns) >= 0, row 0 at v = 0
+    camera: Floats | None = None  # (4, 4) world space to clip space
+    obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # others' to keep away from
+    radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) by so much
+
+    def arrays(self) -> list[NDArray[Any]]:
+        """All of it, for digests."""
+        meshes = [array for mesh in self.obstacles for array in mesh]
+        single = [self.uv, self.image, self.camera, self.points, self.radii]
+        return [array for array in (*single, *meshes) if array is not None]
 
 
 @dataclass(frozen=True)
@@ -24,15 +43,18 @@ class SurfaceArrays:
     topology: str  # digest of the polygons' corners, the same however quads are cut
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
     weights: dict[str, Floats] = field(default_factory=dict)  # (v,) values of the vertices, by name
+    around: Surroundings = field(default_factory=Surroundings)
 
     @cached_property
     def fingerprint(self) -> str:
-        """Digest of topology, positions and weights."""
+        """Digest of topology, positions, weights and surroundings."""
         digest = hashlib.blake2b(self.topology.encode(), digest_size=16)
         digest.update(self.vertices.tobytes())
         for name, values in self.weights.items():
             digest.update(name.encode())
             digest.update(values.tobytes())
+        for array in self.around.arrays():
+            digest.update(array.tobytes())
         return digest.hexdigest()
 
 

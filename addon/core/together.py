@@ -37,13 +37,14 @@ class TogetherBaker(Baker):
         if not self._held:
             raise ScatterError(f"Surface '{self.bound.name}': there is no frame to solve")
         with named(self.bound.name):
-            surface, samples = self._beginning()
+            samples = self._begin()
             options = self.start.settings.tracker_options()
             options["stickiness"] = max(options["stickiness"], 1.0)
-            frames = [frame.vertices for frame in self._held]
+            ground = self._ground
+            frames = [ground.vertices(frame.vertices) for frame in self._held]
             found = package().track_window(
-                surface, frames, samples, closed=self.closed, context=context, **options
+                ground.surface, frames, samples, closed=self.closed, context=context, **options
             )
         for frame, solved in zip(self._held, found[1:], strict=True):
             self._now = frame
-            self._add(self._solved_of(solved, settled=True))
+            self._add(self._solved_of(ground.back(solved), settled=True))

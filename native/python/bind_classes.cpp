@@ -12,8 +12,17 @@ namespace dapple::python {
 namespace {
 
 ClassArgument make_class(std::int64_t count, const py::object& density,
-                         const std::string& density_at, double radius) {
-  return {static_cast<std::int64_t>(checked_count(count)), density, density_at, radius};
+                         const std::string& density_at, double radius, const py::object& locked) {
+  if (!locked.is_none() && !py::isinstance<Samples>(locked))
+    throw ArgumentError("locked is " + py::repr(locked).cast<std::string>() +
+                        ": Samples or None are needed");
+  return {static_cast<std::int64_t>(checked_count(count)), density, density_at, radius, locked};
+}
+
+Sites sites_of(const py::object& locked) {
+  if (locked.is_none()) return {};
+  const auto& samples = locked.cast<const Samples&>();
+  return {samples.positions, samples.faces, samples.barycentric};
 }
 
 ClassOptions class_options(double union_weight, bool two_stages, const SampleOptions& sample) {
@@ -38,6 +47,9 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequen
 std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
   std::vector<PlanarClass> result;
   for (const ClassArgument& argument : class_arguments(classes)) {
+    if (!argument.locked.is_none())
+      throw ArgumentError("classes[" + std::to_string(result.size()) +
+                          "] has locked samples: a surface is needed for them");
     result.push_back(
         {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
     if (!argument.density.is_none()) result.back().density = image_of("density", argument.density);
@@ -94,8 +106,9 @@ std::vector<SampleClass> classes_on(const Surface& surface, const py::sequence& 
   std::vector<SampleClass> result;
   const py::object self = py::cast(surface, py::return_value_policy::reference);
   for (const ClassArgument& argument : class_arguments(classes)) {
-    result.push_back(
-        {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
+    result.push_back({.count = static_cast<std::size_t>(argument.count),
+                      .radius = argument.radius,
+                      .locked = sites_of(argument.locked)});
     if (argument.density.is_none()) continue;
     result.back().surface =
         self.attr("with_density")(argument.density, py::arg("density_at") = argument.density_at)
@@ -113,15 +126,19 @@ Args:
         Plane or Torus an image, all classes' and the domain's own of one shape.
     density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.
     radius: of its things, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
+    locked: Samples of the surface that stay where they are and take part, or None; they come first in their class, and
+        count includes them. For surfaces only.
 
 Raises:
     ValueError: count out of range.)")
       .def(py::init(&make_class), py::arg("count"), py::kw_only(), py::arg("density") = py::none(),
-           py::arg("density_at") = "vertices", py::arg("radius") = 0.0)
+           py::arg("density_at") = "vertices", py::arg("radius") = 0.0,
+           py::arg("locked") = py::none())
       .def_readonly("count", &ClassArgument::count, "Number of samples.")
       .def_readonly("density", &ClassArgument::density, "As given, or None.")
       .def_readonly("density_at", &ClassArgument::density_at, "Where its values are.")
-      .def_readonly("radius", &ClassArgument::radius, "Of its things.");
+      .def_readonly("radius", &ClassArgument::radius, "Of its things.")
+      .def_readonly("locked", &ClassArgument::locked, "As given, or None.");
 }
 
 void bind_class_samplers(py::module_& m) {

@@ -30,13 +30,13 @@ std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object&
       refine_image(surface, as_face_uv(rows), pixels, options, context.get()));
 }
 
-/// One radius for all points, or one for each.
-DoubleArray radii_of(const py::object& value, py::ssize_t count) {
+/// One number for all of `count`, or one for each.
+DoubleArray numbers_of(const char* name, const py::object& value, py::ssize_t count) {
   if (!py::isinstance<py::float_>(value) && !py::isinstance<py::int_>(value))
-    return doubles("radii", value, 0);
-  DoubleArray radii(count);
-  std::fill_n(radii.mutable_data(), count, value.cast<double>());
-  return radii;
+    return doubles(name, value, 0);
+  DoubleArray numbers(count);
+  std::fill_n(numbers.mutable_data(), count, value.cast<double>());
+  return numbers;
 }
 
 std::vector<std::uint8_t> areas_of(const py::object& value) {
@@ -51,7 +51,7 @@ std::shared_ptr<Refined> obstacles_refined(const Surface& surface, const py::obj
                                            double edge, std::int64_t max_faces,
                                            const ContextPtr& context) {
   const DoubleArray centres = doubles("points", points, 3);
-  const DoubleArray sizes = radii_of(radii, centres.shape(0));
+  const DoubleArray sizes = numbers_of("radii", radii, centres.shape(0));
   const std::vector<std::uint8_t> mask = areas_of(areas);
   const ObstacleOptions options{edge, checked_max_faces(max_faces)};
   const py::gil_scoped_release released;
@@ -113,11 +113,13 @@ void bind_refined(py::module_& m) {
 void bind_edges(py::module_& m) {
   m.def(
       "refine_edges",
-      [](const Surface& surface, double longest, std::int64_t max_faces,
+      [](const Surface& surface, const py::object& longest, std::int64_t max_faces,
          const ContextPtr& context) {
+        const DoubleArray limits = numbers_of("longest", longest, 1);
         const std::size_t most = checked_max_faces(max_faces);
         const py::gil_scoped_release released;
-        return std::make_shared<Refined>(refine_edges(surface, longest, most, context.get()));
+        return std::make_shared<Refined>(
+            refine_edges(surface, as_span(limits), most, context.get()));
       },
       py::arg("surface"), py::arg("longest"), py::kw_only(), py::arg("max_faces") = 1'000'000,
       py::arg("context") = py::none(),
@@ -128,7 +130,8 @@ density of its own by with_density().
 
 Args:
     surface: a Surface.
-    longest: in the units of the vertices, > 0.
+    longest: in the units of the vertices, > 0; one number, or (m,) float64, one for each face, infinite for those that
+        may stay as they are. Their neighbours are cut as far as they need to share edges.
     max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
     context: a Context to cancel by, or None.
 

@@ -15,6 +15,7 @@ struct ClassArgument {
   py::object density = py::none();
   std::string density_at = "vertices";
   double radius = 0.0;
+  py::object locked = py::none();  // Samples
 };
 
 /// A sequence of SampleClass or whole numbers.

@@ -235,13 +235,18 @@ Refined refine(const Surface& surface, const Criterion& criterion, std::size_t m
   }
 }
 
-Refined refine_edges(const Surface& surface, double longest, std::size_t max_faces,
+Refined refine_edges(const Surface& surface, std::span<const double> longest, std::size_t max_faces,
                      const Context* context) {
-  check_positive("longest", longest);
-  const auto too_long = [longest](const Piece& piece) {
+  if (longest.size() != 1)
+    check_same_length("longest", longest.size(), "faces", surface.face_count());
+  for (std::size_t k = 0; k < longest.size(); ++k)
+    if (!(longest[k] > 0.0))
+      throw ArgumentError(entry("longest", k) + " is " + number(longest[k]) + ": it must be > 0");
+  const auto too_long = [&](const Piece& piece) {
+    const double limit = longest[longest.size() == 1 ? 0 : static_cast<std::size_t>(piece.parent)];
     EdgeMarks marks{};
     for (std::size_t k = 0; k < 3; ++k)
-      marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > longest;
+      marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > limit;
     return marks;
   };
   return refine(surface, too_long, max_faces, context);

@@ -84,6 +84,7 @@ Samples Refined::to_original(const Samples& samples) const {
     weights.push_back(combined(barycentric[fine], samples.barycentric[k]));
   }
   Samples result = bind_samples(original, faces, weights, samples.ids, samples.classes);
+  result.fade = samples.fade;
   result.report = samples.report;
   return result;
 }
@@ -99,6 +100,7 @@ Samples Refined::from_original(const Samples& samples) const {
     weights.push_back(inside);
   }
   Samples result = bind_samples(surface, faces, weights, samples.ids, samples.classes);
+  result.fade = samples.fade;
   result.report = samples.report;
   return result;
 }

@@ -119,6 +119,9 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     own = shown["density"].fixed_type.properties  # terms of a density
     for field in fields(settings.density):
         value = getattr(settings.density, field.name)
+        if own[field.name].type == "POINTER":  # a data-block, in the settings by its name
+            assert value == ""
+            continue
         assert own[field.name].default == (
             value if isinstance(value, str) else pytest.approx(value, rel=1e-6)
         )

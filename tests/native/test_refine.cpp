@@ -7,6 +7,7 @@
 #include <dapple/refine.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/topology.hpp>
+#include <limits>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -161,10 +162,12 @@ TEST_P(RefineOf, BringsSamplesBack) {
   const std::vector<std::int32_t> classes(50, 3);
   Samples samples = bind_samples(fine.surface, faces, weights, ids, classes);
   samples.report.energy = 0.25;
+  samples.fade = std::vector<double>(50, 0.5);
   const Samples back = fine.to_original(samples);
   EXPECT_EQ(back.ids, ids);
   EXPECT_EQ(back.classes, classes);
   EXPECT_EQ(back.report.energy, 0.25);
+  EXPECT_EQ(back.fade, samples.fade);
   const double size = std::sqrt(fine.original.area());
   for (std::size_t k = 0; k < 50; ++k) {
     EXPECT_LE((back.positions[k] - samples.positions[k]).norm(), 1e-12 * size);
@@ -223,19 +226,45 @@ TEST(Refine, ChangesNothingWithoutMarks) {
   EXPECT_TRUE(same.ends.empty());
 }
 
+double longest_edge(const Surface& surface, std::int32_t face) {
+  const Face& corners = surface.corners(surface.ordered_face(face));
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k)
+    longest = std::max(longest,
+                       (surface.vertex(corners[k]) - surface.vertex(corners[(k + 1) % 3])).norm());
+  return longest;
+}
+
 TEST(Refine, LeavesNoEdgeLongerThanAsked) {
   const Surface surface = grid(2).surface();
-  const Refined fine = refine_edges(surface, 0.1, kPlenty);
+  const std::vector<double> limit = {0.1};
+  const Refined fine = refine_edges(surface, limit, kPlenty);
   EXPECT_TRUE(fine.resolved);
-  for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f) {
-    const Face& corners = fine.surface.corners(f);
-    for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_LE(
-          (fine.surface.vertex(corners[k]) - fine.surface.vertex(corners[(k + 1) % 3])).norm(),
-          0.1);
-  }
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f)
+    EXPECT_LE(longest_edge(fine.surface, f), 0.1);
   EXPECT_LT(fine.surface.face_count(), 2000u);
-  expect_message<ArgumentError>([&] { (void)refine_edges(surface, 0.0, kPlenty); }, {"longest"});
+}
+
+TEST(Refine, CutsEachFaceAsFarAsItAsks) {
+  const Surface surface = grid(8).surface();
+  std::vector<double> limits(surface.face_count(), std::numeric_limits<double>::infinity());
+  limits[5] = 0.01;
+  const Refined fine = refine_edges(surface, limits, kPlenty);
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f)
+    EXPECT_LE(longest_edge(fine.surface, f),
+              limits[static_cast<std::size_t>(fine.parents[static_cast<std::size_t>(f)])]);
+  EXPECT_LT(fine.surface.face_count(), 2500u);  // the far side stays as it was
+}
+
+TEST(Refine, RefusesBadLengths) {
+  const Surface surface = grid(2).surface();
+  std::vector<double> limits(8, 1.0);
+  limits[3] = 0.0;
+  expect_message<ArgumentError>([&] { (void)refine_edges(surface, limits, kPlenty); },
+                                {"longest[3]", "0"});
+  limits.pop_back();
+  expect_message<ArgumentError>([&] { (void)refine_edges(surface, limits, kPlenty); },
+                                {"longest", "7", "8"});
 }
 
 TEST(Refine, StopsAtTheLimitOfFaces) {

@@ -110,3 +110,25 @@ def test_images_are_of_one_shape() -> None:
     ]
     with pytest.raises(ValueError, match="density of class 1 is 3 x 2 pixels"):
         dapple.sample_planar_classes(dapple.Plane(1, 1), classes)
+
+
+def test_locked_samples_stay_in_their_class(surface):
+    """They come first in it, and the others are spread around them."""
+    free = dapple.sample_classes(surface, [60, 40])
+    rows = np.flatnonzero(free.classes == 1)[:7]
+    locked = dapple.Samples(surface, free.faces[rows], free.barycentric[rows])
+    classes = [dapple.SampleClass(50), dapple.SampleClass(45, locked=locked)]
+    samples = dapple.sample_classes(surface, classes, seed=3)
+    np.testing.assert_allclose(samples.positions[50:57], locked.positions, rtol=0, atol=1e-12)
+    assert (samples.classes[50:] == 1).all()
+    assert samples.report.capacity_spread < 0.05
+
+
+def test_refuses_bad_locked_samples(surface):
+    with pytest.raises(ValueError, match=r"locked is 3: Samples"):
+        dapple.SampleClass(5, locked=3)
+    locked = dapple.sample(surface, 5)
+    with pytest.raises(ValueError, match=r"locked holds 5"):
+        dapple.sample_classes(surface, [dapple.SampleClass(4, locked=locked)])
+    with pytest.raises(ValueError, match=r"classes\[0\] has locked samples"):
+        dapple.sample_planar_classes(dapple.Plane(1, 1), [dapple.SampleClass(9, locked=locked)])

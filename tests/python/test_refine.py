@@ -63,8 +63,12 @@ def test_cuts_long_edges():
     assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max() <= 0.1
     assert refined.surface.density is None
     assert refined.surface.area == pytest.approx(1, rel=1e-12)
+    few = dapple.refine_edges(surface, [0.05] + 7 * [np.inf])
+    assert len(refined.surface.faces) > 100 < len(few.surface.faces) < 2000
     with pytest.raises(ValueError, match=r"longest.*0"):
         dapple.refine_edges(surface, 0)
+    with pytest.raises(ValueError, match=r"longest.*2.*8"):
+        dapple.refine_edges(surface, [1.0, 1.0])
     with pytest.raises(ValueError, match=r"max_faces.*0"):
         dapple.refine_edges(surface, 0.1, max_faces=0)
 

@@ -27,7 +27,7 @@ struct Refined {
   std::vector<std::array<std::int32_t, 2>> ends;  ///< per added vertex: it halves these two
   bool resolved = true;                           ///< false: the limit of faces was reached first
 
-  /// Samples of `surface` as samples of `original`; ids, classes and the report stay.
+  /// Samples of `surface` as samples of `original`; ids, classes, fades and the report stay.
   /// \throw ArgumentError naming the first face out of range
   [[nodiscard]] Samples to_original(const Samples& samples) const;
 
@@ -59,9 +59,10 @@ struct Refined {
 [[nodiscard]] Refined refine(const Surface& surface, const Criterion& criterion,
                              std::size_t max_faces, const Context* context = nullptr);
 
-/// Cut faces until no edge is longer than `longest`, which must be > 0.
-/// \throw as refine()
-[[nodiscard]] Refined refine_edges(const Surface& surface, double longest, std::size_t max_faces,
-                                   const Context* context = nullptr);
+/// Cut faces until no edge of a piece is longer than its face allows; neighbours are cut with it.
+/// \param longest  > 0, infinite to leave a face as it is: one per face, or one for all
+/// \throw ArgumentError naming the first that is not > 0; if the lengths differ; as refine()
+[[nodiscard]] Refined refine_edges(const Surface& surface, std::span<const double> longest,
+                                   std::size_t max_faces, const Context* context = nullptr);
 
 }  // namespace dapple

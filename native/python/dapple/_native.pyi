@@ -178,6 +178,7 @@ class SampleClass:
         density: ArrayLike | None = None,
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
         radius: float = 0.0,
+        locked: Samples | None = None,
     ) -> None: ...
     @property
     def count(self) -> int: ...
@@ -187,6 +188,8 @@ class SampleClass:
     def density_at(self) -> str: ...
     @property
     def radius(self) -> float: ...
+    @property
+    def locked(self) -> Samples | None: ...
 
 class Refined:
     @property
@@ -464,7 +467,7 @@ def surface_spectrum(
 ) -> SurfaceSpectrum: ...
 def refine_edges(
     surface: Surface,
-    longest: float,
+    longest: float | ArrayLike,
     *,
     max_faces: int = 1_000_000,
     context: Context | None = None,

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a density takes from beside its surface: a picture, the camera, things to keep off."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ..core.density import names_of
+from ..core.errors import ScatterError
+from ..core.settings import Settings
+from ..core.surface import Floats, Ints, SurfaceArrays, Surroundings
+from .meshio import evaluated_mesh, read_points, read_surface, to_world
+from .scatter import is_scatter
+
+_MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+
+def read_with(
+    settings: Settings, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+) -> SurfaceArrays:
+    """The evaluated surface with all that these settings take from it and from beside it."""
+    arrays = read_surface(obj, depsgraph, names_of(settings))
+    density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
+    if density.obstacles:
+        others = list(_obstacles(density.obstacles, obj))
+        points, radii = _balls(others, density.obstacle_margin)
+        meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
+    around = Surroundings(
+        uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
+        image=_picture(density.image) if density.image else None,
+        camera=_camera(depsgraph) if density.use_camera else None,
+        obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
+        points=points,
+        radii=radii,
+    )
+    return replace(arrays, around=around)
+
+
+def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Texture coordinates (m, 3, 2) of the triangles' corners."""
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        layers = mesh.uv_layers
+        layer = (
+            layers.get(name) if name else next((one for one in layers if one.active_render), None)
+        )
+        if layer is None:
+            wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
+            raise ScatterError(f"Surface '{obj.name}' has {wanted}")
+        places = np.empty(2 * len(mesh.loops), dtype=np.float32)
+        layer.uv.foreach_get("vector", places)
+        mesh.calc_loop_triangles()
+        corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+        mesh.loop_triangles.foreach_get("loops", corners)
+    matrix = np.array(obj.evaluated_get(depsgraph).matrix_world)
+    found = places.reshape(-1, 2)[corners].reshape(-1, 3, 2).astype(np.float64)
+    if np.linalg.det(matrix[:3, :3]) < 0.0:  # as read_surface turns the faces
+        found = found[:, ::-1]
+    return np.ascontiguousarray(found)
+
+
+def _picture(name: str) -> Floats:
+    """Brightness (rows, columns) of an image times its opacity, row 0 at the bottom."""
+    image = bpy.data.images.get(name)
+    if image is None:
+        raise ScatterError(f"There is no image '{name}'")
+    width, height = image.size
+    if not width or not height or not image.channels:
+        raise ScatterError(f"Image '{name}' has no pixels: its file may be missing")
+    stored = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(stored)
+    pixels: Floats = stored.reshape(height, width, image.channels).astype(np.float64)
+    values: Floats = pixels[:, :, :3].mean(axis=2) if image.channels >= 3 else pixels[:, :, 0]
+    if image.channels in (2, 4):
+        values = values * pixels[:, :, -1]
+    wrong = ~(np.isfinite(values) & (values >= 0.0))
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
+        raise ScatterError(
+            f"Image '{name}' is {values[row, column]:.6g} at pixel ({column}, {row}); a density "
+            "must be finite and not negative"
+        )
+    if not values.any():
+        raise ScatterError(f"Image '{name}' is black everywhere: no point can be placed")
+    return values
+
+
+def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
+    """World space to clip space of the scene's camera."""
+    scene = depsgraph.scene
+    if scene.camera is None:
+        raise ScatterError(f"Scene '{scene.name}' has no camera: the density asks what it sees")
+    render, camera = scene.render, scene.camera.evaluated_get(depsgraph)
+    frame = camera.calc_matrix_camera(
+        depsgraph,
+        x=render.resolution_x,
+        y=render.resolution_y,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
+    )
+    return np.array(frame @ camera.matrix_world.inverted(), dtype=np.float64)
+
+
+def _obstacles(name: str, surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """Objects of a collection and those inside it with something to keep off."""
+    collection = bpy.data.collections.get(name)
+    if collection is None:
+        raise ScatterError(f"There is no collection '{name}'")
+    for obj in collection.all_objects:
+        if obj.type in _MESHES and obj != surface and obj.name in bpy.context.view_layer.objects:
+            yield obj
+
+
+def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats, Ints]:
+    arrays = read_surface(obj, depsgraph)
+    return arrays.vertices, arrays.faces
+
+
+def _balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
+    """Points of other scatters as they were optimised, and how far to keep away from each."""
+    points, radii = [np.empty((0, 3))], [np.empty(0)]
+    for obj in others:
+        if is_scatter(obj):
+            places = to_world(obj, read_points(obj.data))
+            points.append(places)
+            radii.append(np.maximum(_radii(obj, len(places)), margin))
+    joined, sizes = np.concatenate(points), np.concatenate(radii)
+    return joined[sizes > 0.0], sizes[sizes > 0.0]
+
+
+def _radii(obj: bpy.types.Object, count: int) -> Floats:
+    """Of a scatter's things, by their classes; 0 where none is set."""
+    own = np.array([kind.radius for kind in obj.dapple.classes])
+    if not len(own) or "dapple_class" not in obj.data.attributes:
+        return np.zeros(count)
+    classes = np.empty(count, dtype=np.int32)
+    obj.data.attributes["dapple_class"].data.foreach_get("value", classes)
+    found: Floats = own[np.minimum(classes, len(own) - 1)]
+    return found

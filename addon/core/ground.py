@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ground: a surface with its density, cut finer where that varies within its faces.
+
+A camera's frame, a range of heights, an obstacle or a picture knows nothing of the surface's faces.
+So the faces are cut before samples are made, and samples are told as lying on the faces that the
+file has. On the way of a deformation the fine vertices follow the coarse ones.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from .density import vertex_terms
+from .fine import Term, all_changes, blocked, fine_terms
+from .native import package
+from .settings import Settings
+from .surface import Floats, SurfaceArrays
+
+_FINE = 0.3  # longest edge where a density changes within faces, in spacings of the points
+_ROUNDS = 24  # of halving edges there
+_MOST_FACES = 1_000_000
+_ROUNDING = 1e-6  # of texture coordinates, which are stored in single precision
+_PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are averaged
+
+
+class Ground:
+    """What is sampled and tracked in place of the surface that was read."""
+
+    def __init__(self, arrays: SurfaceArrays, settings: Settings) -> None:
+        """Raises ValueError as dapple.Surface does."""
+        self._arrays = arrays
+        self._refined: Any = None
+        density = vertex_terms(arrays, settings.density)
+        self.surface = package().Surface(arrays.vertices, arrays.faces, density)
+        terms = fine_terms(arrays.around, settings.density)
+        if terms or len(arrays.around.points):
+            self._cut_for(terms, _wanted(self.surface, settings))
+        if arrays.around.image is not None:
+            self._lay_picture(settings)
+
+    def there(self, samples: Any) -> Any:
+        """dapple.Samples of the faces that were read, on the surface that is sampled."""
+        return samples if self._refined is None else self._refined.from_original(samples)
+
+    def back(self, samples: Any) -> Any:
+        """dapple.Samples of the surface that is sampled, on the faces that were read."""
+        return samples if self._refined is None else self._refined.to_original(samples)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether there are other faces than those that were read."""
+        return self._refined is not None
+
+    @property
+    def original(self) -> Any:
+        """dapple.Surface with the faces that were read."""
+        return self.surface if self._refined is None else self._refined.original
+
+    def vertices(self, coarse: Floats) -> Floats:
+        """Where the vertices are once those that were read are at coarse (v, 3)."""
+        if self._refined is None:
+            return coarse
+        fine: Floats = self._refined.vertices(coarse)
+        return fine
+
+    def class_density(self, name: str) -> dict[str, Any]:
+        """Options of a dapple.SampleClass whose density is multiplied by values of the surface."""
+        if not name:
+            return {}
+        own = self._carried(self._arrays.weights[name])
+        density, place = self.surface.density, self.surface.density_at
+        if density is not None:
+            own = own[self.surface.faces] * density if place == "corners" else own * density
+        return {"density": own, "density_at": place}
+
+    def shares(self, samples: Any) -> Floats:
+        """Density (n,) at samples of the surface, as a share of the largest there is."""
+        density = self.surface.density
+        if density is None or not len(samples) or density.max() <= 0.0:
+            return np.ones(len(samples))
+        corners = samples.faces
+        values = density[corners] if density.ndim == 2 else density[self.surface.faces[corners]]
+        found: Floats = np.einsum("nk,nk->n", samples.barycentric, values) / density.max()
+        return found
+
+    def _carried(self, values: Floats) -> Floats:
+        """Values (v,) of the vertices that were read, at all vertices."""
+        if self._refined is None:
+            return values
+        fine: Floats = self._refined.vertices(np.repeat(values[:, None], 3, axis=1))[:, 0]
+        return fine
+
+    def _cut_for(self, terms: list[Term], count: int) -> None:
+        """Halve the edges of the faces on which terms change, until they are short."""
+        self._refined = package().refine_edges(self.surface, np.inf)
+        for _ in range(_ROUNDS):
+            lengths = _longest_edges(self.surface)
+            target = _FINE * _spacing(self.surface, self._product(terms), count)
+            long = all_changes(terms, self.surface) & (lengths > target)
+            if not long.any():
+                break
+            limits = np.where(long, 0.51 * lengths, np.inf)
+            cut = package().refine_edges(self.surface, limits, max_faces=_MOST_FACES)
+            self._extend(cut)
+            if not cut.resolved:
+                break
+        self._take_away(terms)
+
+    def _take_away(self, terms: list[Term]) -> None:
+        density, around = self._product(terms), self._arrays.around
+        surface = self.surface.with_density(density, density_at="corners")
+        self._extend(
+            package().refine_obstacles(
+                surface,
+                around.points,
+                around.radii,
+                areas=blocked(terms, surface),
+                max_faces=4 * _MOST_FACES,
+            )
+        )
+
+    def _product(self, terms: list[Term]) -> Floats:
+        """The density (m, 3) at the corners of the faces as they are cut so far."""
+        surface = self.surface
+        factors = np.ones(len(surface.vertices))
+        for term in terms:
+            factors = factors * term.values(surface.vertices)
+        found: Floats = factors[surface.faces]
+        if surface.density is None:
+            return found
+        at_corners = surface.density_at == "corners"
+        return found * (surface.density if at_corners else surface.density[surface.faces])
+
+    def _lay_picture(self, settings: Settings) -> None:
+        around, count = self._arrays.around, _wanted(self.surface, settings)
+        assert around.uv is not None and around.image is not None
+        uv = around.uv
+        if self._refined is not None:
+            uv = np.einsum("fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents])
+        picture = reduced(around.image, int(_PIXELS * np.sqrt(count)))
+        beyond = float(uv.min()) < -_ROUNDING or float(uv.max()) > 1.0 + _ROUNDING
+        options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES}
+        self._extend(package().refine_image(self.surface, uv, picture, **options))
+
+    def _extend(self, cut: Any) -> None:
+        self._refined = cut if self._refined is None else self._refined.then(cut)
+        self.surface = self._refined.surface
+
+
+def _wanted(surface: Any, settings: Settings) -> int:
+    count = settings.count
+    if settings.per_area:
+        count = round(settings.per_area * surface.area)
+    return min(max(count, 100), 1_000_000)
+
+
+def _longest_edges(surface: Any) -> Floats:
+    corners = surface.vertices[surface.faces]
+    found: Floats = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    return found
+
+
+def _spacing(surface: Any, density: Floats, count: int) -> float:
+    """Of so many points, packed as well as can be on what the density leaves of a surface."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    left = float((areas * (density.mean(axis=1) > 0.0)).sum())
+    return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
+
+
+def reduced(image: Floats, most: int) -> Floats:
+    """A picture of at most so many rows and columns: means of blocks of pixels."""
+    for axis in (0, 1):
+        length = image.shape[axis]
+        if length > most:
+            starts = np.arange(most) * length // most
+            sums = np.add.reduceat(image, starts, axis=axis)
+            sizes = np.diff(np.append(starts, length))
+            image = sums / (sizes[:, None] if axis == 0 else sizes)
+    return image

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Density from beside the surface: pictures, the camera, things to keep off."""
+
+import math
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def plane(size=2.0):
+    """One square of two triangles: whatever varies, varies within its faces."""
+    bpy.ops.mesh.primitive_plane_add(size=size)
+    return bpy.context.object
+
+
+def picture(values, name="Mask"):
+    """Image with these grey values (rows, columns), row 0 at the bottom."""
+    values = np.asarray(values, dtype=np.float32)
+    image = bpy.data.images.new(name, values.shape[1], values.shape[0], float_buffer=True)
+    pixels = np.ones((*values.shape, 4), dtype=np.float32)
+    pixels[:, :, :3] = values[:, :, None]
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def optimised(obj, **density):
+    for name, value in density.items():
+        setattr(obj.dapple.density, name, value)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    return scenes.positions(obj)
+
+
+def collection(name="Things"):
+    made = bpy.data.collections.new(name)
+    bpy.context.scene.collection.children.link(made)
+    return made
+
+
+def obstacle(into, scale=0.3, location=(0, 0, 0), flat=False):
+    add = bpy.ops.mesh.primitive_plane_add if flat else bpy.ops.mesh.primitive_cube_add
+    add(size=2, location=location)
+    obj = bpy.context.object
+    obj.scale = (scale,) * 3
+    for other in list(obj.users_collection):
+        other.objects.unlink(obj)
+    into.objects.link(obj)
+    return obj
+
+
+def activate(obj):
+    bpy.context.view_layer.objects.active = obj
+
+
+def test_an_image_is_followed_within_two_triangles():
+    obj = scenes.scattered(plane(), count=400)
+    values = np.zeros((64, 64))
+    values[:, 32:] = 1.0
+    found = optimised(obj, image=picture(values))
+    assert len(found) == 400
+    assert found[:, 0].min() > -0.05
+    assert np.ptp(found[:, 1]) > 1.8
+    assert obj.dapple.report.capacity_spread < 0.05
+
+
+def test_an_image_lies_on_a_mirrored_surface_as_it_is_painted():
+    surface = plane()
+    surface.scale = (-1, 1, 1)
+    bpy.context.view_layer.update()
+    values = np.zeros((64, 64))
+    values[:, 32:] = 1.0
+    found = optimised(scenes.scattered(surface, count=200), image=picture(values))
+    assert found[:, 0].max() < 0.05
+
+
+def test_a_uv_map_is_chosen():
+    surface = plane()
+    turned = surface.data.uv_layers.new(name="Turned")
+    places = np.empty(2 * len(surface.data.loops), dtype=np.float32)
+    surface.data.uv_layers[0].uv.foreach_get("vector", places)
+    turned.uv.foreach_set("vector", 1.0 - places)
+    values = np.zeros((64, 64))
+    values[:, 32:] = 1.0
+    obj = scenes.scattered(surface, count=200)
+    found = optimised(obj, image=picture(values), uv_map="Turned")
+    assert found[:, 0].max() < 0.05
+
+
+def test_an_image_is_kept_while_a_bake_goes_on():
+    """The tracker has finer faces than the file: what is stored is on those of the file."""
+    surface = plane()
+    values = np.zeros((64, 64))
+    values[:, 32:] = 1.0
+    surface.scale = (1, 1, 1)
+    surface.keyframe_insert("scale", frame=1)
+    surface.scale = (1, 1.5, 1)
+    surface.keyframe_insert("scale", frame=6)
+    obj = scenes.scattered(surface, count=150)
+    optimised(obj, image=picture(values))
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame in (1, 4, 6):
+        bpy.context.scene.frame_set(frame)
+        places = scenes.instance_matrices(obj)[:, :3, 3]
+        assert places[:, 0].min() > -0.05
+    assert np.ptp(places[:, 1]) > 2.6
+    assert obj.dapple.report.capacity_spread < 0.06
+
+
+def test_points_lie_where_the_camera_looks():
+    surface = plane(20.0)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.collection.objects.link(camera)
+    camera.location = (3, 0, 5)
+    bpy.context.scene.camera = camera
+    bpy.context.view_layer.update()
+    activate(surface)
+    obj = scenes.scattered(surface, count=300)
+    found = optimised(obj, use_camera=True, camera_margin=0.0)
+    half = 5 * math.tan(camera.data.angle_x / 2)
+    render = bpy.context.scene.render
+    low = half * render.resolution_y / render.resolution_x
+    assert np.abs(found[:, 0] - 3).max() < 1.05 * half
+    assert np.abs(found[:, 1]).max() < 1.05 * low
+    assert np.ptp(found[:, 0]) > 1.8 * half
+    wider = optimised(obj, camera_margin=0.5)
+    assert np.ptp(wider[:, 0]) > 2.7 * half
+
+
+def test_points_keep_off_closed_things_and_near_open_ones():
+    surface = plane(4.0)
+    things = collection()
+    obstacle(things, 0.4, (1, 1, 0))
+    obstacle(things, 0.4, (-1, -1, 0.02), flat=True)
+    activate(surface)
+    obj = scenes.scattered(surface, count=600)
+    found = optimised(obj, obstacles=things, obstacle_margin=0.1)
+    away = np.abs(found[:, :2] - [1, 1]).max(axis=1)
+    flat = np.abs(found[:, :2] + [1, 1]).max(axis=1)
+    assert away.min() > 0.4 + 0.1 - 1e-6
+    assert flat.min() > 0.4 + 0.09
+    assert away.min() < 0.65  # and no farther than they need to
+    assert obj.dapple.report.capacity_spread < 0.05
+
+
+def test_points_keep_off_those_of_another_scatter():
+    surface = plane(4.0)
+    trees = scenes.scattered(surface, count=12)
+    trees.dapple.classes.add().radius = 0.3
+    things = collection()
+    things.objects.link(trees)
+    activate(surface)
+    grass = scenes.scattered(surface, count=500)
+    found = optimised(grass, obstacles=things)
+    apart = np.linalg.norm(found[:, None] - scenes.positions(trees)[None], axis=2)
+    assert apart.min() >= 0.3 - 1e-5
+
+
+def test_a_range_of_heights_is_met_within_faces():
+    surface = plane(4.0)
+    surface.rotation_euler = (0, math.radians(60), 0)
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface, count=200)
+    found = optimised(obj, use_height=True, height_from=0.0, height_to=0.5, height_fade=0.0)
+    assert found[:, 2].min() > -0.1
+    assert found[:, 2].max() < 0.6
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("black", "black everywhere"),
+        ("negative", r"Mask.*-1 at pixel \(2, 1\)"),
+        ("missing", "has no pixels"),
+        ("uv", "no UV map"),
+        ("camera", "has no camera"),
+        ("unseen", "density is 0"),
+        ("covered", "density is 0"),
+    ],
+)
+def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
+    surface = plane()
+    obj = scenes.scattered(surface, count=50)
+    before, density = scenes.positions(obj), obj.dapple.density
+    if given in ("black", "negative", "uv"):
+        values = np.zeros((4, 4))
+        values[1, 2] = {"black": 0.0, "negative": -1.0, "uv": 1.0}[given]
+        density.image = picture(values)
+    if given == "missing":
+        density.image = bpy.data.images.new("Gone", 4, 4)
+        density.image.source, density.image.filepath = "FILE", "//gone.png"
+    if given == "uv":
+        surface.data.uv_layers.remove(surface.data.uv_layers[0])
+        surface.data.update()
+    if given in ("camera", "unseen"):
+        density.use_camera = True
+    if given == "unseen":
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        bpy.context.collection.objects.link(camera)
+        camera.location = (0, 0, -5)
+        bpy.context.scene.camera = camera
+        bpy.context.view_layer.update()
+    if given == "covered":
+        density.obstacles = collection()
+        obstacle(density.obstacles, 5.0)
+    activate(obj)
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.dapple.optimise()
+    np.testing.assert_array_equal(scenes.positions(obj), before)
+
+
+def test_a_result_of_before_these_settings_is_not_stale():
+    """Files written before know nothing of them."""
+    stale, settings = addon_host.part("core.stale"), addon_host.part("core.settings").Settings()
+    old = stale.settings_text(settings).replace('"use_camera": false, ', "")
+    assert "use_camera" not in old
+    assert stale.changed_settings(old, settings) == []
