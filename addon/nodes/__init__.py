@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
+from .groups import VERSION, VERSION_KEY
 from .inputs import get_input, has_input, set_input
 from .scatter import (
     GROUP_NAME,
     INPUTS,
     INSTANCE_INPUTS,
-    VERSION,
-    VERSION_KEY,
     ensure_group,
     input_name,
 )

@@ -28,7 +28,8 @@ class Builder:
         """New node of a kind; feeds go to its enabled input sockets in their order."""
         node = self.tree.nodes.new(kind)
         for key, value in settings.items():
-            setattr(node, key, value)
+            if getattr(node, key) != value:  # Blender looks through the whole tree at each edit
+                setattr(node, key, value)
         sockets = [socket for socket in node.inputs if socket.enabled]
         for socket, feed in zip(sockets, feeds, strict=False):
             self._feed(socket, feed)
@@ -37,8 +38,16 @@ class Builder:
     def _feed(self, socket: Socket, feed: Any) -> None:
         if isinstance(feed, bpy.types.NodeSocket):
             self.tree.links.new(feed, socket)
-        elif feed is not None:
+        elif feed is not None and feed != _plain(socket.default_value):
             socket.default_value = feed
+
+    def group(self, tree: bpy.types.NodeTree, *feeds: Any) -> bpy.types.Node:
+        """New node with a group; feeds go to its inputs in their order."""
+        node = self.node("GeometryNodeGroup")
+        node.node_tree = tree
+        for socket, feed in zip(node.inputs, feeds, strict=True):
+            self._feed(socket, feed)
+        return node
 
     def out(self, kind: str, *feeds: Any, **settings: Any) -> Socket:
         """First enabled output of a new node."""
@@ -124,11 +133,18 @@ class Builder:
             before.setdefault(link.to_node.name, []).append(link.from_node.name)
         depths: dict[str, int] = {}
         columns: dict[int, int] = {}
+        places: list[float] = []
         for node in self.tree.nodes:
             column = _depth(node.name, before, depths)
             row = columns.get(column, 0)
-            node.location = (column * 220.0, -row * 220.0)
+            places += (column * 220.0, -row * 220.0)
             columns[column] = row + 1
+        self.tree.nodes.foreach_set("location", places)
+
+
+def _plain(value: Any) -> Any:
+    """A socket's value, vectors as tuples."""
+    return tuple(value) if isinstance(value, bpy.types.bpy_prop_array) else value
 
 
 def _depth(name: str, before: dict[str, list[str]], depths: dict[str, int]) -> int:

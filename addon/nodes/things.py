@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: points with rotation and scale -> instances of an object or of a collection's."""
+"""Node group: points on the surface -> instances of an object or of a collection's on them."""
 
 import bpy
 
@@ -9,12 +9,15 @@ NAME = "Dapple Things"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group: objects of the collection by chance, or the object; a small cone without any."""
+    """New group: objects of the collection by chance, or the object; a small cone without any.
+
+    Things stand on the points of a class, or on all if it is below 0, that are there.
+    """
     tree = new_group(
         NAME,
         [
             ("Points", "NodeSocketGeometry"),
-            ("Selection", "NodeSocketBool"),
+            ("Class", "NodeSocketInt"),
             ("Instance", "NodeSocketObject"),
             ("Collection", "NodeSocketCollection"),
             ("Spacing", "NodeSocketFloat"),
@@ -28,7 +31,7 @@ def build() -> bpy.types.NodeTree:
     placed = b.out(
         "GeometryNodeInstanceOnPoints",
         b.input("Points"),
-        b.input("Selection"),
+        _chosen(b),
         b.switch("GEOMETRY", some, _one(b), several),
         some,
         b.switch("INT", some, 0, _picked(b, count)),
@@ -38,6 +41,13 @@ def build() -> bpy.types.NodeTree:
     b.output("Instances", placed)
     b.arrange()
     return tree
+
+
+def _chosen(b: Builder) -> Socket:
+    there = b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT")
+    kind = b.input("Class")
+    mine = b.boolean("AND", there, b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind))
+    return b.switch("BOOLEAN", b.compare("LESS_THAN", kind, 0), mine, there)
 
 
 def _one(b: Builder) -> Socket:

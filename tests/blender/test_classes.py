@@ -103,6 +103,22 @@ def test_each_class_has_its_own_size():
     assert sorted(np.unique(sizes.round(4))) == [2.0, 3.0]
 
 
+def test_a_number_that_only_a_class_in_the_middle_has_is_its_own():
+    things = [{"instance": solid(f"Thing {k}"), "turn_randomness": 0.0} for k in range(3)]
+    things[1]["scale"], things[1]["align"] = 2.0, 0.0
+    obj = with_classes(scenes.sphere(), *things, count=60)
+    names, _ = shown(obj)
+    matrices = scenes.instance_matrices(obj)
+    sizes = np.linalg.norm(matrices[:, :3, 0], axis=1)
+    outward = matrices[:, :3, 3] / np.linalg.norm(matrices[:, :3, 3], axis=1)[:, None]
+    middle = np.array(names) == "Thing 1"
+    assert middle.sum() == 20
+    assert np.allclose(sizes, np.where(middle, 2.0, 1.0), atol=1e-5)
+    up = matrices[:, :3, 2] / sizes[:, None]
+    assert np.allclose(up[middle], (0.0, 0.0, 1.0), atol=1e-5)
+    assert np.einsum("nd,nd->n", up, outward)[~middle].min() > 0.98
+
+
 def test_a_collection_gives_each_point_one_of_its_objects():
     trees = bpy.data.collections.new("Trees")
     for k in range(3):

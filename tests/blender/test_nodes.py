@@ -114,8 +114,22 @@ def test_groups_are_built_once_and_have_no_broken_link():
     nodes = addon_host.part("nodes")
     group = nodes.ensure_group()
     assert nodes.ensure_group() == group
-    # The scatter, how a point is bound to faces and to the rest shape, and what is put there.
-    assert len(bpy.data.node_groups) == 4
+    parts = sorted(tree.name for tree in bpy.data.node_groups if tree != group)
+    assert parts == [
+        f"Dapple {part}"
+        for part in (
+            "Bound Point",
+            "Fit",
+            "Key Point",
+            "Moment",
+            "Points",
+            "Posture",
+            "Rest Point",
+            "Things",
+        )
+    ]
+    others = [nodes.ensure_group(classes) for classes in (1, 2, 5)]
+    assert len(bpy.data.node_groups) == 1 + len(parts) + len(others) + 1, "parts are shared"
     links = [link for tree in bpy.data.node_groups for link in tree.links]
     assert links
     assert all(link.is_valid for link in links)

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: do the stored rows fit the surface and the points? What does not is a warning."""
+
+from typing import Any
+
+import bpy
+
+from .builder import Builder, Socket, new_group
+
+NAME = "Dapple Fit"
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; Stale is the add-on's own warning, which hides nothing."""
+    tree = new_group(
+        NAME,
+        [
+            ("Vertices", "NodeSocketInt"),
+            ("Surface Vertices", "NodeSocketInt"),
+            ("Key Vertices", "NodeSocketInt"),
+            ("Points", "NodeSocketInt"),
+            ("Key Points", "NodeSocketInt"),
+            ("Played", "NodeSocketBool"),
+            ("Rest Binding", "NodeSocketBool"),
+            ("Stale", "NodeSocketString"),
+        ],
+        [("Fits", "NodeSocketBool")],
+    )
+    b = Builder(tree)
+    played = b.input("Played")
+    bound = b.switch("INT", played, b.input("Surface Vertices"), b.input("Key Vertices"))
+    other = b.compare("NOT_EQUAL", b.input("Vertices"), bound)
+    other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
+    lost = b.compare("NOT_EQUAL", b.input("Points"), b.input("Key Points"))
+    lost = b.boolean("AND", played, lost)
+    other = _warning(b, other, "The surface has another number of vertices: optimise the scatter")
+    lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
+    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Stale")), 0)
+    said = _warning(b, said, b.input("Stale"))
+    # Settings that changed are told and hide nothing; only a node that is used is evaluated.
+    hidden = b.boolean("OR", other, lost)
+    b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
+    b.arrange()
+    return tree
+
+
+def _warning(b: Builder, show: Socket, message: Any) -> Socket:
+    return b.out("GeometryNodeWarning", show, message, warning_type="WARNING")

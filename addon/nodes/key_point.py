@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: a key, or what is played in its place -> position and rotation on the surface.
+
+Without a bake the points' own binding is played, and a live preview goes before both. Integers
+count keys and rows: floats run out of digits beyond 2^24 of them.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+
+from . import bound_point
+from .builder import Builder, Socket, new_group
+from .groups import inner
+
+NAME = "Dapple Key Point"
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """Fields of one binding: three vertices, their weights, the angle carried; is it there."""
+
+    corners: list[Socket]
+    weights: list[Socket]
+    carry: Socket
+    gone: Socket  # 1 - fade
+
+    def sockets(self) -> list[Socket]:
+        return [*self.corners, *self.weights, self.carry, self.gone]
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; Points is their number, Turn an angle that is added to the one carried."""
+    tree = new_group(
+        NAME,
+        [
+            *((name, "NodeSocketGeometry") for name in ("Surface", "Keys", "Triangles", "Preview")),
+            *((name, "NodeSocketInt") for name in ("Points", "Key")),
+            *((name, "NodeSocketBool") for name in ("Baked", "Live")),
+            *((name, "NodeSocketFloat") for name in ("Turn", "Side")),
+        ],
+        [
+            ("Position", "NodeSocketVector"),
+            ("Rotation", "NodeSocketRotation"),
+            ("Gone", "NodeSocketFloat"),
+        ],
+    )
+    b = Builder(tree)
+    bound = _chosen(b, b.input("Baked"), _own(b), _of_key(b))
+    bound = _chosen(b, b.input("Live"), bound, _previewed(b))
+    turn = b.number("ADD", bound.carry, b.input("Turn"))
+    feeds = (b.input("Surface"), *bound.corners, *bound.weights, turn, b.input("Side"))
+    placed = inner(b, bound_point, *feeds)
+    b.output("Position", placed.outputs["Position"])
+    b.output("Rotation", placed.outputs["Rotation"])
+    b.output("Gone", bound.gone)
+    b.arrange()
+    return tree
+
+
+def _own(b: Builder) -> _Bound:
+    """The binding of the points themselves."""
+    return _Bound(
+        [b.attribute(f"dapple_v{k}", "INT") for k in range(3)],
+        b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR")),
+        b.attribute("dapple_carry", "FLOAT"),
+        b.attribute("dapple_gone", "FLOAT"),
+    )
+
+
+def _previewed(b: Builder) -> _Bound:
+    """The binding of a live preview: a row for each point."""
+    rows, index = b.input("Preview"), b.out("GeometryNodeInputIndex")
+
+    def row(name: str, kind: str) -> Socket:
+        return b.sample(rows, b.attribute(name, kind), index, kind)
+
+    return _Bound(
+        [row(f"dapple_v{k}", "INT") for k in range(3)],
+        b.parts(row("dapple_barycentric", "FLOAT_VECTOR")),
+        row("dapple_carry", "FLOAT"),
+        row("dapple_gone", "FLOAT"),
+    )
+
+
+def _of_key(b: Builder) -> _Bound:
+    """The binding that the key holds."""
+    rows, triangles = b.input("Keys"), b.input("Triangles")
+    row = b.integer("MULTIPLY_ADD", b.input("Key"), b.input("Points"))
+    b.tree.links.new(b.out("GeometryNodeInputIndex"), row.node.inputs[2])
+    face = b.sample(rows, b.attribute("dapple_face", "INT"), row, "INT")
+    place = b.sample(rows, b.out("GeometryNodeInputPosition"), row, "FLOAT_VECTOR")
+    second, third, carry = b.parts(place)
+    first = b.number("SUBTRACT", b.number("SUBTRACT", 1.0, second), third)
+    return _Bound(
+        [b.sample(triangles, b.attribute(f"dapple_v{k}", "INT"), face, "INT") for k in range(3)],
+        [first, second, third],
+        carry,
+        _gone(b, rows, row),
+    )
+
+
+def _gone(b: Builder, rows: Socket, row: Socket) -> Socket:
+    """What a key holds, one 0 in a bake without births: no point has to look then."""
+    gone = b.attribute("dapple_gone", "FLOAT")
+    stored = b.sample(rows, gone.node.outputs["Exists"], 0, "BOOLEAN")
+    return b.switch("FLOAT", stored, 0.0, b.sample(rows, gone, row, "FLOAT"))
+
+
+def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Bound:
+    """One of two bindings."""
+    kinds = (*("INT",) * 3, *("FLOAT",) * 5)
+    pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
+    either = [b.switch(kind, condition, x, y) for kind, x, y in pairs]
+    return _Bound(either[:3], either[3:6], *either[6:])

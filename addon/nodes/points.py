@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: stored points -> the same on the surface of the current (sub-)frame."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from . import fit, key_point, moment, posture, rest_point
+from .builder import Builder, Socket, new_group
+from .groups import inner
+
+NAME = "Dapple Points"
+INPUTS = [
+    ("Geometry", "NodeSocketGeometry"),
+    ("Surface", "NodeSocketObject"),
+    ("Surface Vertices", "NodeSocketInt"),
+    ("Rest Binding", "NodeSocketBool"),
+    ("Keys", "NodeSocketObject"),
+    ("Triangles", "NodeSocketObject"),
+    ("Frames", "NodeSocketObject"),
+    ("Key Points", "NodeSocketInt"),
+    ("First Frame", "NodeSocketInt"),
+    ("Stale", "NodeSocketString"),
+    ("Preview", "NodeSocketObject"),
+]
+NUMBERS = ("Scale", "Scale Randomness", "Turn Randomness", "Align", "Tilt", "Density Scale")
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; NUMBERS are fields. The points get `rotation`, `fade` and `scale`.
+
+    There are no points, but a warning, when what is stored does not fit the surface.
+    """
+    numbers = [(name, "NodeSocketFloat") for name in NUMBERS]
+    tree = new_group(NAME, INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
+    b = Builder(tree)
+    info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
+    surface = info.outputs["Geometry"]
+    side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
+    played = _played(b, surface)
+    # Things that stand on the surface are turned once, by their own angle and the key's together.
+    turn = b.attribute("dapple_turn", "FLOAT")
+    turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
+    aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
+    early = b.switch("FLOAT", aligned, 0.0, turn)
+    position, rotation, gone = _on_faces(b, surface, played, early, side)
+    places = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
+    rest = inner(b, rest_point, surface, *places, early, side)
+    position = b.switch("VECTOR", b.input("Rest Binding"), position, rest.outputs["Position"])
+    rotation = b.switch("ROTATION", b.input("Rest Binding"), rotation, rest.outputs["Rotation"])
+    stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
+    points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
+    b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
+    b.arrange()
+    return tree
+
+
+@dataclass(frozen=True)
+class _Played:
+    """What is played at the moment, and whether it fits."""
+
+    keys: Socket
+    triangles: Socket
+    preview: Socket
+    count: Socket  # of points
+    baked: Socket
+    live: Socket
+    moment: bpy.types.Node
+    fits: Socket
+
+
+def _played(b: Builder, surface: Socket) -> _Played:
+    names = ("Keys", "Triangles", "Frames", "Preview")
+    keys, triangles, frames, preview = (_stored(b, name) for name in names)
+    count, vertices = b.count(b.input("Geometry")), b.count(surface)
+    baked = b.compare("GREATER_THAN", b.count(keys), 0)
+    live = _live(b, preview, count)
+    now = inner(b, moment, frames, b.input("First Frame"), vertices)
+    bake = b.boolean("AND", baked, b.boolean("NOT", live))
+    bound = (vertices, b.input("Surface Vertices"), now.outputs["Vertices"])
+    rest, stale = b.input("Rest Binding"), b.input("Stale")
+    fits = inner(b, fit, *bound, count, b.input("Key Points"), bake, rest, stale)
+    return _Played(keys, triangles, preview, count, baked, live, now, fits.outputs["Fits"])
+
+
+def _stored(b: Builder, name: str) -> Socket:
+    info = b.node("GeometryNodeObjectInfo", b.input(name), transform_space="ORIGINAL")
+    return info.outputs["Geometry"]
+
+
+def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
+    """Whether to show a live preview: in no render."""
+    number = b.count(rows)
+    fits = b.compare("EQUAL", number, count)
+    some = b.compare("GREATER_THAN", number, 0)
+    return b.boolean("AND", b.boolean("AND", fits, some), b.out("GeometryNodeIsViewport"))
+
+
+def _on_faces(
+    b: Builder, surface: Socket, played: _Played, turn: Socket, side: Socket
+) -> list[Socket]:
+    """Position, rotation and gone of what is bound to faces.
+
+    On whole frames of keys, and without any, the second key is not looked at.
+    """
+    stored = (played.keys, played.triangles, played.preview, played.count)
+    now = played.moment.outputs
+    first, second = (
+        inner(b, key_point, surface, *stored, key, played.baked, played.live, turn, side)
+        for key in (now["First"], now["Second"])
+    )
+    fraction = now["Fraction"]
+    between = b.compare("GREATER_THAN", fraction, 0.0, "FLOAT")
+    return [
+        b.switch(kind, between, one, b.mix(kind, fraction, one, other))
+        for kind, one, other in zip(
+            ("VECTOR", "ROTATION", "FLOAT"), first.outputs, second.outputs, strict=True
+        )
+    ]
+
+
+def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socket) -> Socket:
+    """The points there, with their attributes."""
+    placed = b.captured(
+        b.input("Geometry"), Position=("VECTOR", position), Rotation=("ROTATION", rotation)
+    )
+    points = b.store(placed.outputs[0], "rotation", placed.outputs["Rotation"], "QUATERNION")
+    points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
+    points = b.store(points, "scale", _size(b), "FLOAT_VECTOR")
+    return b.out("GeometryNodeSetPosition", points, True, placed.outputs["Position"])
+
+
+def _size(b: Builder) -> Socket:
+    """Scale * fade * (1 - randomness * own random number), less where the density is less."""
+    own = b.attribute("dapple_scale", "FLOAT")
+    less = b.number("MULTIPLY", own, b.input("Scale Randomness"))
+    factor = b.number("MULTIPLY", b.input("Scale"), b.number("SUBTRACT", 1.0, less))
+    factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
+    sparse = b.number("SUBTRACT", 1.0, b.attribute("dapple_density", "FLOAT"))
+    smaller = b.number("MULTIPLY", sparse, b.input("Density Scale"))
+    other = b.number("MULTIPLY", factor, b.number("SUBTRACT", 1.0, smaller))
+    same = b.compare("EQUAL", b.input("Density Scale"), 0.0, "FLOAT")
+    return b.scaled((1.0, 1.0, 1.0), b.switch("FLOAT", same, other, factor))

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: the surface's rotation -> that of a thing, more upright and leaning."""
+
+import bpy
+
+from .builder import Builder, Socket, new_group
+
+NAME = "Dapple Posture"
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; where Align is 1, Rotation is turned already."""
+    tree = new_group(
+        NAME,
+        [
+            ("Rotation", "NodeSocketRotation"),
+            ("Turn", "NodeSocketFloat"),
+            ("Aligned", "NodeSocketBool"),
+            ("Align", "NodeSocketFloat"),
+            ("Tilt", "NodeSocketFloat"),
+        ],
+        [("Rotation", "NodeSocketRotation")],
+    )
+    b = Builder(tree)
+    rotation = b.input("Rotation")
+    rotation = b.switch("ROTATION", b.input("Aligned"), _upright(b, rotation), rotation)
+    straight = b.compare("EQUAL", b.input("Tilt"), 0.0, "FLOAT")
+    b.output("Rotation", b.switch("ROTATION", straight, _tilted(b, rotation), rotation))
+    b.arrange()
+    return tree
+
+
+def _upright(b: Builder, rotation: Socket) -> Socket:
+    """From upright to the normal as Align says, then turned about itself."""
+    less = b.number("SUBTRACT", 1.0, b.input("Align"))
+    up = (0.0, 0.0, 1.0)
+    rotation = b.out("FunctionNodeAlignRotationToVector", rotation, less, up, axis="Z")
+    return b.turned(rotation, b.input("Turn"))
+
+
+def _tilted(b: Builder, rotation: Socket) -> Socket:
+    """Leaning any way, which digits choose that the turn hides."""
+    way = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
+    axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", way), b.number("SINE", way))
+    chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
+    angle = b.number("MULTIPLY", chance, b.input("Tilt"))
+    tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)
+    return b.out("FunctionNodeRotateRotation", rotation, tilt, rotation_space="LOCAL")
