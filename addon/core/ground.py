@@ -33,10 +33,11 @@ class Ground:
         density = vertex_terms(arrays, settings.density)
         self.surface = package().Surface(arrays.vertices, arrays.faces, density)
         terms = fine_terms(arrays.around, settings.density)
-        if terms or len(arrays.around.points):
-            self._cut_for(terms, _wanted(self.surface, settings))
-        if arrays.around.image is not None:
-            self._lay_picture(settings)
+        around, count = arrays.around, _wanted(self.surface, settings)
+        if terms or len(around.points):
+            self._cut_for(terms, count)
+        if around.image is not None and around.uv is not None:
+            self._lay_picture(around.image, around.uv, count)
 
     def there(self, samples: Any) -> Any:
         """dapple.Samples of the faces that were read, on the surface that is sampled."""
@@ -131,13 +132,10 @@ class Ground:
         at_corners = surface.density_at == "corners"
         return found * (surface.density if at_corners else surface.density[surface.faces])
 
-    def _lay_picture(self, settings: Settings) -> None:
-        around, count = self._arrays.around, _wanted(self.surface, settings)
-        assert around.uv is not None and around.image is not None
-        uv = around.uv
+    def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
         if self._refined is not None:
             uv = np.einsum("fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents])
-        picture = reduced(around.image, int(_PIXELS * np.sqrt(count)))
+        picture = reduced(image, int(_PIXELS * np.sqrt(count)))
         beyond = float(uv.min()) < -_ROUNDING or float(uv.max()) > 1.0 + _ROUNDING
         options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES}
         self._extend(package().refine_image(self.surface, uv, picture, **options))
