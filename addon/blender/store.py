@@ -34,7 +34,7 @@ from ..core.surface import Floats, SurfaceArrays
 from ..nodes import (
     GROUP_NAME,
     INPUTS,
-    VERSION,
+    KEPT_SINCE,
     VERSION_KEY,
     ensure_group,
     get_input,
@@ -82,8 +82,8 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 
 def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
-    """What a node group for another number of classes is told, by name; none of older versions."""
-    if modifier.node_group is None or modifier.node_group.get(VERSION_KEY) != VERSION:
+    """What a node group for another number of classes is told, by name; none of old versions."""
+    if modifier.node_group is None or modifier.node_group.get(VERSION_KEY, 0) < KEPT_SINCE:
         return {}
     names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
     return {name: get_input(modifier, name) for name in names}

@@ -7,6 +7,7 @@ from .scatter import (
     GROUP_NAME,
     INPUTS,
     INSTANCE_INPUTS,
+    KEPT_SINCE,
     ensure_group,
     input_name,
 )
@@ -15,6 +16,7 @@ __all__ = [
     "GROUP_NAME",
     "INPUTS",
     "INSTANCE_INPUTS",
+    "KEPT_SINCE",
     "VERSION",
     "VERSION_KEY",
     "ensure_group",

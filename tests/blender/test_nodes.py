@@ -150,6 +150,19 @@ def test_a_scatter_of_an_older_version_gets_the_group_of_this_one():
     assert len(scenes.positions(obj)) == 60
 
 
+def test_a_bake_with_the_group_of_version_4_is_handed_on_to_the_group_of_this_one():
+    nodes = addon_host.part("nodes")
+    obj = scenes.scattered(scenes.tail(frames=3))
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    bpy.context.scene.frame_set(2)
+    baked = scenes.positions(obj)
+    old = obj.modifiers[0].node_group
+    old[nodes.VERSION_KEY] = 4
+    bpy.ops.dapple.edit_classes(action="ADD")
+    assert obj.modifiers[0].node_group != old
+    assert np.allclose(scenes.positions(obj), baked, atol=1e-6)
+
+
 def rotations_with(obj, **placement):
     for name, value in placement.items():
         setattr(obj.dapple, name, value)
