@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import operators, preview, properties, ui, workfiles
+from . import operators, pictures, preview, properties, ui, workfiles
 
 _CLASSES = (*operators.CLASSES, *ui.CLASSES)
 
@@ -14,6 +14,7 @@ def register() -> None:
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_mesh_add.append(ui.draw_add_menu)
+    pictures.register()
     workfiles.register()
     preview.register()
 
@@ -22,6 +23,7 @@ def unregister() -> None:
     """Take back what register added, in reverse."""
     preview.unregister()
     workfiles.unregister()
+    pictures.unregister()
     bpy.types.VIEW3D_MT_mesh_add.remove(ui.draw_add_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

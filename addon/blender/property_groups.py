@@ -73,6 +73,9 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         description="Of things with radii: by how much of both radii the two nearest overlap",
         subtype="FACTOR",
     )
+    details: StringProperty(
+        name="Details", description="Energies of the iterations, histogram of spacings, as JSON"
+    )
     overlap_first: IntProperty(name="First Overlapping Point", default=-1)
     overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
 

@@ -108,6 +108,7 @@ def write_scattered(
     obj.dapple.solved_settings = settings_text(settings_of(obj))
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_report(obj, solved.report)
+    obj.dapple.report.details = solved.details.text()
     write_binding(obj, arrays, solved.binding, rest)
     write_stale_input(obj)
 

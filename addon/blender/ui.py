@@ -6,9 +6,10 @@ from typing import ClassVar
 
 import bpy
 
+from ..core.details import FARTHEST, details_from
 from ..core.errors import ScatterError
 from ..core.native import missing
-from . import preview
+from . import pictures, preview
 from .classes import count_labels
 from .operators import (
     DAPPLE_OT_add,
@@ -26,7 +27,7 @@ from .operators import (
     DAPPLE_OT_tile,
     active_surface,
 )
-from .scatter import is_scatter, settings_reason
+from .scatter import is_scatter, settings_of, settings_reason
 from .staleness import stale_reason
 from .topology import differences
 from .workfiles import unfinished, unsaved_note
@@ -90,6 +91,8 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
     for text, icon in result_lines(context.object, context):
         _lines(layout, text, icon)
+    if settings.report.details:
+        layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
     _draw_locked(layout, context.object)
     layout.operator(DAPPLE_OT_rebind.bl_idname)
 
@@ -139,12 +142,53 @@ def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
         return str(error)
 
 
+class DAPPLE_PT_details(bpy.types.Panel):
+    """How the last optimisation went, in pictures"""
+
+    bl_label = "Details"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_ui_units_x = 14
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, report = self.layout, context.object.dapple.report
+        details = details_from(report.details)
+        layout.label(text="Distance to the nearest point")
+        layout.template_icon(icon_value=pictures.gaps_icon(details), scale=6.0)
+        row = layout.row()
+        row.label(text="0")
+        _right(row, f"{FARTHEST:g} of the best possible")
+        if len(details.energies) > 1:
+            first, last = details.energies[0], details.energies[-1]
+            layout.label(text=f"Energy over {len(details.energies) - 1} iterations")
+            layout.template_icon(icon_value=pictures.energy_icon(details), scale=6.0)
+            row = layout.row()
+            row.label(text=f"{first:.4g}")
+            _right(row, f"{last:.4g}")
+        column = layout.column(align=True)
+        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations"):
+            column.prop(report, name)
+        column.enabled = False
+
+
+def _right(row: bpy.types.UILayout, text: str) -> None:
+    part = row.row()
+    part.alignment = "RIGHT"
+    part.label(text=text)
+
+
 class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
     bl_label = "Evenness"
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
+        icon = pictures.pattern_icon(settings_of(context.object))
+        self.layout.template_icon(icon_value=icon, scale=6.0)
         self.layout.operator_menu_enum(DAPPLE_OT_set_quality.bl_idname, "quality")
         for name in ("capacity_weight", "gap_weight", "tolerance", "max_evaluations"):
             self.layout.prop(context.object.dapple, name)
@@ -317,6 +361,7 @@ def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 CLASSES = (
     DAPPLE_UL_classes,
     DAPPLE_PT_main,
+    DAPPLE_PT_details,
     DAPPLE_PT_density,
     DAPPLE_PT_evenness,
     DAPPLE_PT_instances,

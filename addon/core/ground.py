@@ -74,15 +74,19 @@ class Ground:
             own = own[self.surface.faces] * density if place == "corners" else own * density
         return {"density": own, "density_at": place}
 
-    def shares(self, samples: Any) -> Floats:
-        """Density (n,) at samples of the surface, as a share of the largest there is."""
-        density = self.surface.density
-        if density is None or not len(samples) or density.max() <= 0.0:
+    def densities(self, samples: Any) -> Floats:
+        """Density (n,) at samples of the surface; 1 where it is the same everywhere."""
+        density, at = self.surface.density, samples.faces
+        if density is None:
             return np.ones(len(samples))
-        corners = samples.faces
-        values = density[corners] if density.ndim == 2 else density[self.surface.faces[corners]]
-        found: Floats = np.einsum("nk,nk->n", samples.barycentric, values) / density.max()
+        values = density[at] if density.ndim == 2 else density[self.surface.faces[at]]
+        found: Floats = np.einsum("nk,nk->n", samples.barycentric, values)
         return found
+
+    def shares(self, densities: Floats) -> Floats:
+        """The same as shares of the largest there is."""
+        density = self.surface.density
+        return densities if density is None else densities / density.max()
 
     def _carried(self, values: Floats) -> Floats:
         """Values (v,) of the vertices that were read, at all vertices."""

@@ -3,12 +3,13 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from .binding import binding_of
+from .details import Details, details_of
 from .errors import ScatterError, StoppedError
 from .ground import Ground
 from .kinds import sampled
@@ -46,6 +47,7 @@ class Scattered:
     binding: Binding
     columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
     report: Report
+    details: Details = field(default_factory=Details)
 
 
 def scatter(
@@ -61,11 +63,13 @@ def scatter(
     columns = point_columns(ids, samples.classes, settings.seed)
     if locked is not None:
         columns["dapple_locked"][rows_of(locked, samples.classes)] = True
-    columns["dapple_density"] = ground.shares(fine)
+    density = ground.densities(fine)
+    columns["dapple_density"] = ground.shares(density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     binding = binding_of(samples, arrays.faces)
     positions = np.asarray(samples.positions)
-    return Scattered(positions, binding, columns, report_of(samples.report))
+    report, details = report_of(samples.report), details_of(fine, density)
+    return Scattered(positions, binding, columns, report, details)
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:

@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <dapple/neighbours.hpp>
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
@@ -61,6 +62,16 @@ py::array ranks_of(const py::object& points, const py::object& classes) {
     ranks = progressive_ranks(as_points(places), as_span(own));
   }
   return give(std::move(ranks));
+}
+
+py::array distances_of(const py::object& points) {
+  const DoubleArray places = doubles("points", points, 3);
+  std::vector<double> distances;
+  {
+    const py::gil_scoped_release released;
+    distances = nearest_distances(as_points(places));
+  }
+  return give(std::move(distances));
 }
 
 using SamplesPtr = std::shared_ptr<Samples>;
@@ -174,6 +185,17 @@ Returns:
 
 Raises:
     ValueError: naming the first point that is not finite or face out of range.)");
+  m.def("nearest_distances", &distances_of, py::arg("points"),
+        R"(Distance of each point to the nearest other one, in a straight line.
+
+Args:
+    points: (n, 3) float64.
+
+Returns:
+    (n,) float64 in the units of the points; infinite where there is no other point.
+
+Raises:
+    ValueError: naming the first point that is not finite.)");
   m.def("progressive_ranks", &ranks_of, py::arg("points"), py::arg("classes") = py::none(),
         R"(An order of points in which every beginning is even, for showing a share of them.
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <dapple/neighbours.hpp>
+#include <limits>
 #include <nanoflann.hpp>
+
+#include "parallel.hpp"
+#include "validate.hpp"
 
 namespace dapple {
 
@@ -85,6 +90,21 @@ void Neighbours::within(const Vec3& point, double distance, std::vector<Neighbou
   Ball ball(distance * distance, result);
   tree_->index.radiusSearchCustomCallback(point.data(), ball);
   sort_by_distance(result);
+}
+
+std::vector<double> nearest_distances(std::span<const Vec3> points) {
+  check_finite("points", points);
+  std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
+  if (points.size() < 2) return distances;
+  const Neighbours tree(points);
+  parallel_chunks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t k = begin; k < end; ++k) {
+      tree.nearest(points[k], 2, near);
+      distances[k] = std::sqrt(near[1].squared_distance);
+    }
+  });
+  return distances;
 }
 
 }  // namespace dapple

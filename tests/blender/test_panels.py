@@ -39,6 +39,19 @@ class Layout:
         self.shown.append(name)
         return types.SimpleNamespace(**{p.identifier: None for p in kind.properties})
 
+    def prop_search(self, data, name, source, listed):
+        assert listed in source.bl_rna.properties
+        self.prop(data, name)
+
+    def template_icon(self, icon_value, scale):
+        assert icon_value >= 0  # 0 where Blender has no window
+        self.shown.append("picture")
+
+    def popover(self, panel, text="", icon="NONE"):
+        assert icon in ICONS
+        assert hasattr(bpy.types, panel)
+        self.shown.append(text)
+
     def operator_menu_enum(self, name, field):
         assert hasattr(self.operator(name), field)
 
@@ -73,6 +86,38 @@ def test_a_scatter_shows_its_settings_and_its_result():
         assert name in shown
     assert "points_per_area" not in shown
     assert "Fresh: fits the surface" in shown
+
+
+def test_pictures_tell_of_the_result_and_of_the_settings():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    details = addon_host.part("core.details")
+    told = details.details_from(obj.dapple.report.details)
+    assert sum(told.gaps) == 60
+    assert told.energies[-1] < told.energies[0]
+    nearest = (0.5 + max(range(details.BINS), key=told.gaps.__getitem__)) / details.BINS
+    assert nearest * details.FARTHEST == pytest.approx(obj.dapple.report.alpha_mean, abs=0.1)
+    assert drawn().count("picture") == 3
+    assert details.details_from("older") == details.Details()
+
+
+def test_pictures_show_what_they_are_of():
+    pictures, of = addon_host.part("core.pictures"), addon_host.part("core.settings").Settings
+    even, patterned = (
+        pictures.pattern(60, settings.sample_options())
+        for settings in (of(), of(capacity_weight=0.0, tolerance=1e-6))
+    )
+    assert not (even == patterned).all()
+    falling = pictures.curve([3.0, 1.0, 0.0])[:, :, 3] == 1.0
+    top, bottom = falling[len(falling) // 2 :], falling[: len(falling) // 2]
+    half = falling.shape[1] // 2
+    assert top[:, :half].sum() > 3 * top[:, half:].sum()
+    assert bottom[:, half:].sum() > bottom[:, :half].sum()
+    bars = pictures.bars([0, 5, 10, 0])
+    heights = (bars[:, :, 3] == 1.0).sum(axis=0)
+    quarter = len(heights) // 4
+    assert heights[:quarter].max() < 0.1 * heights.max()
+    assert heights[quarter : 2 * quarter].max() == pytest.approx(heights.max() / 2, abs=3)
+    assert pictures.curve([]).shape == pictures.bars([]).shape == (*pictures.SIZE, 4)
 
 
 def test_what_is_switched_on_is_shown():

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <dapple/neighbours.hpp>
 
 #include "shapes.hpp"
@@ -17,6 +18,21 @@ std::vector<Neighbour> sorted_by_distance(const std::vector<Vec3>& points, const
     return std::pair(a.squared_distance, a.index) < std::pair(b.squared_distance, b.index);
   });
   return all;
+}
+
+TEST(Neighbours, TellNearestDistances) {
+  Random random(8);
+  std::vector<Vec3> points(300);
+  for (Vec3& p : points) p = random.in_box();
+  points[7] = points[200];
+  const std::vector<double> distances = nearest_distances(points);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    EXPECT_NEAR(distances[k], std::sqrt(sorted_by_distance(points, points[k])[1].squared_distance),
+                1e-14);
+  EXPECT_EQ(distances[7], 0.0);
+  EXPECT_TRUE(nearest_distances({}).empty());
+  const std::vector<Vec3> alone = {Vec3::Zero()};
+  EXPECT_TRUE(std::isinf(nearest_distances(alone)[0]));
 }
 
 TEST(Neighbours, AgreeWithSorting) {

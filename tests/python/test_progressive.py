@@ -35,3 +35,12 @@ def test_classes_keep_their_shares(surface):
 def test_refuses_bad_arguments(points, classes, match):
     with pytest.raises(ValueError, match=match):
         dapple.progressive_ranks(points, classes)
+
+
+def test_nearest_distances():
+    points = np.random.default_rng(2).random((200, 3))
+    apart = np.linalg.norm(points[:, None] - points, axis=2) + np.diag(np.full(200, np.inf))
+    np.testing.assert_allclose(dapple.nearest_distances(points), apart.min(axis=1))
+    assert np.isinf(dapple.nearest_distances(points[:1])).all()
+    with pytest.raises(ValueError, match=r"points\[0\].*inf"):
+        dapple.nearest_distances([[0, np.inf, 0]])

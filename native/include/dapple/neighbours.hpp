@@ -34,4 +34,8 @@ class Neighbours {
   std::unique_ptr<Tree> tree_;
 };
 
+/// Distance of each point to the nearest other one; infinite where there is none.
+/// \throw ArgumentError naming the first point that is not finite
+[[nodiscard]] std::vector<double> nearest_distances(std::span<const Vec3> points);
+
 }  // namespace dapple
