@@ -9,7 +9,8 @@ import numpy as np
 
 from ..core.errors import ScatterError
 from ..core.records import Columns
-from ..core.surface import Floats, Ints, SurfaceArrays, topology_digest
+from ..core.surface import Floats, SurfaceArrays, topology_digest
+from .corners import corner_vertices, triangles
 from .weights import read_weights
 
 _NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32, "BOOLEAN": np.bool_}
@@ -43,7 +44,7 @@ def read_surface(
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = _matrix(obj.evaluated_get(depsgraph))
         vertices = _vertices(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
-        faces = _triangles(mesh)
+        faces = triangles(mesh)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             faces = faces[:, ::-1]
         return SurfaceArrays(
@@ -64,11 +65,9 @@ def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
 
 def topology(mesh: bpy.types.Mesh) -> str:
     """Digest of a mesh's polygons."""
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
-    return topology_digest(len(mesh.vertices), corners, starts)
+    return topology_digest(len(mesh.vertices), corner_vertices(mesh), starts)
 
 
 def _matrix(obj: bpy.types.Object) -> Floats:
@@ -77,15 +76,9 @@ def _matrix(obj: bpy.types.Object) -> Floats:
 
 def _vertices(mesh: bpy.types.Mesh) -> Floats:
     positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", positions)
+    if len(positions) > 0:
+        mesh.attributes["position"].data.foreach_get("vector", positions)
     return positions.reshape(-1, 3).astype(np.float64)
-
-
-def _triangles(mesh: bpy.types.Mesh) -> Ints:
-    mesh.calc_loop_triangles()
-    corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", corners)
-    return corners.reshape(-1, 3)
 
 
 def write_points(mesh: bpy.types.Mesh, positions: Floats) -> None:
