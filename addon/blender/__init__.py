@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import operators, pictures, preview, properties, ui, workfiles
+from . import operators, overlay, pictures, preview, properties, ui, workfiles
 
 _CLASSES = (*operators.CLASSES, *ui.CLASSES)
 
@@ -17,10 +17,12 @@ def register() -> None:
     pictures.register()
     workfiles.register()
     preview.register()
+    overlay.register()
 
 
 def unregister() -> None:
     """Take back what register added, in reverse."""
+    overlay.unregister()
     preview.unregister()
     workfiles.unregister()
     pictures.unregister()

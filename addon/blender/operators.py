@@ -12,7 +12,7 @@ from ..core.native import missing
 from ..core.quality import QUALITIES, quality_settings
 from ..core.settings import Settings
 from ..core.steps import Steps
-from . import preview
+from . import overlay, preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
 from .locking import lock_points
@@ -284,6 +284,30 @@ class DAPPLE_OT_lock(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class DAPPLE_OT_show_density(bpy.types.Operator):
+    """Colour the surface by its density, from dark for no points to yellow for the most; of the
+    class that is shown. Run again to end it"""
+
+    bl_idname = "dapple.show_density"
+    bl_label = "Show Density"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and not missing()
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        obj = context.object
+        try:
+            if overlay.is_on(obj):
+                overlay.stop()
+            else:
+                overlay.start(obj)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
 class DAPPLE_OT_set_quality(bpy.types.Operator):
     """Set how even and how regular the points become; optimise again to see it"""
 
@@ -341,4 +365,5 @@ CLASSES = (
     DAPPLE_OT_select_overlap,
     DAPPLE_OT_set_quality,
     DAPPLE_OT_lock,
+    DAPPLE_OT_show_density,
 )

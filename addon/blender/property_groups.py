@@ -16,6 +16,7 @@ from bpy.props import (
 
 from ..core.settings import DensitySettings
 from ..core.tiles import TileSettings
+from . import overlay
 from .scatter import write_instance_inputs, write_stale_input
 from .weights import weight_names
 
@@ -32,6 +33,7 @@ def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of what a result was solved with."""
     write_stale_input(settings.id_data)
+    overlay.touch(settings.id_data)
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):

@@ -9,7 +9,7 @@ import bpy
 from ..core.details import FARTHEST, details_from
 from ..core.errors import ScatterError
 from ..core.native import missing
-from . import pictures, preview
+from . import overlay, pictures, preview
 from .classes import count_labels
 from .operators import (
     DAPPLE_OT_add,
@@ -24,6 +24,7 @@ from .operators import (
     DAPPLE_OT_rebind,
     DAPPLE_OT_select_overlap,
     DAPPLE_OT_set_quality,
+    DAPPLE_OT_show_density,
     DAPPLE_OT_tile,
     active_surface,
 )
@@ -241,6 +242,10 @@ class DAPPLE_PT_density(_ScatterPanel, bpy.types.Panel):
         layout.prop(density, "obstacles")
         if density.obstacles:
             layout.prop(density, "obstacle_margin")
+        shown = overlay.is_on(context.object)
+        layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=shown)
+        if overlay.note():
+            _lines(layout, overlay.note(), "INFO")
 
 
 class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):

@@ -74,6 +74,15 @@ class Ground:
             own = own[self.surface.faces] * density if place == "corners" else own * density
         return {"density": own, "density_at": place}
 
+    def at_corners(self, name: str = "") -> Floats:
+        """Density (m, 3) at the corners of the faces, of a class with values of that name."""
+        surface, own = self.surface, self.class_density(name)
+        density = own.get("density", surface.density)
+        if density is None:
+            return np.ones((len(surface.faces), 3))
+        found: Floats = density if density.ndim == 2 else density[surface.faces]
+        return found
+
     def densities(self, samples: Any) -> Floats:
         """Density (n,) at samples of the surface; 1 where it is the same everywhere."""
         density, at = self.surface.density, samples.faces
@@ -126,15 +135,11 @@ class Ground:
 
     def _product(self, terms: list[Term]) -> Floats:
         """The density (m, 3) at the corners of the faces as they are cut so far."""
-        surface = self.surface
-        factors = np.ones(len(surface.vertices))
+        factors = np.ones(len(self.surface.vertices))
         for term in terms:
-            factors = factors * term.values(surface.vertices)
-        found: Floats = factors[surface.faces]
-        if surface.density is None:
-            return found
-        at_corners = surface.density_at == "corners"
-        return found * (surface.density if at_corners else surface.density[surface.faces])
+            factors = factors * term.values(self.surface.vertices)
+        found: Floats = factors[self.surface.faces] * self.at_corners()
+        return found
 
     def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
         if self._refined is not None:
