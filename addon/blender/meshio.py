@@ -117,8 +117,11 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
 
 
 def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
-    """World space -> the object's own space."""
-    inverse = np.linalg.inv(_matrix(obj))
+    """World space -> the object's own space; ScatterError if that is flat."""
+    try:
+        inverse = np.linalg.inv(_matrix(obj))
+    except np.linalg.LinAlgError:
+        raise ScatterError(f"'{obj.name}' has a scale of 0: give it another one") from None
     return positions @ inverse[:3, :3].T + inverse[:3, 3]
 
 

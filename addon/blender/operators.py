@@ -15,6 +15,7 @@ from ..core.steps import Steps
 from . import overlay, preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
+from .library import locked
 from .locking import lock_points
 from .properties import BIND_TO
 from .scatter import is_scatter
@@ -34,10 +35,21 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
         cls.poll_message_set(missing())
     elif context.mode != "OBJECT" or obj is None or obj.type != "MESH":
         cls.poll_message_set("Needs an active mesh object in Object Mode")
-    elif scatter and not is_scatter(obj):
-        cls.poll_message_set("The active object is not a Dapple scatter")
-    elif not scatter and is_scatter(obj):
+    elif scatter:
+        return _writable(cls, context)
+    elif is_scatter(obj):
         cls.poll_message_set("The active object is a scatter, not a surface")
+    else:
+        return True
+    return False
+
+
+def _writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter that keeps what is written to it."""
+    if not is_scatter(context.object):
+        cls.poll_message_set("The active object is not a Dapple scatter")
+    elif locked(context.object):
+        cls.poll_message_set(locked(context.object))
     else:
         return True
     return False
@@ -92,6 +104,9 @@ class DAPPLE_OT_optimise(StepsOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         return optimise_steps(context)
 
+    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+        preview.solved_anew(result)
+
 
 class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
     """Keep the points even in every frame of the scene's range: one key for each frame"""
@@ -131,6 +146,9 @@ class DAPPLE_OT_rebind(StepsOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         return rebind_steps(context)
 
+    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+        preview.solved_anew(result)
+
 
 class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
     """Make the area that belongs to each point a tile: of the points as they were optimised, on the
@@ -163,7 +181,8 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and context.object.dapple.baked_keys > 0
+        there = _writable(cls, context) and context.mode == "OBJECT"
+        return there and context.object.dapple.baked_keys > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
         clear_keys(context.object)
@@ -194,7 +213,7 @@ class DAPPLE_OT_preview(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and not missing()
+        return _writable(cls, context) and not missing()
 
     def execute(self, context: bpy.types.Context) -> Answer:
         obj = context.object
@@ -225,7 +244,11 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         surface = active_surface(context)
-        return surface is not None and bool(differences(surface, context.scene))
+        if surface is None or not differences(surface, context.scene):
+            return False
+        if locked(surface):
+            cls.poll_message_set(locked(surface))
+        return not locked(surface)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         match_subdivision(active_surface(context), context.scene, self.use)
@@ -252,7 +275,11 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object)
+        if not _writable(cls, context):
+            return False
+        if context.object.override_library:
+            cls.poll_message_set("A library override keeps the classes of its file")
+        return not context.object.override_library
 
     def execute(self, context: bpy.types.Context) -> Answer:
         change_classes(context.object, self.action)
@@ -319,7 +346,7 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object)
+        return _writable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         for name, value in quality_settings(self.quality).items():
@@ -336,7 +363,8 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and context.object.dapple.report.worst_overlap > 0
+        there = _writable(cls, context) and context.mode == "OBJECT"
+        return there and context.object.dapple.report.worst_overlap > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
         context.scene.cursor.location = select_overlap(context.object)

@@ -79,6 +79,7 @@ def start(obj: bpy.types.Object) -> None:
     binding, columns = read_binding(obj, len(arrays.vertices))
     begin = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     follower = Follower(arrays, begin)
+    _clear_all(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
     _write(obj, follower.binding)
     _state.previews[obj.session_uid] = _Preview(Held(obj), Held(surface), follower)
     _state.said, _state.dirty = "", True
@@ -93,7 +94,19 @@ def _ensure_timer() -> None:
 def stop(obj: bpy.types.Object) -> None:
     """End a scatter's preview: it shows its bake or its stored binding again."""
     _state.previews.pop(obj.session_uid, None)
-    _clear(obj)
+    _clear_all(keep=_state.previews)
+
+
+def solved_anew(obj: bpy.types.Object) -> None:
+    """Have a scatter's preview, if there is one, begin from the points that it has now."""
+    preview = _state.previews.get(obj.session_uid)
+    _clear_all(keep=_state.previews)
+    if preview is None:
+        return
+    try:
+        start(obj)
+    except ScatterError as error:
+        _end(preview, str(error))
 
 
 def tick() -> float | None:
@@ -132,10 +145,7 @@ def _follow(preview: _Preview) -> None:
 def _end(preview: _Preview, why: str) -> None:
     _state.previews.pop(preview.scatter.uid, None)
     _state.said = f"Preview ended: {why}"
-    try:
-        _clear(preview.scatter.get())
-    except ScatterError:  # the scatter itself is gone
-        _remove_unused()
+    _clear_all(keep=_state.previews)
 
 
 def _write(obj: bpy.types.Object, binding: Binding) -> None:
@@ -152,11 +162,6 @@ def _write(obj: bpy.types.Object, binding: Binding) -> None:
     if get_input(modifier, _INPUT) is None:
         set_input(modifier, _INPUT, store)
     obj.update_tag()
-
-
-def _clear(obj: bpy.types.Object) -> None:
-    _unlink(obj)
-    _remove_unused()
 
 
 def _clear_all(keep: Container[int] = ()) -> None:

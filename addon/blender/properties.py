@@ -25,6 +25,7 @@ from .property_groups import (
 from .scatter import is_scatter
 
 _DEFAULT = Settings()
+_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 BIND_TO = [
     ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
     (
@@ -242,10 +243,21 @@ CLASSES = (
 )
 
 
+def _allow_overrides(cls: type[bpy.types.PropertyGroup]) -> None:
+    """Have library overrides keep every property of a group, also those of its mixins."""
+    for base in cls.__mro__:
+        for declared in getattr(base, "__annotations__", {}).values():
+            if hasattr(declared, "keywords"):
+                declared.keywords["override"] = _OVERRIDE
+
+
 def register() -> None:
     for cls in CLASSES:
+        _allow_overrides(cls)
         bpy.utils.register_class(cls)
-    bpy.types.Object.dapple = PointerProperty(name=GROUP_NAME, type=DAPPLE_PG_scatter)
+    bpy.types.Object.dapple = PointerProperty(
+        name=GROUP_NAME, type=DAPPLE_PG_scatter, override=_OVERRIDE
+    )
 
 
 def unregister() -> None:

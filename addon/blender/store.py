@@ -41,6 +41,7 @@ from ..nodes import (
     has_input,
     set_input,
 )
+from .library import own_mesh
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .scatter import (
     scatter_modifier,
@@ -101,10 +102,12 @@ def write_scattered(
     obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: Columns | None = None
 ) -> None:
     """Store a result: points, bindings, figures. Keys of an older result go."""
+    places = to_local(obj, solved.positions)
     clear_keys(obj)
-    write_points(obj.data, to_local(obj, solved.positions))
-    write_columns(obj.data, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
-    obj.data[SCHEMA_KEY] = SCHEMA
+    mesh = own_mesh(obj)
+    write_points(mesh, places)
+    write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
+    mesh[SCHEMA_KEY] = SCHEMA
     obj.dapple.solved_settings = settings_text(settings_of(obj))
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_report(obj, solved.report)
@@ -118,7 +121,7 @@ def write_binding(
 ) -> None:
     """Store where the points sit on a surface, or on its rest shape. Keys of an older one go."""
     clear_keys(obj)
-    write_columns(obj.data, binding.rows(), ROW_ATTRIBUTES)
+    write_columns(own_mesh(obj), binding.rows(), ROW_ATTRIBUTES)
     if rest is not None:
         write_columns(obj.data, rest, REST_ATTRIBUTES)
     obj.dapple.bound_to = "FACES" if rest is None else "REST"
@@ -170,7 +173,7 @@ def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
 
 
 def _add_points(obj: bpy.types.Object, born: Born) -> None:
-    mesh, count = obj.data, len(obj.data.vertices)
+    mesh, count = own_mesh(obj), len(obj.data.vertices)
     added = {name: kind for name, kind in ADDED_ATTRIBUTES.items() if name in mesh.attributes}
     types = {**ROW_ATTRIBUTES, **POINT_ATTRIBUTES, **added}
     before = read_columns(mesh, types)
@@ -193,7 +196,7 @@ def _drop_added(obj: bpy.types.Object) -> None:
     edited.verts.ensure_lookup_table()
     added = [edited.verts[k] for k in np.flatnonzero(~own)]
     bmesh.ops.delete(edited, geom=added, context="VERTS")
-    edited.to_mesh(obj.data)
+    edited.to_mesh(own_mesh(obj))
     edited.free()
 
 
@@ -274,7 +277,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
     obj.dapple.bake_fingerprint = ""
     obj.update_tag()
     for store in stores:
-        if store is not None and store.users == 0:
+        if store is not None and store.users == 0 and store.library is None:
             mesh = store.data
             bpy.data.objects.remove(store)
             bpy.data.meshes.remove(mesh)

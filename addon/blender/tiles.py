@@ -4,22 +4,38 @@
 import bpy
 import numpy as np
 
+from ..core.errors import ScatterError
 from ..core.tiles import Tiles
+from .library import locked, open_collections
 from .meshio import to_local
+from .scatter import is_scatter
 
 COLOUR = "Colour"
 _FACE_ATTRIBUTES = {"cell": "cells", "dapple_class": "classes"}
 
 
+def check_tile_object(obj: bpy.types.Object) -> None:
+    """ScatterError if the tiles of a scatter would be written over something else."""
+    made, surface = obj.dapple.tiles.object, obj.dapple.surface
+    if made is None:
+        return
+    if made.type != "MESH" or is_scatter(made) or made.data == surface.data:
+        raise ScatterError(
+            f"'{made.name}' cannot hold the tiles of '{obj.name}', which take the place of its "
+            "mesh: choose another object, or none to have one made"
+        )
+    if made.mode != "OBJECT":
+        raise ScatterError(f"The tiles '{made.name}' are not in Object Mode: leave the mode first")
+
+
 def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     """Make the tile object of a scatter these tiles; its modifiers and materials stay."""
-    made = obj.dapple.tiles.object or _new_object(obj)
-    mesh = made.data
+    made = _own_object(obj)
+    mesh, places = made.data, to_local(made, tiles.vertices)
     mesh.clear_geometry()
     mesh.vertices.add(len(tiles.vertices))
     mesh.loops.add(len(tiles.corners))
     mesh.polygons.add(len(tiles.starts))
-    places = to_local(made, tiles.vertices)
     mesh.vertices.foreach_set("co", places.astype(np.float32).ravel())
     mesh.loops.foreach_set("vertex_index", tiles.corners)
     mesh.polygons.foreach_set("loop_start", tiles.starts)
@@ -34,17 +50,41 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     return made
 
 
-def _new_object(obj: bpy.types.Object) -> bpy.types.Object:
-    """An empty one beside the scatter, that moves with its surface."""
-    surface, name = obj.dapple.surface, f"{obj.name} Tiles"
-    made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    for collection in obj.users_collection:
+def _own_object(obj: bpy.types.Object) -> bpy.types.Object:
+    """The object for a scatter's tiles, in a scene: the one before, or a new one.
+
+    Of one that a copy of the scatter has too, or that lies in another file, a copy is taken.
+    """
+    made = obj.dapple.tiles.object
+    if made is None or not made.users_collection:  # it was deleted, only its user count is left
+        name = f"{obj.name} Tiles"
+        made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+        _put_beside(obj, made)
+    elif locked(made) or _others(obj, made):
+        mesh = made.data.copy()
+        made = made.copy()
+        made.data = mesh
+        _put_beside(obj, made)
+    elif made.data.library is not None:
+        made.data = made.data.copy()
+    return made
+
+
+def _others(obj: bpy.types.Object, made: bpy.types.Object) -> bool:
+    """Whether another scatter has the same object for its tiles."""
+    scatters = (one for one in bpy.data.objects if one != obj and is_scatter(one))
+    return any(one.dapple.tiles.object == made for one in scatters)
+
+
+def _put_beside(obj: bpy.types.Object, made: bpy.types.Object) -> None:
+    """Have a scatter own an object for its tiles, which moves with the surface."""
+    surface = obj.dapple.surface
+    for collection in open_collections(obj) or [bpy.context.scene.collection]:
         collection.objects.link(made)
     made.parent = surface
     made.matrix_world = surface.matrix_world
     obj.dapple.tiles.object = made
     bpy.context.view_layer.update()
-    return made
 
 
 def _material() -> bpy.types.Material:

@@ -25,6 +25,7 @@ from ..core.surface import SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
 from ..core.together import TogetherBaker
 from .held import Held
+from .library import locked, open_collections
 from .meshio import read_rest, read_surface
 from .scatter import settings_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
@@ -40,7 +41,7 @@ from .store import (
     write_scattered,
 )
 from .surroundings import read_with
-from .tiles import write_tiles
+from .tiles import check_tile_object, write_tiles
 from .topology import check_render_topology
 from .workfiles import work_files
 
@@ -199,6 +200,7 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
 def tile_steps(context: bpy.types.Context) -> Steps:
     """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
     held, surface = Held(context.object), Held(surface_of(context.object))
+    check_tile_object(context.object)
     arrays = _read(surface.get())
     binding, columns = read_binding(context.object, len(arrays.vertices))
     settings, seed = tile_settings_of(context.object), context.object.dapple.seed
@@ -249,6 +251,8 @@ def _read_checked(
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
+    elif locked(surface) and not surface.add_rest_position_attribute:
+        raise ScatterError(f"Rest Position of the surface is off, and {locked(surface)}")
     return _read(surface, settings)
 
 
@@ -258,7 +262,8 @@ def _rest(
     """Places on the rest shape, if the points are to be bound to it."""
     if bind_to == "FACES":
         return None
-    surface.add_rest_position_attribute = True
+    if not surface.add_rest_position_attribute:
+        surface.add_rest_position_attribute = True
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return rest_columns(binding, read_rest(surface, depsgraph), arrays)
 
@@ -266,8 +271,8 @@ def _rest(
 def _collection_of(surface: bpy.types.Object, context: bpy.types.Context) -> bpy.types.Collection:
     """The surface's own collection, so that both are shown and hidden together."""
     inside = set(context.scene.collection.children_recursive) | {context.scene.collection}
-    for collection in surface.users_collection:
-        if collection in inside and collection.library is None:
+    for collection in open_collections(surface):
+        if collection in inside:
             return collection
     return context.scene.collection
 

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Datablocks of other files and shared ones: what may be written, and to which mesh."""
+
+import bpy
+
+
+def locked(obj: bpy.types.Object) -> str:
+    """Why nothing that is written to an object would be kept; empty when it is."""
+    if obj.library is not None:
+        return (
+            f"'{obj.name}' is linked from '{bpy.path.basename(obj.library.filepath)}': make it "
+            "local or a library override, or work in that file"
+        )
+    if obj.override_library is not None and obj.override_library.is_system_override:
+        return f"'{obj.name}' is a library override that is not editable: make it editable first"
+    return ""
+
+
+def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh to write an object's points to: one that neither a linked duplicate nor the file
+    that an override comes from has too, copied if need be.
+    """
+    mesh = obj.data
+    if mesh.library is not None or mesh.users - mesh.use_fake_user > 1:
+        obj.data = mesh.copy()
+    return obj.data
+
+
+def open_collections(obj: bpy.types.Object) -> list[bpy.types.Collection]:
+    """The collections of an object that another object can be linked to."""
+    return [one for one in obj.users_collection if not (one.library or one.override_library)]
