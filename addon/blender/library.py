@@ -4,7 +4,7 @@
 import bpy
 
 
-def locked(obj: bpy.types.Object) -> str:
+def read_only(obj: bpy.types.Object) -> str:
     """Why nothing that is written to an object would be kept; empty when it is."""
     if obj.library is not None:
         return (

@@ -15,7 +15,7 @@ from ..core.steps import Steps
 from . import overlay, preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
-from .library import locked
+from .library import read_only
 from .locking import lock_points
 from .properties import BIND_TO
 from .scatter import is_scatter
@@ -48,8 +48,8 @@ def _writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool
     """Whether the active object is a scatter that keeps what is written to it."""
     if not is_scatter(context.object):
         cls.poll_message_set("The active object is not a Dapple scatter")
-    elif locked(context.object):
-        cls.poll_message_set(locked(context.object))
+    elif read_only(context.object):
+        cls.poll_message_set(read_only(context.object))
     else:
         return True
     return False
@@ -246,9 +246,9 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
         surface = active_surface(context)
         if surface is None or not differences(surface, context.scene):
             return False
-        if locked(surface):
-            cls.poll_message_set(locked(surface))
-        return not locked(surface)
+        if read_only(surface):
+            cls.poll_message_set(read_only(surface))
+        return not read_only(surface)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         match_subdivision(active_surface(context), context.scene, self.use)

@@ -20,7 +20,7 @@ from ..core.records import ROW_ATTRIBUTES, Binding
 from ..nodes import get_input, has_input, set_input
 from .held import Held
 from .meshio import read_surface, write_columns, write_points
-from .scatter import is_scatter, scatter_modifier, settings_of
+from .scatter import is_scatter, scatter_modifier, settings_of, surface_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import ensure_modifier, own_points, read_binding
 from .surroundings import read_with
@@ -65,9 +65,7 @@ def note(obj: bpy.types.Object) -> str:
 
 def start(obj: bpy.types.Object) -> None:
     """Preview a scatter; ScatterError if it does not fit its surface."""
-    surface = obj.dapple.surface
-    if surface is None:
-        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
+    surface = surface_of(obj)
     arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get())
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")

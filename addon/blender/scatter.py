@@ -5,6 +5,7 @@ from dataclasses import fields
 
 import bpy
 
+from ..core.errors import ScatterError
 from ..core.records import SCHEMA_KEY
 from ..core.settings import ClassSettings, DensitySettings, Settings
 from ..core.solve import Report
@@ -25,6 +26,19 @@ def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
 def is_scatter(obj: bpy.types.Object | None) -> bool:
     """Whether the object was made by Dapple."""
     return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
+
+
+def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
+    """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
+    surface = obj.dapple.surface
+    if surface is None:
+        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
+    if is_scatter(surface):
+        raise ScatterError(
+            f"Surface '{surface.name}' of '{obj.name}' is a scatter, which has no faces: choose "
+            "another mesh object"
+        )
+    return surface
 
 
 def write_stale_input(obj: bpy.types.Object) -> None:

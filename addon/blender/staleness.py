@@ -8,8 +8,9 @@ from ..core.errors import ScatterError
 from ..core.records import FRAME_ATTRIBUTES
 from ..core.stale import moved
 from ..core.surface import SurfaceArrays
+from ..nodes import get_input
 from .meshio import evaluated_mesh, read_columns, read_surface, topology
-from .scatter import settings_reason
+from .scatter import scatter_modifier, settings_reason
 from .store import stored_object
 
 
@@ -19,7 +20,7 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     Motion is compared on whole frames that are baked: call it again on another frame.
     """
     depsgraph = context.evaluated_depsgraph_get()
-    reason = _surface_reason(obj, depsgraph) or settings_reason(obj)
+    reason = _surface_reason(obj, depsgraph) or _points_reason(obj) or settings_reason(obj)
     if not reason and obj.dapple.baked_keys:
         reason = _range_reason(obj, context.scene) or _motion_reason(obj, context.scene, depsgraph)
     return reason
@@ -51,6 +52,8 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> st
         return "The surface is gone"
     if not surface.evaluated_get(depsgraph).is_evaluated:
         return f"Surface '{surface.name}' is not in the view layer"
+    if not surface.users_collection and surface.library is None:
+        return f"Surface '{surface.name}' was deleted, or is in no collection: choose another"
     if obj.dapple.bound_to == "REST":
         return ""
     bound = _bound_vertices(obj, depsgraph.scene)
@@ -63,6 +66,16 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> st
     if known and faces not in known:
         return f"The faces of '{surface.name}' are not those the points are bound to: {again} again"
     return ""
+
+
+def _points_reason(obj: bpy.types.Object) -> str:
+    """Whether points were added by hand, or removed under the keys."""
+    count = len(obj.data.vertices)
+    if obj.dapple.baked_keys:
+        known = get_input(scatter_modifier(obj), "Key Points")
+        return "" if count == known else "Points were added or removed since the bake: bake again"
+    added = count - obj.dapple.report.count
+    return f"{added:,} points were added by hand: re-bind" if added > 0 else ""
 
 
 def _bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:

@@ -27,6 +27,9 @@ from ..core.records import (
     Columns,
     binding_from,
     check_binding,
+    check_ids,
+    repeated,
+    unbound,
 )
 from ..core.solve import Report, Scattered
 from ..core.stale import settings_text
@@ -135,7 +138,21 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
     """Stored binding and point columns, checked against the surface; without added points."""
     binding = binding_from(_own_columns(obj, ROW_ATTRIBUTES))
     check_binding(binding, vertex_count, obj.name)
-    return binding, point_columns_of(obj)
+    columns = point_columns_of(obj)
+    check_ids(columns["id"], obj.name)
+    return binding, columns
+
+
+def added_by_hand(obj: bpy.types.Object) -> NDArray[np.bool_]:
+    """Per point, without those that a bake added: whether it is new or a copy of another one."""
+    binding = binding_from(_own_columns(obj, ROW_ATTRIBUTES))
+    return unbound(binding) | repeated(point_columns_of(obj)["id"])
+
+
+def write_point_columns(obj: bpy.types.Object, columns: Columns) -> None:
+    """Store what the points own whatever their places; keys were cleared."""
+    write_columns(own_mesh(obj), columns, POINT_ATTRIBUTES)
+    obj.dapple.report.count = len(columns["id"])
 
 
 def point_columns_of(obj: bpy.types.Object) -> Columns:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.errors import ScatterError
 from ..core.tiles import Tiles
-from .library import locked, open_collections
+from .library import open_collections, read_only
 from .meshio import to_local
 from .scatter import is_scatter
 
@@ -60,7 +60,7 @@ def _own_object(obj: bpy.types.Object) -> bpy.types.Object:
         name = f"{obj.name} Tiles"
         made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
         _put_beside(obj, made)
-    elif locked(made) or _others(obj, made):
+    elif read_only(made) or _others(obj, made):
         mesh = made.data.copy()
         made = made.copy()
         made.data = mesh

@@ -16,20 +16,21 @@ from ..core.binding import bound_nearest
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
-from ..core.records import Binding, Columns
+from ..core.records import Binding, Columns, check_ids
 from ..core.rest import rest_columns
 from ..core.settings import Settings
-from ..core.solve import scatter
+from ..core.solve import named, scatter, with_own_ids
 from ..core.steps import Steps, Task
-from ..core.surface import SurfaceArrays, check_unchanged
+from ..core.surface import Floats, SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
 from ..core.together import TogetherBaker
 from .held import Held
-from .library import locked, open_collections
+from .library import open_collections, read_only
 from .meshio import read_rest, read_surface
-from .scatter import settings_of, tile_settings_of
+from .scatter import settings_of, surface_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
+    added_by_hand,
     locked_points,
     new_scatter,
     own_points,
@@ -38,6 +39,7 @@ from .store import (
     read_binding,
     write_baked,
     write_binding,
+    write_point_columns,
     write_scattered,
 )
 from .surroundings import read_with
@@ -47,13 +49,6 @@ from .workfiles import work_files
 
 _SEAM_STEPS = 6
 _READING = 0.2  # of the progress of a bake that solves all frames together
-
-
-def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
-    """The surface of a scatter object; ScatterError if none is chosen."""
-    if obj.dapple.surface is None:
-        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
-    return obj.dapple.surface
 
 
 def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FACES") -> Steps:
@@ -194,7 +189,9 @@ def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tupl
             f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
             "Topology Change to Re-bind"
         )
-    return bound_nearest(places_of(obj), arrays), point_columns_of(obj)
+    columns = point_columns_of(obj)
+    check_ids(columns["id"], obj.name)
+    return _nearest(places_of(obj), arrays), columns
 
 
 def tile_steps(context: bpy.types.Context) -> Steps:
@@ -215,12 +212,19 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     held, surface = Held(context.object), Held(surface_of(context.object))
     bind_to = context.object.dapple.bind_to
     arrays = _read_checked(surface.get(), context, bind_to)
-    points = places_of(context.object)
-    binding = yield Task(lambda _: bound_nearest(points, arrays))
+    points, seed = places_of(context.object), context.object.dapple.seed
+    columns = with_own_ids(point_columns_of(context.object), added_by_hand(context.object), seed)
+    binding = yield Task(lambda _: _nearest(points, arrays))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))
     write_binding(obj, arrays, binding, _rest(surface.get(), arrays, binding, bind_to))
+    write_point_columns(obj, columns)
     return obj
+
+
+def _nearest(points: Floats, arrays: SurfaceArrays) -> Binding:
+    with named(arrays.name):
+        return bound_nearest(points, arrays)
 
 
 def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
@@ -251,8 +255,8 @@ def _read_checked(
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
-    elif locked(surface) and not surface.add_rest_position_attribute:
-        raise ScatterError(f"Rest Position of the surface is off, and {locked(surface)}")
+    elif read_only(surface) and not surface.add_rest_position_attribute:
+        raise ScatterError(f"Rest Position of the surface is off, and {read_only(surface)}")
     return _read(surface, settings)
 
 

@@ -9,6 +9,7 @@ one point for each key and point, key after key; one for each triangle; one for 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import ScatterError
 from .surface import Floats, Ints
@@ -89,12 +90,41 @@ def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
             f"Scatter '{name}': dapple_v{corner}[{point}] is {binding.corners[point, corner]}, "
             f"but the surface has {vertex_count} vertices: optimise the scatter"
         )
+    if unbound(binding).any():
+        raise ScatterError(
+            f"Scatter '{name}': point {int(np.argmax(unbound(binding)))} was added by hand and is "
+            "not bound to the surface: Re-bind binds it where it is"
+        )
     broken = ~np.isfinite(binding.barycentric).all(axis=1)
     if broken.any():
         point = int(np.argmax(broken))
         raise ScatterError(
             f"Scatter '{name}': dapple_barycentric[{point}] is not finite: "
             f"{binding.barycentric[point].tolist()}"
+        )
+
+
+def unbound(binding: Binding) -> NDArray[np.bool_]:
+    """Per point whether it has no weights at all, as a vertex has that was added by hand."""
+    none: NDArray[np.bool_] = (binding.barycentric == 0.0).all(axis=1)
+    return none
+
+
+def repeated(ids: Ints) -> NDArray[np.bool_]:
+    """Per point whether one before it has the same id, as of a vertex that was copied by hand."""
+    first = np.unique(ids, return_index=True)[1]
+    again = np.ones(len(ids), dtype=bool)
+    again[first] = False
+    return again
+
+
+def check_ids(ids: Ints, name: str) -> None:
+    """ScatterError if two points have the same id."""
+    if repeated(ids).any():
+        point = int(np.argmax(repeated(ids)))
+        raise ScatterError(
+            f"Scatter '{name}': point {point} was copied by hand, its id {ids[point]} is that of "
+            "another one: Re-bind gives it one of its own"
         )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .binding import binding_of
 from .details import Details, details_of
@@ -83,6 +84,17 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
         "dapple_rank": own_random(seed, ids, 4),
         "dapple_locked": np.zeros(len(ids), dtype=bool),
     }
+
+
+def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns:
+    """Point columns, the new points with ids that were not there and what hangs on an id."""
+    first = int(np.max(columns["id"], initial=-1)) + 1
+    ids = np.arange(first, first + int(new.sum()), dtype=np.int32)
+    own = point_columns(ids, columns["dapple_class"][new], seed)
+    joined = {name: values.copy() for name, values in columns.items()}
+    for name, values in joined.items():
+        values[new] = own[name]
+    return joined
 
 
 def report_of(report: Any) -> Report:

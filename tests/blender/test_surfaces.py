@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces as artists have them: parented, mirrored, modified, in other modes, hidden, gone."""
+
+import addon_host
+import bmesh
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+dapple = pytest.importorskip("dapple")
+
+
+def arrays_of(surface):
+    meshio = addon_host.part("blender.meshio")
+    return meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+
+
+def fits(surface, obj, count=60):
+    """All things stand on the surface, along its normals."""
+    found, arrays = scenes.positions(obj), arrays_of(surface)
+    assert len(found) == count
+    nearest = dapple.project(dapple.Surface(arrays.vertices, arrays.faces), found)
+    assert nearest.distances.max() < 1e-5 * scenes.size(arrays.vertices)
+    corners = arrays.vertices[arrays.faces[nearest.faces]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    up = scenes.instance_matrices(obj)[:, :3, 2]
+    assert np.einsum("nd,nd->n", normals, up).min() > 0.0
+    assert scenes.node_warnings(obj) == []
+    return True
+
+
+def reason(obj):
+    return addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+
+
+def of_mesh(*data):
+    mesh = bpy.data.meshes.new("Drawn")
+    mesh.from_pydata(*data)
+    obj = bpy.data.objects.new("Drawn", mesh)
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
+def parent(scale):
+    made = bpy.data.objects.new("Parent", None)
+    bpy.context.collection.objects.link(made)
+    made.scale, made.rotation_euler, made.location = scale, (1.0, 0.2, 0.3), (4.0, 5.0, 6.0)
+    return made
+
+
+@pytest.mark.parametrize("scale", [(1, 3, 0.5), (-1, 3, 0.5)])
+def test_a_surface_under_a_parent_that_shears_it(scale):
+    above = parent(scale)
+    surface = scenes.sphere(rotation=(0.5, 0.6, 0.7), scale=(1, 1, 2))
+    surface.parent = above
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface)
+    assert fits(surface, obj)
+    obj.parent, obj.location = surface, (1, 1, 1)  # the scatter may hang on it as well
+    bpy.context.view_layer.update()
+    assert fits(surface, obj)
+    above.rotation_euler = (0.1, 0.2, 0.9)
+    bpy.context.view_layer.update()
+    assert fits(surface, obj)
+    assert reason(obj) == ""
+    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+        assert action() == {"FINISHED"}
+        assert fits(surface, obj)
+
+
+MODIFIERS = {
+    "ARRAY": {},
+    "BEVEL": {},
+    "DECIMATE": {"ratio": 0.5},
+    "MIRROR": {"use_axis": (True, False, True)},
+    "REMESH": {"voxel_size": 0.2},
+    "SOLIDIFY": {"thickness": 0.1},
+    "SUBSURF": {"levels": 2, "render_levels": 2},
+    "TRIANGULATE": {},
+}
+
+
+@pytest.mark.parametrize("kind", MODIFIERS)
+def test_a_modified_surface_is_taken_as_it_looks(kind):
+    surface = scenes.sphere(scale=(1, 1, 1.5))
+    modifier = surface.modifiers.new(kind, kind)
+    for name, value in MODIFIERS[kind].items():
+        setattr(modifier, name, value)
+    obj = scenes.scattered(surface)
+    assert fits(surface, obj)
+    assert reason(obj) == ""
+
+
+LOOSE = (
+    [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (9, 9, 9), (9, 9, 8), (0, 0, 7)],
+    [(4, 5)],
+    [(0, 1, 2, 3)],
+)
+CONCAVE = ([(0, 0, 0), (4, 0, 0), (4, 4, 0), (2, 1, 0), (0, 4, 0)], [], [(0, 1, 2, 3, 4)])
+
+
+@pytest.mark.parametrize("data", [LOOSE, CONCAVE])
+def test_loose_parts_get_no_points_and_concave_faces_are_kept_to(data):
+    surface = of_mesh(*data)
+    assert fits(surface, scenes.scattered(surface))
+
+
+def test_a_surface_that_lost_its_faces_is_named():
+    surface = scenes.sphere()
+    scenes.scattered(surface)
+    surface.data.clear_geometry()
+    surface.data.vertices.add(3)
+    before = scenes.snapshot()
+    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind):
+        with pytest.raises(RuntimeError, match="Surface 'Sphere': faces is empty"):
+            action()
+        assert scenes.snapshot() == before
+
+
+def test_a_scatter_is_no_surface():
+    surface = scenes.sphere()
+    first, second = scenes.scattered(surface), scenes.scattered(surface)
+    before = scenes.snapshot()
+    for wrong in (first, second):
+        second.dapple.surface = wrong
+        for name in ("optimise", "rebind", "bake", "tile", "preview"):
+            with pytest.raises(RuntimeError, match=f"'{wrong.name}' of '{second.name}' is a scat"):
+                getattr(bpy.ops.dapple, name)()
+    assert scenes.snapshot() == before
+    second.dapple.surface = surface
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+
+
+def test_two_scatters_on_one_surface_are_solved_one_by_one():
+    surface = scenes.sphere()
+    first, second = scenes.scattered(surface), scenes.scattered(surface)
+    expected = scenes.positions(first)
+    second.dapple.count = 30
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert fits(surface, second, 30)
+    assert (scenes.positions(first) == expected).all()
+
+
+def test_a_scatter_without_any_extent_is_refused_before_something_is_lost():
+    obj = scenes.scattered(scenes.tail(frames=2))
+    bpy.context.scene.frame_end = 2
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    obj.scale.x = 0.0
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="'Tail Scatter' has a scale of 0"):
+        bpy.ops.dapple.optimise()
+    assert obj.dapple.baked_keys == 2
+
+
+def test_what_is_edited_counts_before_edit_mode_is_left():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(surface.data)
+    for vertex in edited.verts:
+        vertex.co.x *= 3.0
+    bmesh.update_edit_mesh(surface.data)
+    assert np.ptp(arrays_of(surface).vertices[:, 0]) > 5.9
+    assert fits(surface, obj)
+    for name in ("add", "optimise", "bake", "rebind", "tile", "clear_bake"):
+        assert not getattr(bpy.ops.dapple, name).poll()
+    below = [vertex for vertex in edited.verts if vertex.co.z > 0.1]
+    bmesh.ops.delete(edited, geom=below, context="VERTS")
+    bmesh.update_edit_mesh(surface.data)
+    assert reason(obj).startswith("Bound to 266 vertices, the surface has 1")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert fits(surface, obj)
+
+
+@pytest.mark.parametrize("mode", ["SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT"])
+def test_a_surface_that_is_sculpted_or_painted_can_be_scattered_on(mode):
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.object.mode_set(mode=mode)
+    assert not bpy.ops.dapple.add.poll()
+    bpy.context.view_layer.objects.active = obj
+    obj.dapple.count = 40
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert fits(surface, obj, 40)
+    assert surface.mode == mode
+
+
+def test_a_scatter_in_edit_mode_keeps_its_bake():
+    obj = scenes.scattered(scenes.tail(frames=2))
+    bpy.context.scene.frame_end = 2
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name in ("optimise", "bake", "rebind", "tile", "clear_bake", "select_overlap"):
+        assert not getattr(bpy.ops.dapple, name).poll()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(scenes.positions(obj)) == 60
+
+
+def hidden(surface):
+    surface.hide_set(True)
+
+
+def switched_off(surface):
+    surface.hide_viewport = True
+
+
+def excluded(surface):
+    collection = bpy.data.collections.new("Aside")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(surface)
+    bpy.context.scene.collection.objects.unlink(surface)
+    bpy.context.view_layer.layer_collection.children["Aside"].exclude = True
+
+
+@pytest.mark.parametrize("aside", [hidden, switched_off, excluded])
+def test_a_surface_that_is_not_shown_is_a_surface_all_the_same(aside):
+    surface = scenes.tail(frames=3)
+    bpy.context.scene.frame_end = 3
+    obj = scenes.scattered(surface)
+    surface.name = "Renamed"
+    aside(surface)
+    obj.dapple.count = 30
+    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+        assert action() == {"FINISHED"}
+        bpy.context.scene.frame_set(2)
+        assert fits(surface, obj, 30)
+        assert reason(obj) == ""
+
+
+def test_a_surface_that_was_deleted_is_said():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    scenes._activate(surface)
+    assert bpy.ops.object.delete() == {"FINISHED"}
+    assert reason(obj) == "Surface 'Sphere' was deleted, or is in no collection: choose another"
+    obj.dapple.surface = scenes.sphere()
+    scenes._activate(obj)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert reason(obj) == ""
+
+
+def test_operators_are_off_without_a_scatter_or_a_mesh():
+    names = sorted(set(dir(bpy.ops.dapple)))
+    assert "optimise" in names
+    light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+    bpy.context.collection.objects.link(light)
+    for active in (None, light):
+        bpy.context.view_layer.objects.active = active
+        assert not [name for name in names if getattr(bpy.ops.dapple, name).poll()]
+
+
+def test_a_hidden_scatter_is_solved():
+    obj = scenes.scattered(scenes.sphere())
+    obj.hide_set(True)
+    obj.dapple.count = 20
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    obj.hide_set(False)
+    assert len(scenes.positions(obj)) == 20

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo and redo of every operator: file, settings and playback as before, and as after."""
+
+import bpy
+import pytest
+import scenes
+
+
+def values(group):
+    """Properties of a group and of the groups inside, by their paths."""
+    found = {}
+    for prop in group.bl_rna.properties:
+        if prop.identifier == "rna_type":
+            continue
+        value = getattr(group, prop.identifier)
+        if prop.type == "POINTER" and isinstance(value, bpy.types.PropertyGroup):
+            found |= {f"{prop.identifier}.{name}": one for name, one in values(value).items()}
+        elif prop.type == "POINTER":
+            found[prop.identifier] = getattr(value, "name", None)
+        elif prop.type == "COLLECTION":
+            found[prop.identifier] = [values(item) for item in value]
+        else:
+            found[prop.identifier] = value
+    return found
+
+
+def state():
+    """Everything that an undo must bring back, without references that it leaves dangling."""
+    told = scenes.snapshot()
+    told["active"] = told["active"] and told["active"].name
+    told["selected"] = sorted(obj.name for obj in told["selected"])
+    for obj in [one for one in bpy.data.objects if one.dapple.surface]:
+        told[obj.name] = values(obj.dapple)
+        told[f"{obj.name} in nodes"] = obj.modifiers[0].node_group.name
+        told[f"{obj.name} plays"] = [played(obj, frame) for frame in (1, 2, 3)]
+        tiles = obj.dapple.tiles.object
+        told["tiles"] = tiles and [tuple(vertex.co) for vertex in tiles.data.vertices]
+    return told
+
+
+def played(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    matrices = scenes.instance_matrices(obj)
+    bpy.context.scene.frame_set(1)
+    return matrices.tolist()
+
+
+def scatter():
+    return scenes.scattered(scenes.tail(frames=3), 30)
+
+
+def baked_scatter():
+    obj = scatter()
+    bpy.context.scene.frame_end = 3
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    return obj
+
+
+def baked_otherwise():
+    obj = baked_scatter()
+    obj.dapple.key_every, obj.dapple.stickiness = 2, 5.0
+
+
+def born_scatter():
+    obj = scatter()
+    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", 1
+    obj.dapple.surface.scale = (1.0, 1.0, 1.0)
+    obj.dapple.surface.keyframe_insert("scale", frame=1)
+    obj.dapple.surface.scale = (1.5, 1.5, 1.5)
+    obj.dapple.surface.keyframe_insert("scale", frame=3)
+    bpy.context.scene.frame_set(1)
+    return obj
+
+
+def born_baked():
+    obj = born_scatter()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert len(obj.data.vertices) > 30
+    return obj
+
+
+def tiled():
+    obj = scatter()
+    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    obj.dapple.tiles.grout = 0.3
+    return obj
+
+
+def several():
+    obj = scatter()
+    for _ in range(2):
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    obj.dapple.classes[1].share = 3.0
+    return obj
+
+
+def linked_copy():
+    obj = baked_scatter()
+    assert bpy.ops.object.duplicate(linked=True) == {"FINISHED"}
+    assert bpy.context.object.data == obj.data
+    bpy.context.object.dapple.seed = 3
+
+
+def resized():
+    scatter().dapple.count = 40
+
+
+def unequal():
+    scenes.tail(frames=3, levels=1, render_levels=2)
+
+
+def overlapping():
+    obj = scatter()
+    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    obj.dapple.classes[0].radius = 0.3
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert obj.dapple.report.worst_overlap > 0
+
+
+CASES = [
+    ("add", lambda: scenes.tail(frames=3), {"count": 30}),
+    ("add", lambda: scenes.tail(frames=3), {"count": 30, "bind_to": "REST"}),
+    ("optimise", resized, {}),
+    ("optimise", baked_scatter, {}),
+    ("optimise", several, {}),
+    ("optimise", linked_copy, {}),
+    ("bake", scatter, {}),
+    ("bake", baked_otherwise, {}),
+    ("bake", born_scatter, {}),
+    ("clear_bake", baked_scatter, {}),
+    ("clear_bake", born_baked, {}),
+    ("rebind", baked_scatter, {}),
+    ("tile", scatter, {}),
+    ("tile", tiled, {}),
+    ("edit_classes", scatter, {"action": "ADD"}),
+    ("edit_classes", several, {"action": "REMOVE"}),
+    ("edit_classes", several, {"action": "UP"}),
+    ("set_quality", scatter, {"quality": "REGULAR"}),
+    ("match_subdivision", unequal, {}),
+]
+
+
+@pytest.mark.parametrize(("name", "prepare", "options"), CASES)
+def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
+    prepare()
+    bpy.context.scene.frame_set(1)
+    bpy.ops.ed.undo_push(message="Before")
+    before = state()
+    assert getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    after = state()
+    assert after != before
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert state() == before
+        bpy.ops.ed.redo()
+        assert state() == after
+    bpy.ops.ed.undo()
+    assert getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    again = state()
+    for one in (after, again):  # how long it took is all that may differ
+        for told in one.values():
+            if isinstance(told, dict):
+                told.pop("report.milliseconds", None)
+    assert again == after
+
+
+def selected_points():
+    return [vertex.index for vertex in bpy.data.meshes["Tail Scatter"].vertices if vertex.select]
+
+
+def test_undo_of_selecting_an_overlap():
+    overlapping()
+    bpy.ops.ed.undo_push(message="Before")
+    before = selected_points()
+    assert bpy.ops.dapple.select_overlap("EXEC_DEFAULT", True) == {"FINISHED"}
+    after = selected_points()
+    assert len(after) == 2
+    assert after != before
+    bpy.ops.ed.undo()  # the 3D cursor is no part of Blender's undo
+    assert selected_points() == before
+    bpy.ops.ed.redo()
+    assert selected_points() == after
+
+
+def test_undo_of_a_failed_operator_is_of_the_step_before():
+    obj = scatter()
+    obj.name = "Renamed"
+    bpy.ops.ed.undo_push(message="Rename")
+    obj.dapple.surface = None
+    with pytest.raises(RuntimeError, match="no surface"):
+        bpy.ops.dapple.optimise("EXEC_DEFAULT", True)
+    bpy.ops.ed.undo_push(message="No surface")
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Renamed"].dapple.surface.name == "Tail"
