@@ -18,7 +18,7 @@ from .job import Answer, StepsOperator
 from .library import read_only
 from .locking import lock_points
 from .properties import BIND_TO
-from .scatter import is_scatter
+from .scatter import is_scatter, is_surface
 from .store import clear_keys
 from .topology import differences, match_subdivision
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
@@ -33,12 +33,14 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
     obj = context.object
     if missing():
         cls.poll_message_set(missing())
-    elif context.mode != "OBJECT" or obj is None or obj.type != "MESH":
-        cls.poll_message_set("Needs an active mesh object in Object Mode")
+    elif context.mode != "OBJECT" or obj is None:
+        cls.poll_message_set("Needs an active object in Object Mode")
     elif scatter:
         return _writable(cls, context)
     elif is_scatter(obj):
         cls.poll_message_set("The active object is a scatter, not a surface")
+    elif not is_surface(obj):
+        cls.poll_message_set("Needs an active mesh, curve or text object")
     else:
         return True
     return False
@@ -56,7 +58,7 @@ def _writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool
 
 
 class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
-    """Scatter points evenly over the active mesh object"""
+    """Scatter points evenly over the active object"""
 
     bl_idname = "dapple.add"
     bl_label = "Dapple Scatter"
@@ -376,7 +378,7 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
     obj = context.object
     if is_scatter(obj):
         return obj.dapple.surface
-    return obj if obj is not None and obj.type == "MESH" else None
+    return obj if is_surface(obj) else None
 
 
 CLASSES = (

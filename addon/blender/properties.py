@@ -22,7 +22,7 @@ from .property_groups import (
     Instanced,
     settings_changed,
 )
-from .scatter import is_scatter
+from .scatter import is_surface
 
 _DEFAULT = Settings()
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
@@ -38,7 +38,7 @@ BIND_TO = [
 
 
 def _is_surface(settings: "DAPPLE_PG_scatter", obj: bpy.types.Object) -> bool:
-    return obj.type == "MESH" and not is_scatter(obj)
+    return is_surface(obj)
 
 
 class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
@@ -46,7 +46,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
 
     surface: PointerProperty(
         name="Surface",
-        description="Mesh object to scatter over",
+        description="Object to scatter over: a mesh, curve or text",
         type=bpy.types.Object,
         poll=_is_surface,
     )

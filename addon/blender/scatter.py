@@ -13,6 +13,8 @@ from ..core.stale import changed_settings
 from ..core.tiles import TileSettings
 from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
 
+_SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}  # metaballs change faces as they move
+
 
 def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The modifier that plays the scatter back."""
@@ -28,15 +30,21 @@ def is_scatter(obj: bpy.types.Object | None) -> bool:
     return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
 
 
+def is_surface(obj: bpy.types.Object | None) -> bool:
+    """Whether Blender may evaluate the object to faces that points can be bound to."""
+    return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
+
+
 def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
     surface = obj.dapple.surface
     if surface is None:
         raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
-    if is_scatter(surface):
+    if not is_surface(surface):
+        kind = "scatter" if is_scatter(surface) else surface.type.lower()
         raise ScatterError(
-            f"Surface '{surface.name}' of '{obj.name}' is a scatter, which has no faces: choose "
-            "another mesh object"
+            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, no mesh, curve or text: "
+            "choose another object"
         )
     return surface
 

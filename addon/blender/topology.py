@@ -23,6 +23,10 @@ _PAIRS = {
     "OCEAN": ("viewport_resolution", "resolution"),
 }
 
+# The same for curves and texts; 0 in the render is what the viewport has.
+_CURVES = {"CURVE", "SURFACE", "FONT"}
+_RESOLUTIONS = (("resolution_u", "render_resolution_u"), ("resolution_v", "render_resolution_v"))
+
 
 def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> None:
     """ScatterError unless viewport and render evaluate obj to the same faces."""
@@ -44,7 +48,8 @@ def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> 
 
 def differences(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
     """Settings by which viewport and render differ, in words."""
-    causes = [words for modifier in obj.modifiers for words in _modifier_difference(modifier)]
+    causes = [f"Resolution: {seen} and {used}" for _, seen, used in _resolutions(obj)]
+    causes += [words for modifier in obj.modifiers for words in _modifier_difference(modifier)]
     if _simplified(scene) and any(modifier.type in _PAIRS for modifier in obj.modifiers):
         render = scene.render
         causes.append(
@@ -63,6 +68,14 @@ def _modifier_difference(modifier: bpy.types.Modifier) -> Iterator[str]:
             yield f"{modifier.name}: {viewport} and {render}"
 
 
+def _resolutions(obj: bpy.types.Object) -> Iterator[tuple[tuple[str, str], int, int]]:
+    """Names and values of resolutions that differ, of the viewport and of the render."""
+    for names in _RESOLUTIONS if obj.type in _CURVES else ():
+        seen, used = (getattr(obj.data, name) for name in names)
+        if used not in (0, seen):
+            yield names, seen, used
+
+
 def _simplified(scene: bpy.types.Scene) -> bool:
     render = scene.render
     unequal = render.simplify_subdivision != render.simplify_subdivision_render
@@ -73,8 +86,12 @@ def _simplified(scene: bpy.types.Scene) -> bool:
 def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
     """The mesh that a render would get, from a copy in a scene that is gone afterwards."""
     copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
+    data = obj.data.copy() if obj.type in _CURVES else None
     try:
         copy.animation_data_clear()  # drivers would put the viewport's levels back
+        if data is not None:
+            data.animation_data_clear()
+            copy.data = data
         _use_render_values(copy, scene, context.scene)
         scene.collection.objects.link(copy)
         layer = scene.view_layers[0]
@@ -83,8 +100,7 @@ def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[
             with evaluated_mesh(copy, depsgraph) as mesh:
                 yield mesh
     finally:
-        bpy.data.objects.remove(copy)
-        bpy.data.scenes.remove(scene)
+        bpy.data.batch_remove([copy, scene, *([data] if data is not None else [])])
 
 
 def _use_render_values(
@@ -96,6 +112,8 @@ def _use_render_values(
         if modifier.type in _PAIRS:
             viewport, render = _PAIRS[modifier.type]
             setattr(modifier, viewport, getattr(modifier, render))
+    for (name, _), _, used in _resolutions(copy):
+        setattr(copy.data, name, used)
     scene.render.use_simplify = source.render.use_simplify
     scene.render.simplify_subdivision = source.render.simplify_subdivision_render
     scene.frame_set(source.frame_current, subframe=source.frame_subframe)
@@ -103,6 +121,8 @@ def _use_render_values(
 
 def match_subdivision(obj: bpy.types.Object, scene: bpy.types.Scene, use: str) -> None:
     """Give viewport and render the same values: those of use, RENDER or VIEWPORT."""
+    for names, _, _ in _resolutions(obj):
+        _copy_one_way(obj.data, names, use)
     for modifier in obj.modifiers:
         shown = ("show_viewport", "show_render")
         _copy_one_way(modifier, shown, use)

@@ -19,7 +19,7 @@ def weight_names(obj: bpy.types.Object) -> list[str]:
     kinds = _FIELDS.keys() | _COLOURS.keys()
     attributes = [
         one.name
-        for one in obj.data.attributes
+        for one in getattr(obj.data, "attributes", ())  # curves and the like have none
         if one.data_type in kinds and one.domain in _DOMAINS and not one.is_internal
     ]
     return [*(group.name for group in obj.vertex_groups), *attributes]

@@ -255,6 +255,10 @@ def _read_checked(
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
+    elif surface.type != "MESH":
+        raise ScatterError(
+            f"Surface '{surface.name}' is no mesh and has no rest position: set Bind To to Faces"
+        )
     elif read_only(surface) and not surface.add_rest_position_attribute:
         raise ScatterError(f"Rest Position of the surface is off, and {read_only(surface)}")
     return _read(surface, settings)

@@ -23,7 +23,7 @@ class ProbeEngine(bpy.types.RenderEngine):
                 "mode": depsgraph.mode,
                 "frame": depsgraph.scene.frame_current + depsgraph.scene.frame_subframe,
                 "positions": scenes.positions(obj, depsgraph),
-                "surface_vertices": len(evaluated.data.vertices),
+                "surface_vertices": len(evaluated.to_mesh().vertices),
             },
         )
         self._empty_picture(depsgraph.scene)

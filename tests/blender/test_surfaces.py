@@ -5,6 +5,7 @@ import addon_host
 import bmesh
 import bpy
 import numpy as np
+import probe
 import pytest
 import scenes
 
@@ -17,7 +18,7 @@ def arrays_of(surface):
 
 
 def fits(surface, obj, count=60):
-    """All things stand on the surface, along its normals."""
+    """All things stand on the surface, outwards."""
     found, arrays = scenes.positions(obj), arrays_of(surface)
     assert len(found) == count
     nearest = dapple.project(dapple.Surface(arrays.vertices, arrays.faces), found)
@@ -261,3 +262,87 @@ def test_a_hidden_scatter_is_solved():
     assert bpy.ops.dapple.optimise() == {"FINISHED"}
     obj.hide_set(False)
     assert len(scenes.positions(obj)) == 20
+
+
+def pipe():
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.context.object.data.bevel_depth = 0.2
+    return bpy.context.object
+
+
+def title():
+    bpy.ops.object.text_add()
+    return bpy.context.object
+
+
+def nurbs():
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("make", [pipe, title, nurbs])
+def test_curves_and_texts_are_surfaces_too(make):
+    bpy.context.scene.frame_end = 2
+    surface = make()
+    surface.scale, surface.rotation_euler = (1.0, 1.5, 1.0), (0.4, 0.2, 0.1)
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface)
+    obj.dapple.seed = 2
+    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.bake, bpy.ops.dapple.tile):
+        assert action() == {"FINISHED"}
+        assert fits(surface, obj)
+        assert reason(obj) == ""
+    surface.location.z = 5.0
+    bpy.context.view_layer.update()
+    assert fits(surface, obj)
+    assert addon_host.part("blender.weights").weight_names(surface) == []
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (pipe, "render_resolution_u"),
+        (title, "render_resolution_u"),
+        (nurbs, "render_resolution_v"),
+    ],
+)
+def test_another_resolution_in_the_render_is_refused_and_matched(make, name):
+    surface = make()
+    setattr(surface.data, name, 20)
+    before = scenes.snapshot()
+    data = len(bpy.data.curves)
+    with pytest.raises(RuntimeError, match=r"in the render \(Resolution: .*Match Subdivision"):
+        bpy.ops.dapple.add(count=60)
+    assert scenes.snapshot() == before
+    assert len(bpy.data.curves) == data
+    assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
+    obj = scenes.scattered(surface)
+    with probe.registered():
+        seen = probe.render(obj, 1)
+    assert np.abs(seen["positions"] - scenes.positions(obj)).max() < 1e-6
+
+
+def test_what_is_no_mesh_has_no_rest_position():
+    title()
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match="'Text' is no mesh and has no rest position"):
+        bpy.ops.dapple.add(bind_to="REST")
+    assert scenes.snapshot() == before
+
+
+def test_metaballs_change_their_faces_as_they_move_and_are_no_surfaces():
+    obj = scenes.scattered(scenes.sphere())
+    bpy.ops.object.metaball_add()
+    with pytest.raises(RuntimeError, match="Needs an active mesh, curve or text object"):
+        bpy.ops.dapple.add()
+    obj.dapple.surface = bpy.context.object
+    bpy.context.view_layer.objects.active = obj
+    with pytest.raises(RuntimeError, match="'Mball' of 'Sphere Scatter' is a meta"):
+        bpy.ops.dapple.optimise()
+
+
+def test_a_light_is_no_surface():
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.surface = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+    with pytest.raises(RuntimeError, match="'Light' of 'Sphere Scatter' is a light"):
+        bpy.ops.dapple.optimise()
