@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import ScatterError
+from .library import own_mesh
 
 _NAME = "dapple_locked"
 
@@ -19,7 +20,7 @@ def lock_points(obj: bpy.types.Object, lock: bool, every: bool) -> int:
         ScatterError: no point is selected.
     """
     with _out_of_edit_mode(obj):
-        mesh = obj.data
+        mesh = own_mesh(obj)
         chosen = np.ones(len(mesh.vertices), dtype=bool)
         if not every:
             mesh.vertices.foreach_get("select", chosen)

@@ -301,7 +301,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object)
+        return _writable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         try:

@@ -75,7 +75,11 @@ def _points_reason(obj: bpy.types.Object) -> str:
         known = get_input(scatter_modifier(obj), "Key Points")
         return "" if count == known else "Points were added or removed since the bake: bake again"
     added = count - obj.dapple.report.count
-    return f"{added:,} points were added by hand: re-bind" if added > 0 else ""
+    return (
+        f"{added:,} points were added by hand: re-bind, or lock them and optimise"
+        if added > 0
+        else ""
+    )
 
 
 def _bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:

@@ -31,7 +31,7 @@ from ..core.records import (
     repeated,
     unbound,
 )
-from ..core.solve import Report, Scattered
+from ..core.solve import Report, Scattered, with_own_ids
 from ..core.stale import settings_text
 from ..core.surface import Floats, SurfaceArrays
 from ..nodes import (
@@ -143,15 +143,19 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
     return binding, columns
 
 
-def added_by_hand(obj: bpy.types.Object) -> NDArray[np.bool_]:
-    """Per point, without those that a bake added: whether it is new or a copy of another one."""
-    binding = binding_from(_own_columns(obj, ROW_ATTRIBUTES))
-    return unbound(binding) | repeated(point_columns_of(obj)["id"])
+def columns_with_own_ids(obj: bpy.types.Object) -> Columns:
+    """Point columns without added points; those that an artist added or copied have new ids."""
+    ranked = "dapple_rank" in obj.data.attributes
+    types = {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"} if ranked else POINT_ATTRIBUTES
+    columns = _own_columns(obj, types)
+    new = unbound(binding_from(_own_columns(obj, ROW_ATTRIBUTES))) | repeated(columns["id"])
+    return with_own_ids(columns, new, obj.dapple.seed)
 
 
-def write_point_columns(obj: bpy.types.Object, columns: Columns) -> None:
-    """Store what the points own whatever their places; keys were cleared."""
-    write_columns(own_mesh(obj), columns, POINT_ATTRIBUTES)
+def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
+    """Store what columns_with_own_ids told; keys were cleared."""
+    types = {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES}
+    write_columns(own_mesh(obj), columns, {name: types[name] for name in columns})
     obj.dapple.report.count = len(columns["id"])
 
 

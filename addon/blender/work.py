@@ -19,7 +19,7 @@ from ..core.population import PopulationBaker
 from ..core.records import Binding, Columns, check_ids
 from ..core.rest import rest_columns
 from ..core.settings import Settings
-from ..core.solve import named, scatter, with_own_ids
+from ..core.solve import named, scatter
 from ..core.steps import Steps, Task
 from ..core.surface import Floats, SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
@@ -30,7 +30,7 @@ from .meshio import read_rest, read_surface
 from .scatter import settings_of, surface_of, tile_settings_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import (
-    added_by_hand,
+    columns_with_own_ids,
     locked_points,
     new_scatter,
     own_points,
@@ -39,7 +39,7 @@ from .store import (
     read_binding,
     write_baked,
     write_binding,
-    write_point_columns,
+    write_own_ids,
     write_scattered,
 )
 from .surroundings import read_with
@@ -212,13 +212,12 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     held, surface = Held(context.object), Held(surface_of(context.object))
     bind_to = context.object.dapple.bind_to
     arrays = _read_checked(surface.get(), context, bind_to)
-    points, seed = places_of(context.object), context.object.dapple.seed
-    columns = with_own_ids(point_columns_of(context.object), added_by_hand(context.object), seed)
+    points, columns = places_of(context.object), columns_with_own_ids(context.object)
     binding = yield Task(lambda _: _nearest(points, arrays))
     obj = held.get()
     check_unchanged(arrays, _read(surface.get()))
     write_binding(obj, arrays, binding, _rest(surface.get(), arrays, binding, bind_to))
-    write_point_columns(obj, columns)
+    write_own_ids(obj, columns)
     return obj
 
 

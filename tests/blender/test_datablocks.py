@@ -71,6 +71,14 @@ def test_what_is_done_to_the_original_leaves_a_linked_copy_as_it_is():
     assert (played(copy) == expected).all()
 
 
+def test_points_are_locked_on_one_of_two_linked_copies():
+    obj = scenes.scattered(scenes.sphere())
+    (copy,) = duplicated(obj, linked=True)
+    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert (copy.dapple.locked_count, obj.dapple.locked_count) == (60, 0)
+    assert not any(one.value for one in obj.data.attributes["dapple_locked"].data)
+
+
 def test_a_mesh_with_one_user_stays_the_same_mesh():
     obj = scenes.scattered(scenes.sphere())
     mesh = obj.data

@@ -73,7 +73,7 @@ def test_after_deleting_points_all_goes_on(obj):
 )
 def test_points_that_nothing_binds_are_named_with_the_way_out(obj, change, words, name):
     edited(obj, change)
-    assert reason(obj) == "3 points were added by hand: re-bind"
+    assert reason(obj) == "3 points were added by hand: re-bind, or lock them and optimise"
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match=f"Scatter '{obj.name}': {words}"):
         getattr(bpy.ops.dapple, name)()
@@ -90,6 +90,8 @@ def test_re_bind_takes_added_and_copied_points_in(obj, change):
     assert sorted(now["id"]) == list(range(63))
     assert all((now[name][:60] == before[name]).all() for name in before)
     assert len(np.unique(now["dapple_scale"])) == 63
+    ranks = [rank.value for rank in obj.data.attributes["dapple_rank"].data]
+    assert len(set(ranks)) == 63
     assert (now["dapple_density"] == 1.0).all()
     for action in (bpy.ops.dapple.tile, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}

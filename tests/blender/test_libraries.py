@@ -17,6 +17,7 @@ WRITING = (
     "preview",
     "edit_classes",
     "set_quality",
+    "lock",
 )
 
 

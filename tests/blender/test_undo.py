@@ -136,6 +136,7 @@ CASES = [
     ("edit_classes", several, {"action": "REMOVE"}),
     ("edit_classes", several, {"action": "UP"}),
     ("set_quality", scatter, {"quality": "REGULAR"}),
+    ("lock", scatter, {"every": True}),
     ("match_subdivision", unequal, {}),
 ]
 
