@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake costs: bytes that the .blend grows by, plain and compressed, and time of a frame.
 
-The keys are made up, not solved, so that any number of frames and sites takes seconds: in each
-frame a share of the sites slides by a few hundredths of its triangle or to the next one. Bytes of
-the plain file do not depend on it; those of the compressed one do.
+The keys are made up, not solved. Bytes of the plain file do not depend on it; those of the
+compressed one do.
 """
 
 from __future__ import annotations
@@ -20,11 +19,7 @@ import numpy as np
 
 import addon
 from addon.blender.meshio import read_surface
-from addon.blender.store import new_scatter, write_baked, write_scattered
-from addon.core.keys import Keyframes, Placed
-from addon.core.records import Binding
-from addon.core.solve import Report, Scattered, point_columns
-from addon.core.surface import SurfaceArrays
+from benchmarks.bake.made_up import add_bake, add_scatter
 
 GOAL = 120.0  # MB for 250 frames x 20,000 sites
 
@@ -34,9 +29,9 @@ def main() -> None:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     surface = _grid(options.faces)
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    scatter = _scatter(surface, arrays, options.sites)
+    scatter = add_scatter(surface, arrays, options.sites)
     before = _sizes()
-    _bake(scatter, arrays, options)
+    add_bake(scatter, arrays, options.sites, options.frames, options.moving)
     after = _sizes()
     rows = options.frames * options.sites
     print(f"{options.frames} frames x {options.sites} sites, {len(arrays.faces)} triangles")
@@ -65,41 +60,6 @@ def _grid(faces: int) -> bpy.types.Object:
     side = max(round((faces / 2) ** 0.5), 1)
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=side, y_subdivisions=side)
     return bpy.context.object
-
-
-def _scatter(surface: bpy.types.Object, arrays: SurfaceArrays, sites: int) -> bpy.types.Object:
-    faces, weights = _places(arrays, sites)
-    binding = Binding(arrays.faces[faces], weights, np.zeros(sites))
-    ids = np.arange(sites, dtype=np.int32)
-    columns = point_columns(ids, np.zeros_like(ids), seed=0)
-    positions = binding.positions(arrays.vertices)
-    scatter = new_scatter(surface, bpy.context.scene.collection)
-    report = Report(count=sites, spacing=0.01)
-    write_scattered(scatter, arrays, Scattered(positions, binding, columns, report))
-    return scatter
-
-
-def _places(arrays: SurfaceArrays, sites: int) -> tuple[np.ndarray, np.ndarray]:
-    random = np.random.Generator(np.random.PCG64(0))
-    faces = random.integers(0, len(arrays.faces), sites).astype(np.int32)
-    return faces, random.dirichlet((1.0, 1.0, 1.0), sites)
-
-
-def _bake(scatter: bpy.types.Object, arrays: SurfaceArrays, options: argparse.Namespace) -> None:
-    random = np.random.Generator(np.random.PCG64(1))
-    faces, weights = _places(arrays, options.sites)
-    carry = np.zeros(options.sites)
-    keyframes = Keyframes(options.frames)
-    for _ in range(options.frames):
-        moving = random.random(options.sites) < options.moving
-        weights[moving] = np.abs(weights[moving] + random.normal(0.0, 0.03, (moving.sum(), 3)))
-        weights /= weights.sum(axis=1, keepdims=True)
-        leaving = moving & (random.random(options.sites) < 0.1)
-        faces[leaving] = (faces[leaving] + 1) % len(arrays.faces)
-        carry[leaving] += random.normal(0.0, 0.3, leaving.sum())
-        binding = Binding(arrays.faces[faces], weights.copy(), carry.copy())
-        keyframes.add(Placed(faces.copy(), binding), arrays, arrays, 0.01)
-    write_baked(scatter, keyframes.packed(), 1, Report(count=options.sites, spacing=0.01))
 
 
 def _sizes() -> dict[str, int]:

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How long the add-on takes: a frame of playback, node groups, reading a surface, enabling.
+
+What is compared is measured in turns, so that a busy machine slows all of it alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+
+import addon
+from addon.blender.meshio import read_surface
+from addon.nodes import ensure_group
+from benchmarks.addon.playback import measure_playback
+
+PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL = 0.008, 0.1, 0.5  # seconds
+_MOST_CLASSES = 8
+_ENABLE = """
+import os, time, bpy
+begin = time.perf_counter()
+import addon
+addon.register()
+print(time.perf_counter() - begin, flush=True)
+os._exit(0)
+"""
+
+
+def main() -> None:
+    options = _options()
+    parts: dict[str, Callable[[argparse.Namespace], None]] = {
+        "playback": _playback,
+        "groups": _groups,
+        "reading": _reading,
+        "enabling": _enabling,
+    }
+    for name, part in parts.items():
+        if options.only in (None, name):
+            _empty_file()
+            part(options)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="benchmarks/addon/run.sh",
+        description=__doc__,
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    parser.add_argument("--sites", type=int, default=100_000)
+    parser.add_argument("--faces", type=int, default=1_000_000, help="triangles that are read")
+    parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
+    parser.add_argument("--only", choices=["playback", "groups", "reading", "enabling"])
+    return parser.parse_args()
+
+
+def _empty_file() -> None:
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+
+
+def _playback(options: argparse.Namespace) -> None:
+    taken = measure_playback(options.sites, options.rounds)
+    alone, shaded = taken.pop("alone"), taken.pop("its normals")
+    print(f"a frame with {options.sites} points, on a surface of 40,962 vertices")
+    print(
+        f"  the surface alone {_ms(alone)}, with its normals, which a window draws, {_ms(shaded)}"
+    )
+    for name, time_taken in taken.items():
+        more = time_taken - alone
+        print(
+            f"  {name}: {_ms(more)} more, {_ms(time_taken - shaded)} over the surface with its "
+            f"normals; {_judged(more, PLAYBACK_GOAL)}"
+        )
+
+
+def _groups(options: argparse.Namespace) -> None:
+    first = []
+    for _ in range(options.rounds):
+        _empty_file()
+        first.append(_timed(ensure_group))
+    print(f"the first node group of a file: {_ms(float(np.median(first)))}")
+    for classes in range(1, _MOST_CLASSES + 1):
+        taken = []
+        for _ in range(options.rounds):
+            taken.append(_timed(ensure_group, classes))
+            bpy.data.node_groups.remove(ensure_group(classes))
+        median = float(np.median(taken))
+        print(f"  for {classes} classes: {_ms(median)}, {_judged(median, GROUP_GOAL)}")
+
+
+def _reading(options: argparse.Namespace) -> None:
+    side = max(round((options.faces / 2) ** 0.5), 1)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=side, y_subdivisions=side)
+    surface = bpy.context.object
+    group = surface.vertex_groups.new(name="Group")
+    group.add(range(len(surface.data.vertices)), 0.5, "REPLACE")
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    bare, weighed = [], []
+    for _ in range(options.rounds):
+        bare.append(_timed(read_surface, surface, depsgraph))
+        weighed.append(_timed(read_surface, surface, depsgraph, ["Group"]))
+    median = float(np.median(bare))
+    print(f"reading {2 * side * side} triangles: {_ms(median)}, {_judged(median, READING_GOAL)}")
+    print(f"  with a vertex group: {_ms(float(np.median(weighed)))}")
+
+
+def _enabling(options: argparse.Namespace) -> None:
+    """In processes of their own: a module is imported once."""
+    taken = []
+    for _ in range(min(options.rounds, 5)):
+        command = [sys.executable, "-c", _ENABLE]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+        taken.append(float(done.stdout.split()[-1]))
+    print(f"enabling the add-on: {_ms(float(np.median(taken)))}")
+
+
+def _timed(work: Callable[..., object], *arguments: object) -> float:
+    begin = time.perf_counter()
+    work(*arguments)
+    return time.perf_counter() - begin
+
+
+def _ms(seconds: float) -> str:
+    return f"{1000.0 * seconds:.1f} ms"
+
+
+def _judged(seconds: float, goal: float) -> str:
+    return f"goal {_ms(goal)}: {'met' if seconds < goal else 'missed'}"
+
+
+if __name__ == "__main__":
+    addon.register()
+    main()
+    addon.unregister()
+    sys.stdout.flush()
+    os._exit(0)

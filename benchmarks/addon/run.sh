@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sets up what is missing, then measures the add-on: playback, node groups, reading, enabling.
+#   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|groups|reading|enabling]
+. "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
+
+scripts/setup.sh >&2
+PYTHONPATH=$root exec timeout --kill-after=10 1800 "$python" -m benchmarks.addon "$@"
