@@ -3,9 +3,9 @@
 
 import bpy
 
-from . import operators, overlay, pictures, preview, properties, ui, workfiles
+from . import operators, overlay, pictures, presets, preview, properties, ui, workfiles
 
-_CLASSES = (*operators.CLASSES, *ui.CLASSES)
+_CLASSES = (*operators.CLASSES, *presets.CLASSES, *ui.CLASSES)
 
 
 def register() -> None:

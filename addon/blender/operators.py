@@ -83,7 +83,11 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         return _ready(cls, context, scatter=False)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return add_steps(context, Settings(count=self.count, seed=self.seed), self.bind_to)
+        chosen = ("count", "seed", "bind_to")
+        given = {
+            name: getattr(self, name) for name in chosen if self.properties.is_property_set(name)
+        }
+        return add_steps(context, **given)
 
     def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
         for obj in context.selected_objects:

@@ -20,6 +20,7 @@ from .property_groups import (
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
     Instanced,
+    instance_changed,
     settings_changed,
 )
 from .scatter import is_surface
@@ -123,6 +124,16 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         default=_DEFAULT.max_evaluations,
         min=1,
         soft_max=1000,
+    )
+    viewport_share: FloatProperty(
+        options=STILL,
+        update=instance_changed,
+        name="Show in Viewport",
+        description="Share of the points that the viewport shows, evenly spread; renders show all",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
     )
     classes: CollectionProperty(type=DAPPLE_PG_class)
     class_index: IntProperty(name="Class", description="The class that is shown", options=STILL)

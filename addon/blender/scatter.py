@@ -75,6 +75,8 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
+    if has_input(modifier, "Hidden"):
+        set_input(modifier, "Hidden", 1.0 - obj.dapple.viewport_share)
     if not obj.dapple.classes:
         _write_kind(modifier, obj.dapple, None)
     for index, kind in enumerate(obj.dapple.classes):

@@ -90,7 +90,7 @@ def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
     if modifier.node_group is None or modifier.node_group.get(VERSION_KEY, 0) < KEPT_SINCE:
         return {}
     names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
-    return {name: get_input(modifier, name) for name in names}
+    return {name: get_input(modifier, name) for name in names if has_input(modifier, name)}
 
 
 def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:

@@ -28,6 +28,7 @@ from .operators import (
     DAPPLE_OT_tile,
     active_surface,
 )
+from .presets import DAPPLE_MT_presets
 from .scatter import is_scatter, settings_of, settings_reason
 from .staleness import stale_reason
 from .topology import differences
@@ -80,7 +81,9 @@ class DAPPLE_PT_main(_Panel, bpy.types.Panel):
 
 def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     settings = context.object.dapple
-    layout.prop(settings, "surface")
+    row = layout.row()
+    row.prop(settings, "surface")
+    row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
     layout.prop(settings, "amount")
     layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
     layout.prop(settings, "seed")
@@ -263,6 +266,7 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
             column = layout.column(align=True)
             for name in names:
                 column.prop(shown, name)
+        layout.prop(settings, "viewport_share")
         if settings.report.worst_overlap > 0:
             row = layout.row()
             row.label(text=f"Worst overlap {100 * settings.report.worst_overlap:.0f} %")

@@ -16,6 +16,7 @@ from ..core.binding import bound_nearest
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
+from ..core.presets import settings_with
 from ..core.records import Binding, Columns, check_ids
 from ..core.rest import rest_columns
 from ..core.settings import Settings
@@ -24,6 +25,7 @@ from ..core.steps import Steps, Task
 from ..core.surface import Floats, SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
 from ..core.together import TogetherBaker
+from . import presets
 from .held import Held
 from .library import open_collections, read_only
 from .meshio import read_rest, read_surface
@@ -51,17 +53,23 @@ _SEAM_STEPS = 6
 _READING = 0.2  # of the progress of a bake that solves all frames together
 
 
-def add_steps(context: bpy.types.Context, settings: Settings, bind_to: str = "FACES") -> Steps:
-    """Scatter over the active object; returns the new scatter object."""
-    surface = Held(context.object)
+def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
+    """Scatter over the active object; returns the new scatter object.
+
+    What is not chosen (count, seed, bind_to) is as in the preset that new scatters begin with.
+    """
+    surface, values = Held(context.object), presets.first_values()
+    own = values.setdefault("", {})
+    own.update(chosen)
+    if "count" in chosen:
+        own["amount"] = "COUNT"
+    settings, bind_to = settings_with(values), own.setdefault("bind_to", "FACES")
     arrays = _read_checked(surface.get(), context, bind_to, settings)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker))
     check_unchanged(arrays, _read(surface.get(), settings))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
-    for name in ("count", "seed"):
-        setattr(obj.dapple, name, getattr(settings, name))
-    obj.dapple.bind_to = bind_to
+    presets.apply(obj, values)
     write_scattered(obj, arrays, solved, rest)
     return obj
 

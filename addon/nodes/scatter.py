@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import of_class, points, things
+from . import of_class, points, things, viewport
 from .builder import Builder, Socket, new_group
 from .groups import VERSION, VERSION_KEY, inner
 
@@ -11,7 +11,7 @@ GROUP_NAME = "Dapple Scatter"
 KEPT_SINCE = 4  # groups from this version on are told the same by INPUTS
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
 
-INPUTS = [*points.INPUTS, ("Spacing", "NodeSocketFloat")]
+INPUTS = [*points.INPUTS, ("Spacing", "NodeSocketFloat"), ("Hidden", "NodeSocketFloat")]
 INSTANCE_INPUTS = [
     ("Instance", "NodeSocketObject"),
     ("Collection", "NodeSocketCollection"),
@@ -43,7 +43,8 @@ def build(classes: int = 0) -> bpy.types.NodeTree:
     tree[VERSION_KEY], tree[_KINDS_KEY] = VERSION, classes
     b = Builder(tree)
     feeds = (*(b.input(name) for name, _ in points.INPUTS), *_numbers(b, kinds))
-    b.output("Geometry", _instances(b, inner(b, points, *feeds).outputs[0], kinds))
+    shown = inner(b, viewport, inner(b, points, *feeds).outputs[0], b.input("Hidden"))
+    b.output("Geometry", _instances(b, shown.outputs[0], kinds))
     b.arrange()
     return tree
 

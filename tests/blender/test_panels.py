@@ -47,6 +47,14 @@ class Layout:
         assert icon_value >= 0  # 0 where Blender has no window
         self.shown.append("picture")
 
+    def menu(self, name, text="", icon="NONE"):
+        assert icon in ICONS
+        kind = getattr(bpy.types, name)
+        kind.draw(types.SimpleNamespace(layout=self), bpy.context)
+
+    def separator(self):
+        pass
+
     def popover(self, panel, text="", icon="NONE"):
         assert icon in ICONS
         assert hasattr(bpy.types, panel)

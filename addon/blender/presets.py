@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets of scatters: operators, the menu, and the folder they are kept in."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import StringProperty
+
+from ..core import presets
+from ..core.errors import ScatterError
+from .scatter import is_scatter
+
+Answer = set[str]
+_PACKAGE = __package__.removesuffix(".blender")
+
+
+def folder() -> Path:
+    """Where an artist's presets are: the folder that Blender gives each extension."""
+    try:
+        return Path(bpy.utils.extension_path_user(_PACKAGE, path="presets"))
+    except ValueError:  # imported by a script, not installed
+        return Path(bpy.utils.user_resource("CONFIG"), "dapple", "presets")
+
+
+def values_of(obj: bpy.types.Object) -> presets.Values:
+    """What a preset keeps of a scatter."""
+    return {
+        group: {name: _plain(getattr(_group(obj, group), name)) for name in names}
+        for group, names in presets.NAMES.items()
+    }
+
+
+def apply(obj: bpy.types.Object, values: presets.Values) -> None:
+    """Set what a preset has; ScatterError naming the first value of another type.
+
+    Nothing is set then.
+    """
+    before = values_of(obj)
+    try:
+        _set(obj, values)
+    except (TypeError, ValueError) as error:
+        _set(obj, before)
+        raise ScatterError(f"The preset does not fit: {error}") from error
+
+
+def first_values() -> presets.Values:
+    """What new scatters begin with; nothing where no default was saved."""
+    if presets.DEFAULT not in presets.names(folder()):
+        return {}
+    return presets.load(folder(), presets.DEFAULT)
+
+
+def _set(obj: bpy.types.Object, values: presets.Values) -> None:
+    for group, own in values.items():
+        for name, value in own.items():
+            setattr(_group(obj, group), name, value)
+
+
+def _group(obj: bpy.types.Object, name: str) -> bpy.types.PropertyGroup:
+    return getattr(obj.dapple, name) if name else obj.dapple
+
+
+def _plain(value: Any) -> Any:
+    """Numbers with the digits that single precision holds."""
+    return float(f"{value:.7g}") if isinstance(value, float) else value
+
+
+class _PresetOperator:
+    report: Callable[[set[str], str], None]
+
+    name: StringProperty(name="Name", description="Of the preset")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def work(self, obj: bpy.types.Object) -> None:
+        """What is done for the active scatter."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        try:
+            self.work(context.object)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
+    """Keep the settings of this scatter under a name. New scatters begin with the preset that is
+    called Default"""
+
+    bl_idname = "dapple.save_preset"
+    bl_label = "Save Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, obj: bpy.types.Object) -> None:
+        presets.store(folder(), self.name, values_of(obj))
+
+
+class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
+    """Set what the preset has; optimise again to see it"""
+
+    bl_idname = "dapple.load_preset"
+    bl_label = "Load Preset"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012 - as Blender wants it
+
+    def work(self, obj: bpy.types.Object) -> None:
+        apply(obj, presets.load(folder(), self.name))
+
+
+class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
+    """Delete the preset's file"""
+
+    bl_idname = "dapple.remove_preset"
+    bl_label = "Remove Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        return context.window_manager.invoke_confirm(self, event)
+
+    def work(self, obj: bpy.types.Object) -> None:
+        presets.remove(folder(), self.name)
+
+
+class DAPPLE_MT_presets(bpy.types.Menu):
+    """Presets that were saved"""
+
+    bl_label = "Presets"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        found = presets.names(folder())
+        for name in found:
+            self.layout.operator(DAPPLE_OT_load_preset.bl_idname, text=name).name = name
+        if found:
+            self.layout.separator()
+        self.layout.operator(DAPPLE_OT_save_preset.bl_idname, icon="ADD")
+        save = self.layout.operator(DAPPLE_OT_save_preset.bl_idname, text="Save as Default")
+        save.name = presets.DEFAULT
+        for name in found:
+            text = f"Remove '{name}'"
+            remove = self.layout.operator(
+                DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH"
+            )
+            remove.name = name
+
+
+CLASSES = (
+    DAPPLE_OT_save_preset,
+    DAPPLE_OT_load_preset,
+    DAPPLE_OT_remove_preset,
+    DAPPLE_MT_presets,
+)

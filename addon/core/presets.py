@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets: settings of a scatter under a name, as JSON files that can be read and mailed.
+
+Data-blocks (surface, objects, pictures) are not in them, nor is the list of classes.
+"""
+
+import json
+import re
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from .errors import ScatterError
+from .settings import DensitySettings, Settings
+
+SCHEMA = 1
+DEFAULT = "Default"  # the preset that new scatters begin with
+NAMES = {
+    "": (
+        *("amount", "count", "points_per_area", "seed", "bind_to", "viewport_share"),
+        *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "stickiness"),
+        *("scale", "scale_randomness", "turn_randomness", "align", "tilt", "density_scale"),
+        *("bake_smoothing", "count_over_time", "fade_frames", "key_every"),
+        *("on_topology_change", "preview_budget"),
+    ),
+    "density": tuple(
+        field.name for field in fields(DensitySettings) if field.name not in ("image", "obstacles")
+    ),
+    "tiles": ("grout", "inset_randomness", "thickness", "colour_by"),
+}
+Values = dict[str, dict[str, Any]]  # by group, then by name
+
+
+def names(folder: Path) -> list[str]:
+    """Presets of a folder, sorted."""
+    return sorted(path.stem for path in folder.glob("*.json"))
+
+
+def store(folder: Path, name: str, values: Values) -> None:
+    """Write a preset, over one of the same name; ScatterError for a name that is no file's."""
+    path = _path(folder, name)
+    folder.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps({"schema": SCHEMA, "settings": values}, indent=2) + "\n")
+    part.replace(path)
+
+
+def load(folder: Path, name: str) -> Values:
+    """Read a preset; names that this version does not know are left out.
+
+    Raises:
+        ScatterError: there is none, or it is not one.
+    """
+    path = _path(folder, name)
+    try:
+        stored = json.loads(path.read_text())
+        if not isinstance(stored["settings"], dict) or stored["schema"] > SCHEMA:
+            raise ValueError(f"schema {stored['schema']} is not known")
+        return {
+            group: {
+                one: stored["settings"].get(group, {})[one]
+                for one in known
+                if one in stored["settings"].get(group, {})
+            }
+            for group, known in NAMES.items()
+        }
+    except FileNotFoundError as error:
+        raise ScatterError(f"There is no preset '{name}'") from error
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        raise ScatterError(f"Preset '{name}' cannot be read from '{path}': {error}") from error
+
+
+def remove(folder: Path, name: str) -> None:
+    """Delete a preset; ScatterError if there is none."""
+    try:
+        _path(folder, name).unlink()
+    except FileNotFoundError as error:
+        raise ScatterError(f"There is no preset '{name}'") from error
+
+
+def settings_with(values: Values) -> Settings:
+    """The settings that a scatter with a preset's values has."""
+    own = values.get("", {})
+    known = {field.name for field in fields(Settings)}
+    settings = Settings(**{name: value for name, value in own.items() if name in known})
+    if own.get("amount") == "PER_AREA":
+        settings = replace(settings, per_area=own.get("points_per_area", 100.0))
+    return replace(settings, density=DensitySettings(**values.get("density", {})))
+
+
+def _path(folder: Path, name: str) -> Path:
+    if not re.fullmatch(r"[\w][\w .,+()-]*", name) or name != name.strip() or name.endswith("."):
+        raise ScatterError(
+            f"A preset cannot be called '{name}': its name may have letters, digits, spaces and "
+            ". , + ( ) -"
+        )
+    return folder / f"{name}.json"

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets as JSON files, and the one that new scatters begin with."""
+
+import json
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+@pytest.fixture
+def folder():
+    """Of this test's user; empty before and after."""
+    found = addon_host.part("blender.presets").folder()
+    for path in found.glob("*.json"):
+        path.unlink()
+    yield found
+    for path in found.glob("*.json"):
+        path.unlink()
+
+
+def test_settings_come_back_on_another_scatter(folder):
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    obj.dapple.capacity_weight, obj.dapple.tilt = 7.0, 0.25
+    obj.dapple.density.use_height, obj.dapple.tiles.grout = True, 0.3
+    assert bpy.ops.dapple.save_preset(name="Scales (wide)") == {"FINISHED"}
+    other = scenes.scattered(scenes.sphere(), count=30)
+    assert bpy.ops.dapple.load_preset(name="Scales (wide)") == {"FINISHED"}
+    assert other.dapple.capacity_weight == 7.0
+    assert other.dapple.tilt == 0.25
+    assert other.dapple.density.use_height
+    assert other.dapple.tiles.grout == pytest.approx(0.3)
+    assert other.dapple.count == 40
+    stored = json.loads((folder / "Scales (wide).json").read_text())
+    assert stored["settings"][""]["tilt"] == 0.25
+    assert bpy.ops.dapple.remove_preset(name="Scales (wide)") == {"FINISHED"}
+    assert not list(folder.iterdir())
+
+
+def test_new_scatters_begin_with_the_default(folder):
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    obj.dapple.density.use_height, obj.dapple.density.height_from = True, 0.0
+    obj.dapple.density.height_to, obj.dapple.density.height_fade = 5.0, 0.0
+    obj.dapple.seed = 11
+    bpy.ops.dapple.save_preset(name="Default")
+    surface = scenes.sphere()
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    new = bpy.context.object
+    assert (new.dapple.count, new.dapple.seed) == (40, 11)
+    assert scenes.positions(new)[:, 2].min() > -0.1
+    assert addon_host.part("blender.scatter").settings_reason(new) == ""
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.dapple.add(count=25)
+    assert len(scenes.positions(bpy.context.object)) == 25
+
+
+def test_a_default_per_area_gives_way_to_a_count(folder):
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 2.0
+    bpy.ops.dapple.save_preset(name="Default")
+    surface = scenes.sphere()
+    bpy.ops.dapple.add()
+    assert len(scenes.positions(bpy.context.object)) == pytest.approx(8 * np.pi, abs=1.5)
+    bpy.context.view_layer.objects.active = surface
+    bpy.ops.dapple.add(count=25)
+    assert len(scenes.positions(bpy.context.object)) == 25
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{", "cannot be read"),
+        ('{"settings": []}', "cannot be read"),
+        ('{"schema": 99, "settings": {}}', "schema 99 is not known"),
+        ('{"schema": 1, "settings": {"": {"count": 7, "tilt": "steep"}}}', "does not fit.*tilt"),
+    ],
+)
+def test_a_broken_preset_is_told_and_changes_nothing(folder, text, said):
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "Broken.json").write_text(text)
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.dapple.load_preset(name="Broken")
+    assert obj.dapple.count == 40
+
+
+def test_a_preset_of_a_newer_version_is_taken_as_far_as_it_is_known(folder):
+    obj = scenes.scattered(scenes.sphere(), count=40)
+    folder.mkdir(parents=True, exist_ok=True)
+    values = {"schema": 1, "settings": {"": {"seed": 5, "unheard_of": 3}, "clouds": {"a": 1}}}
+    (folder / "Newer.json").write_text(json.dumps(values))
+    bpy.ops.dapple.load_preset(name="Newer")
+    assert obj.dapple.seed == 5
+
+
+@pytest.mark.parametrize("name", ["", "../up", "a/b", " led", "end.", "two\nlines"])
+def test_a_name_that_is_no_file_is_refused(folder, name):
+    scenes.scattered(scenes.sphere(), count=20)
+    with pytest.raises(RuntimeError, match="cannot be called"):
+        bpy.ops.dapple.save_preset(name=name)
+    assert not list(folder.glob("**/*.json"))
+
+
+def test_a_preset_that_is_gone_is_told(folder):
+    scenes.scattered(scenes.sphere(), count=20)
+    for operator in (bpy.ops.dapple.load_preset, bpy.ops.dapple.remove_preset):
+        with pytest.raises(RuntimeError, match="no preset 'Gone'"):
+            operator(name="Gone")
