@@ -19,7 +19,7 @@ from ..core.ground import Ground
 from ..core.solve import named
 from ..core.surface import Floats
 from .held import Held
-from .scatter import settings_of
+from .scatter import settings_of, surface_of
 from .surroundings import read_with
 
 _PAUSE = 0.2  # seconds without a change before the colours are computed
@@ -89,9 +89,7 @@ def triangles() -> tuple[Floats, Floats]:
 
 
 def _compute(obj: bpy.types.Object) -> None:
-    surface, settings = obj.dapple.surface, settings_of(obj)
-    if surface is None:
-        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
+    surface, settings = surface_of(obj), settings_of(obj)
     arrays = read_with(settings, surface, bpy.context.evaluated_depsgraph_get())
     kinds, at = settings.classes, obj.dapple.class_index
     with named(arrays.name):

@@ -126,6 +126,39 @@ def test_a_linked_scatter_plays_and_is_not_written_to(library):
     assert (played(linked) == expected).all()
 
 
+@pytest.mark.parametrize("kind", ["SELECT_OBJECT", "SELECT_OBDATA", "ALL"])
+def test_a_linked_scatter_that_is_made_local_is_solved(library, tmp_path, kind):
+    path, expected = library
+    linked = brought(path, link=True)
+    active(linked.all_objects["Tail Scatter"]).select_set(True)
+    assert bpy.ops.object.make_local(type=kind) == {"FINISHED"}
+    obj = next(one for one in bpy.data.objects if one.dapple.surface and not one.library)
+    if obj not in bpy.context.view_layer.objects.values():
+        bpy.context.scene.collection.objects.link(obj)
+    active(obj)
+    assert (played(obj) == expected).all()
+    obj.dapple.count = 30
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    expected = played(obj)
+    assert expected.shape[1] == 30
+    reopened(tmp_path)
+    obj = next(one for one in bpy.data.objects if one.dapple.surface and not one.library)
+    assert (played(obj) == expected).all()
+
+
+def test_two_scatters_joined_are_re_bound():
+    surface = scenes.sphere()
+    first, second = scenes.scattered(surface), scenes.scattered(surface, 20)
+    first.select_set(True)
+    assert bpy.ops.object.join() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="point 20 was copied by hand"):
+        bpy.ops.dapple.tile()
+    for action in (bpy.ops.dapple.rebind, bpy.ops.dapple.tile, bpy.ops.dapple.bake):
+        assert action() == {"FINISHED"}
+        assert len(scenes.positions(second)) == 80
+
+
 def test_an_override_that_is_not_editable_is_not_written_to(library):
     obj = overridden(library[0])
     obj.override_library.is_system_override = True
