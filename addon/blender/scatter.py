@@ -111,10 +111,10 @@ def settings_of(obj: bpy.types.Object) -> Settings:
 
 
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
-    """Data-blocks by their names."""
+    """Data-blocks by their full names: two files may have one of the same name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
     for name in ("image", "obstacles"):
-        values[name] = values[name].name if values[name] else ""
+        values[name] = values[name].name_full if values[name] else ""
     return DensitySettings(**values)
 
 

@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -62,7 +63,7 @@ def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Flo
 
 def _picture(name: str) -> Floats:
     """Brightness (rows, columns) of an image times its opacity, row 0 at the bottom."""
-    image = bpy.data.images.get(name)
+    image = _by_full_name(bpy.data.images, name)
     if image is None:
         raise ScatterError(f"There is no image '{name}'")
     width, height = image.size
@@ -104,12 +105,18 @@ def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
 
 def _obstacles(name: str, surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
     """Objects of a collection and those inside it with something to keep off."""
-    collection = bpy.data.collections.get(name)
+    collection = _by_full_name(bpy.data.collections, name)
     if collection is None:
         raise ScatterError(f"There is no collection '{name}'")
+    seen = set(bpy.context.view_layer.objects)
     for obj in collection.all_objects:
-        if obj.type in _MESHES and obj != surface and obj.name in bpy.context.view_layer.objects:
+        if obj.type in _MESHES and obj != surface and obj in seen:
             yield obj
+
+
+def _by_full_name(blocks: Any, name: str) -> Any:
+    """The data-block of that name, which tells other files apart; None if there is none."""
+    return next((one for one in blocks if one.name_full == name), None)
 
 
 def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats, Ints]:

@@ -264,3 +264,36 @@ def test_levels_of_a_linked_surface_are_not_matched(library):
     surface.modifiers["Subdivision"].levels = 0  # as another file may have it
     with pytest.raises(RuntimeError, match="'Tail' is linked from"):
         bpy.ops.dapple.match_subdivision()
+
+
+def half_black(rows):
+    """Image 'Paint' on a plane, white where a row is 1."""
+    image = bpy.data.images.new("Paint", 2, 2)
+    image.pixels = [value for row in rows for value in (row, row, row, 1.0) * 2]
+    image.pack()
+    return image
+
+
+def test_images_and_collections_of_the_same_name_in_two_files_are_told_apart(tmp_path):
+    path = str(tmp_path / "paint.blend")
+    half_black((1.0, 0.0)).use_fake_user = True
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(-1.0, 0.0, 0.0))
+    rocks = bpy.data.collections.new("Rocks")
+    rocks.objects.link(bpy.context.object)
+    rocks.use_fake_user = True
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    new_file()
+    half_black((0.0, 1.0))
+    bpy.context.scene.collection.children.link(bpy.data.collections.new("Rocks"))
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.images, wanted.collections = ["Paint"], ["Rocks"]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    bpy.ops.mesh.primitive_plane_add(size=4.0)
+    obj = scenes.scattered(bpy.context.object)
+    obj.dapple.density.image = wanted.images[0]
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert scenes.positions(obj)[:, 1].mean() < -0.5
+    obj.dapple.density.image, obj.dapple.density.obstacles = None, wanted.collections[0]
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    found = scenes.positions(obj)
+    assert not ((found[:, 0] < -0.1) & (np.abs(found[:, 1]) < 0.9)).any()
