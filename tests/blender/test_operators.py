@@ -177,8 +177,7 @@ def test_a_mesh_that_changed_meanwhile_is_not_written_to():
     work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
     errors = addon_host.part("core.errors")
     surface = scenes.sphere()
-    settings = addon_host.part("core.settings").Settings(count=30)
-    running = work.add_steps(bpy.context, settings)
+    running = work.add_steps(bpy.context, count=30)
     task = next(running)
     solved = task.call(addon_host.part("core.native").package().Context())
     surface.data.vertices[0].co.z += 0.1
