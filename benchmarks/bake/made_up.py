@@ -35,7 +35,7 @@ def _places(arrays: SurfaceArrays, sites: int) -> tuple[np.ndarray, np.ndarray]:
 def add_bake(
     scatter: bpy.types.Object, arrays: SurfaceArrays, sites: int, frames: int, moving: float
 ) -> None:
-    """Keys of a scatter: in each frame a share of the sites slides, a tenth of it to other faces."""
+    """Keys of a scatter: in each frame a share of the sites slides, a tenth to other faces."""
     random = np.random.Generator(np.random.PCG64(1))
     faces, weights = _places(arrays, sites)
     carry = np.zeros(sites)
