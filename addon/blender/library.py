@@ -3,6 +3,8 @@
 
 import bpy
 
+from .scatter import is_scatter
+
 
 def read_only(obj: bpy.types.Object) -> str:
     """Why nothing that is written to an object would be kept; empty when it is."""
@@ -14,6 +16,17 @@ def read_only(obj: bpy.types.Object) -> str:
     if obj.override_library is not None and obj.override_library.is_system_override:
         return f"'{obj.name}' is a library override that is not editable: make it editable first"
     return ""
+
+
+def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter that keeps what is written to it."""
+    if not is_scatter(context.object):
+        cls.poll_message_set("The active object is not a Dapple scatter")
+    elif read_only(context.object):
+        cls.poll_message_set(read_only(context.object))
+    else:
+        return True
+    return False
 
 
 def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:

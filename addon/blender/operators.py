@@ -15,7 +15,7 @@ from ..core.steps import Steps
 from . import overlay, preview
 from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
-from .library import read_only
+from .library import read_only, writable
 from .locking import lock_points
 from .properties import BIND_TO
 from .scatter import is_scatter, is_surface
@@ -36,22 +36,11 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
     elif context.mode != "OBJECT" or obj is None:
         cls.poll_message_set("Needs an active object in Object Mode")
     elif scatter:
-        return _writable(cls, context)
+        return writable(cls, context)
     elif is_scatter(obj):
         cls.poll_message_set("The active object is a scatter, not a surface")
     elif not is_surface(obj):
         cls.poll_message_set("Needs an active mesh, curve or text object")
-    else:
-        return True
-    return False
-
-
-def _writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active object is a scatter that keeps what is written to it."""
-    if not is_scatter(context.object):
-        cls.poll_message_set("The active object is not a Dapple scatter")
-    elif read_only(context.object):
-        cls.poll_message_set(read_only(context.object))
     else:
         return True
     return False
@@ -187,7 +176,7 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        there = _writable(cls, context) and context.mode == "OBJECT"
+        there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.baked_keys > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
@@ -219,7 +208,7 @@ class DAPPLE_OT_preview(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _writable(cls, context) and not missing()
+        return writable(cls, context) and not missing()
 
     def execute(self, context: bpy.types.Context) -> Answer:
         obj = context.object
@@ -281,7 +270,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not _writable(cls, context):
+        if not writable(cls, context):
             return False
         if context.object.override_library:
             cls.poll_message_set("A library override keeps the classes of its file")
@@ -305,7 +294,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _writable(cls, context)
+        return writable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         try:
@@ -352,7 +341,7 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _writable(cls, context)
+        return writable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Answer:
         for name, value in quality_settings(self.quality).items():
@@ -369,7 +358,7 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        there = _writable(cls, context) and context.mode == "OBJECT"
+        there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.report.worst_overlap > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:

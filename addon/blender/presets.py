@@ -10,6 +10,7 @@ from bpy.props import StringProperty
 
 from ..core import presets
 from ..core.errors import ScatterError
+from .library import writable
 from .scatter import is_scatter
 
 Answer = set[str]
@@ -109,6 +110,10 @@ class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
     bl_idname = "dapple.load_preset"
     bl_label = "Load Preset"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012 - as Blender wants it
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
 
     def work(self, obj: bpy.types.Object) -> None:
         apply(obj, presets.load(folder(), self.name))

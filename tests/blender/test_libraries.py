@@ -18,6 +18,7 @@ WRITING = (
     "edit_classes",
     "set_quality",
     "lock",
+    "load_preset",
 )
 
 

@@ -105,6 +105,13 @@ def resized():
     scatter().dapple.count = 40
 
 
+def changed_after_saving():
+    obj = scatter()
+    obj.dapple.gap_weight = 2.0
+    assert bpy.ops.dapple.save_preset(name="Undone") == {"FINISHED"}
+    obj.dapple.gap_weight = 1.0
+
+
 def unequal():
     scenes.tail(frames=3, levels=1, render_levels=2)
 
@@ -137,6 +144,7 @@ CASES = [
     ("edit_classes", several, {"action": "UP"}),
     ("set_quality", scatter, {"quality": "REGULAR"}),
     ("lock", scatter, {"every": True}),
+    ("load_preset", changed_after_saving, {"name": "Undone"}),
     ("match_subdivision", unequal, {}),
 ]
 
@@ -163,6 +171,8 @@ def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
             if isinstance(told, dict):
                 told.pop("report.milliseconds", None)
     assert again == after
+    if name == "load_preset":
+        assert bpy.ops.dapple.remove_preset(**options) == {"FINISHED"}
 
 
 def selected_points():
