@@ -32,6 +32,7 @@ Story = Iterator[None]
 def story() -> Story:
     """What an artist does from the first scatter to a bake."""
     ground = scene()
+    only(())
     yield from until_shown()
     yield from shot("1-start")
     bpy.context.view_layer.objects.active = ground
@@ -63,7 +64,7 @@ def in_density(obj: bpy.types.Object) -> Story:
 
 def in_classes(obj: bpy.types.Object) -> Story:
     only(("instances",))
-    for name, share, radius, scale in (("Bush", 1.0, 0.16, 1.0), ("Grass", 8.0, 0.05, 0.6)):
+    for name, share, radius, scale in (("Bush", 1.0, 0.13, 1.0), ("Grass", 8.0, 0.03, 0.6)):
         bpy.ops.dapple.edit_classes(action="ADD")
         kind = obj.dapple.classes[-1]
         kind.name, kind.share, kind.radius, kind.scale = name, share, radius, scale
@@ -104,7 +105,7 @@ def scene() -> bpy.types.Object:
     ground = bpy.context.object
     ground.name, ground.color = "Hills", (0.35, 0.30, 0.24, 1)
     texture = bpy.data.textures.new("Hills", "CLOUDS")
-    texture.noise_scale = 1.1
+    texture.noise_scale = 1.3
     displace = ground.modifiers.new("Hills", "DISPLACE")
     displace.texture = texture
     for frame, strength in ((1, 1.0), (12, 1.6)):
@@ -147,39 +148,44 @@ def window() -> Any:
 
 
 def only(names: tuple[str, ...]) -> None:
-    """Open these of the sub-panels; the next drawing shows them so."""
+    """Open these of the sub-panels: Blender has no other way than to register them anew."""
     ui = addon_host.part("blender.ui")
     for name in PANELS:
         panel = getattr(ui, f"DAPPLE_PT_{name}")
         bpy.utils.unregister_class(panel)
-        options = set(getattr(panel, "bl_options", ())) - {"DEFAULT_CLOSED"}
-        panel.bl_options = options if name in names else options | {"DEFAULT_CLOSED"}
-        panel.bl_idname = f"DAPPLE_PT_{name}"
+        panel.bl_options = set() if name in names else {"DEFAULT_CLOSED"}
+        panel.bl_idname = f"DAPPLE_PT_{name}_{'_'.join(names)}"  # the old one remembers its state
         bpy.utils.register_class(panel)
 
 
 def prepare() -> None:
-    """A large viewport with the sidebar open at the add-on's tab."""
-    bpy.context.preferences.view.show_splash = False
-    bpy.context.preferences.view.show_developer_ui = False
-    with window():
-        bpy.ops.screen.screen_full_area(use_hide_panels=False)
+    """A viewport with the sidebar open, near to the hills."""
     area, _ = view()
     space = area.spaces.active
     space.show_region_ui, space.overlay.show_relationship_lines = True, False
     space.shading.color_type = "OBJECT"
-    space.region_3d.view_distance = 7.5
+    space.region_3d.view_distance = 6.0
 
 
 def until_shown(ticks: int = 4) -> Story:
-    area, _ = view()
-    for region in area.regions:
-        if region.type == "UI" and region.active_panel_category != "Dapple":
-            region.active_panel_category = "Dapple"
-    for _ in range(ticks):
-        for one in area.regions:
-            one.tag_redraw()
+    """Until the sidebar shows the add-on's tab, which it can only once it has been drawn."""
+    for tick in range(50):
+        area, _ = view()
+        area.tag_redraw()
         yield
+        if tick >= ticks and show_tab(area):
+            return
+    raise TimeoutError("the sidebar has no tab of the add-on")
+
+
+def show_tab(area: bpy.types.Area) -> bool:
+    sidebar = next(one for one in area.regions if one.type == "UI")
+    try:
+        shown = sidebar.active_panel_category == "Dapple"
+        sidebar.active_panel_category = "Dapple"
+    except (AttributeError, TypeError):  # not drawn yet
+        return False
+    return shown
 
 
 def until_idle() -> Story:
@@ -193,8 +199,14 @@ def until_idle() -> Story:
 
 
 def shot(name: str) -> Story:
+    """The viewport, and the status bar while an operator says there how far it is."""
     yield from until_shown(3)
-    subprocess.run(["import", "-window", "root", str(OUT / f"{name}.png")], check=True)
+    area, height = view()[0], the_window().height
+    bottom = 0 if the_window().modal_operators else area.y
+    top = height - area.y - area.height
+    crop = f"{area.width}x{height - top - bottom}+{area.x}+{top}"
+    picture = str(OUT / f"{name}.png")
+    subprocess.run(["import", "-window", "root", "-crop", crop, "+repage", picture], check=True)
     yield
 
 
@@ -219,6 +231,8 @@ def tell(told: Story) -> float:
 def main() -> None:
     addon_host.add_repository(Path(tempfile.mkdtemp()))
     addon_host.enable()
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.view.show_developer_ui = False
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     told = story()
     bpy.app.timers.register(prepare, first_interval=1.0, persistent=True)

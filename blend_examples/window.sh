@@ -11,6 +11,6 @@ export PYTHONPATH=$site_packages DAPPLE_SHOTS=$root/build/window LIBGL_ALWAYS_SO
 BLENDER_USER_RESOURCES=$(mktemp -d)
 export BLENDER_USER_RESOURCES
 mkdir -p "$DAPPLE_SHOTS"
-timeout --kill-after=10 600 xvfb-run -a -s '-screen 0 1280x800x24 +extension GLX' \
-  blender --factory-startup --python-use-system-env --python-exit-code 1 --window-geometry 0 0 1280 800 \
+timeout --kill-after=10 600 xvfb-run -a -s '-screen 0 1600x1100x24 +extension GLX' \
+  blender --factory-startup --python-use-system-env --python-exit-code 1 --window-geometry 0 0 1600 1100 \
   --gpu-backend opengl --enable-event-simulate --python blend_examples/window.py

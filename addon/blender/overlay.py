@@ -15,6 +15,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..core.errors import ScatterError
+from ..core.frames import vertex_normals
 from ..core.ground import Ground
 from ..core.solve import named
 from ..core.surface import Floats
@@ -95,11 +96,10 @@ def _compute(obj: bpy.types.Object) -> None:
     with named(arrays.name):
         ground = Ground(arrays, settings)
         density = ground.at_corners(kinds[at].density if at < len(kinds) else "")
-    corners = ground.surface.vertices[ground.surface.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+    vertices, faces = ground.surface.vertices, ground.surface.faces
     lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
-    _shown.positions = (corners + lift * normals[:, None]).reshape(-1, 3)
+    lifted = vertices + lift * vertex_normals(vertices, faces)
+    _shown.positions = lifted[faces].reshape(-1, 3)
     _shown.colours = coloured(density.ravel() / max(float(density.max()), 1e-300))
     _shown.surface, _shown.batch, _shown.changed = surface.session_uid, None, 0.0
 

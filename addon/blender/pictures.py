@@ -46,6 +46,7 @@ def _icon(key: tuple[Any, ...], draw: Callable[[], Floats]) -> int:
         if len(_Kept.icons) >= _MOST:
             _Kept.icons.clear()
         pixels = draw()
+        pixels[:, :, :3] *= pixels[:, :, 3:]  # icons are drawn as premultiplied
         preview = _Kept.icons.new(name)
         preview.image_size = (pixels.shape[1], pixels.shape[0])
         preview.image_pixels_float.foreach_set(pixels.ravel().tolist())

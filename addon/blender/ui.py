@@ -34,11 +34,22 @@ from .staleness import stale_reason
 from .topology import differences
 from .workfiles import unfinished, unsaved_note
 
+_LETTER = 6.0  # pixels of a letter of a label, about
+_MARGIN = 85.0  # pixels beside the text of a label with an icon
+
 
 def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
+    """A text as labels, as wide as the sidebar is."""
     column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, 44)):
+    for number, line in enumerate(textwrap.wrap(text, _letters())):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+
+
+def _letters() -> int:
+    """That fit into a line; a background Blender has no region."""
+    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
+    width = region.width / scale if region is not None and region.type == "UI" else 0.0
+    return max(int((width - _MARGIN) / _LETTER), 24) if width else 44
 
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
@@ -122,9 +133,15 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     report = obj.dapple.report
     baked = " a frame" if obj.dapple.baked_keys else ""
     lines = [
-        (f"{report.count:,} points, capacity spread {100 * report.capacity_spread:.2g} %", "NONE"),
+        (
+            f"{_number(report.count, 'point')}, capacity spread {100 * report.capacity_spread:.2g} %",
+            "NONE",
+        ),
         (f"Spacing {report.alpha_mean:.2f} of the best (min {report.alpha_min:.2f})", "NONE"),
-        (f"{report.evaluations} evaluations, {report.milliseconds:.0f} ms{baked}", "NONE"),
+        (
+            f"{_number(report.evaluations, 'evaluation')}, {_time(report.milliseconds)}{baked}",
+            "NONE",
+        ),
     ]
     if not report.converged:
         lines.append(("Tolerance not reached: raise Max Evaluations", "INFO"))
@@ -134,6 +151,14 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     else:
         lines.append(("Fresh: fits the surface", "CHECKMARK"))
     return lines
+
+
+def _number(count: int, thing: str) -> str:
+    return f"{count:,} {thing}{'' if count == 1 else 's'}"
+
+
+def _time(milliseconds: float) -> str:
+    return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
 
 
 def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
@@ -190,13 +215,15 @@ class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
+        self.layout.use_property_split, self.layout.use_property_decorate = True, False
         icon = pictures.pattern_icon(settings_of(context.object))
         self.layout.template_icon(icon_value=icon, scale=6.0)
         self.layout.operator_menu_enum(DAPPLE_OT_set_quality.bl_idname, "quality")
         for name in ("capacity_weight", "gap_weight", "tolerance", "max_evaluations"):
             self.layout.prop(context.object.dapple, name)
-        self.layout.prop(context.object.dapple.report, "spacing")
+        column = self.layout.column()
+        column.prop(context.object.dapple.report, "spacing")
+        column.enabled = False
 
 
 class DAPPLE_UL_classes(bpy.types.UIList):
@@ -256,7 +283,7 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.object.dapple
-        layout.use_property_split = True
+        layout.use_property_split, layout.use_property_decorate = True, False
         _draw_class_list(layout, settings)
         kinds, at = settings.classes, settings.class_index
         shown = kinds[at] if at < len(kinds) else settings

@@ -28,10 +28,7 @@ def unsaved_note() -> str:
     """What to say about a file that was never saved; empty when it was."""
     if bpy.data.filepath:
         return ""
-    return (
-        f"The file was never saved: frames of a stopped bake are kept in '{_folder()}' only "
-        "until Blender closes"
-    )
+    return "Save the file: until then, frames of a stopped bake are kept only until Blender closes"
 
 
 def unfinished(obj: bpy.types.Object) -> int:
