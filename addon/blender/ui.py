@@ -34,22 +34,23 @@ from .staleness import stale_reason
 from .topology import differences
 from .workfiles import unfinished, unsaved_note
 
-_LETTER = 6.0  # pixels of a letter of a label, about
-_MARGIN = 85.0  # pixels beside the text of a label with an icon
+_LETTER = 5.7  # pixels of a letter of a label, about
+_MARGIN, _ICON = 50.0, 25.0  # pixels of the sidebar beside a label, and of its icon
 
 
 def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
     """A text as labels, as wide as the sidebar is."""
     column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, _letters())):
+    for number, line in enumerate(textwrap.wrap(text, _letters(icon))):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
-def _letters() -> int:
+def _letters(icon: str) -> int:
     """That fit into a line; a background Blender has no region."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
     width = region.width / scale if region is not None and region.type == "UI" else 0.0
-    return max(int((width - _MARGIN) / _LETTER), 24) if width else 44
+    taken = _MARGIN if icon == "NONE" else _MARGIN + _ICON
+    return max(int((width - taken) / _LETTER), 24) if width else 44
 
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
@@ -132,16 +133,12 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     """What is to be said about the last result: (text, icon)."""
     report = obj.dapple.report
     baked = " a frame" if obj.dapple.baked_keys else ""
+    count, spread = _number(report.count, "point"), 100 * report.capacity_spread
+    evaluations, spent = _number(report.evaluations, "evaluation"), _time(report.milliseconds)
     lines = [
-        (
-            f"{_number(report.count, 'point')}, capacity spread {100 * report.capacity_spread:.2g} %",
-            "NONE",
-        ),
+        (f"{count}, capacity spread {spread:.2g} %", "NONE"),
         (f"Spacing {report.alpha_mean:.2f} of the best (min {report.alpha_min:.2f})", "NONE"),
-        (
-            f"{_number(report.evaluations, 'evaluation')}, {_time(report.milliseconds)}{baked}",
-            "NONE",
-        ),
+        (f"{evaluations}, {spent}{baked}", "NONE"),
     ]
     if not report.converged:
         lines.append(("Tolerance not reached: raise Max Evaluations", "INFO"))
