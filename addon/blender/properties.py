@@ -11,6 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..core.forward import AXES
 from ..core.settings import Settings
 from ..nodes import GROUP_NAME
 from .property_groups import (
@@ -124,6 +125,18 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         default=_DEFAULT.max_evaluations,
         min=1,
         soft_max=1000,
+    )
+    forward: EnumProperty(
+        options=STILL,
+        update=settings_changed,
+        name="Forward",
+        description="Axis of the surface object along which the X axis of the things points, as "
+        "far as the surface lets it; then they turn with the surface. Set Random Turn to 0",
+        items=[
+            ("NONE", "Any", "Things point anywhere"),
+            *((axis, axis, f"Along {axis} of the surface object") for axis in AXES),
+        ],
+        default="NONE",
     )
     viewport_share: FloatProperty(
         options=STILL,

@@ -290,6 +290,7 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
             column = layout.column(align=True)
             for name in names:
                 column.prop(shown, name)
+        layout.prop(settings, "forward")
         layout.prop(settings, "viewport_share")
         if settings.report.worst_overlap > 0:
             row = layout.row()

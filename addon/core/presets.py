@@ -19,7 +19,15 @@ NAMES = {
     "": (
         *("amount", "count", "points_per_area", "seed", "bind_to", "viewport_share"),
         *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "stickiness"),
-        *("scale", "scale_randomness", "turn_randomness", "align", "tilt", "density_scale"),
+        *(
+            "scale",
+            "scale_randomness",
+            "turn_randomness",
+            "align",
+            "tilt",
+            "density_scale",
+            "forward",
+        ),
         *("bake_smoothing", "count_over_time", "fade_frames", "key_every"),
         *("on_topology_change", "preview_budget"),
     ),

@@ -2,7 +2,7 @@
 """Binding to the rest position: for surfaces whose modifiers make other faces in every frame.
 
 A point keeps where it sits on the rest shape, the surface before its modifiers, and one more place
-a little ahead along the first edge of its triangle, which gives it a direction.
+a little ahead, in the direction that it has on the surface now.
 """
 
 from dataclasses import replace
@@ -11,11 +11,12 @@ import numpy as np
 
 from .binding import bound_nearest
 from .errors import ScatterError
+from .frames import frames, vertex_normals
 from .records import Binding, Columns
 from .solve import named
 from .surface import Floats, SurfaceArrays
 
-_AHEAD = 0.05  # of the edge
+_AHEAD = 0.05  # of the first edge
 _ELSEWHERE = 1e-3  # of the surface's size: a point found so far off was found somewhere else
 
 
@@ -25,9 +26,25 @@ def rest_columns(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Colu
     ScatterError where the rest shape does not tell places apart.
     """
     places = binding.positions(rest)
-    edge = rest[binding.corners[:, 1]] - rest[binding.corners[:, 0]]
     _check_unique(binding, places, rest, surface)
-    return {"dapple_rest": places, "dapple_ahead": places + _AHEAD * edge}
+    return {"dapple_rest": places, "dapple_ahead": places + _AHEAD * _ahead(binding, rest, surface)}
+
+
+def _ahead(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Floats:
+    """Directions (n, 3) of the points in their triangles, as long as the first edges, at rest."""
+    normals = vertex_normals(surface.vertices, surface.faces)
+    direction = frames(binding, surface.vertices, normals).direction(binding.carry)
+    first, second = _edges(binding, surface.vertices)
+    length = np.linalg.norm(first, axis=1, keepdims=True)
+    both = np.stack([first, second], axis=2)  # (n, 3, 2): the direction as a sum of both edges
+    shares = np.linalg.pinv(both) @ (length * direction)[:, :, None]
+    found: Floats = (np.stack(_edges(binding, rest), axis=2) @ shares)[:, :, 0]
+    return found
+
+
+def _edges(binding: Binding, vertices: Floats) -> tuple[Floats, Floats]:
+    a, b, c = (vertices[binding.corners[:, k]] for k in range(3))
+    return b - a, c - a
 
 
 def _check_unique(binding: Binding, places: Floats, rest: Floats, surface: SurfaceArrays) -> None:

@@ -48,6 +48,7 @@ class Settings:
     gap_weight: float = 3.0  # kappa: keeps neighbours apart
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
+    forward: str = "NONE"  # or an axis of the surface, X to -Z, along which things point
     stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
     classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
     density: DensitySettings = DensitySettings()
@@ -55,7 +56,7 @@ class Settings:
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without count, classes and density."""
         options = asdict(self)
-        for name in ("count", "per_area", "stickiness", "classes", "density"):
+        for name in ("count", "per_area", "forward", "stickiness", "classes", "density"):
             del options[name]
         return options
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .binding import binding_of
 from .details import Details, details_of
 from .errors import ScatterError, StoppedError
+from .forward import pointing
 from .ground import Ground
 from .kinds import sampled
 from .locked import Locked, kept_ids, rows_of
@@ -67,7 +68,7 @@ def scatter(
     density = ground.densities(fine)
     columns["dapple_density"] = ground.shares(density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
-    binding = binding_of(samples, arrays.faces)
+    binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report), details_of(fine, density)
     return Scattered(positions, binding, columns, report, details)

@@ -16,11 +16,8 @@ from .settings import Settings
 from .surface import Floats, SurfaceArrays
 
 SKETCH_SUMS = 3
-_ADDED = (
-    "classes",
-    "density",
-    "per_area",
-)  # settings that older files do not have: they were solved without
+# Settings that older files do not have: they were solved without.
+_ADDED = ("classes", "density", "forward", "per_area")
 _VERTICES = 4096  # so many are looked at, evenly spread over their indices
 _TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
 

@@ -127,7 +127,7 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
         )
     for field in fields(settings):
         value = getattr(settings, field.name)
-        if field.name in ("classes", "density", "per_area"):
+        if field.name in ("classes", "density", "forward", "per_area"):
             continue
         assert field.name in sample
         assert shown[field.name].default == pytest.approx(value, rel=1e-6)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directions along a surface: scales that lie from head to tail, tiles that look down a roof."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .frames import frames, vertex_normals
+from .records import Binding
+from .surface import SurfaceArrays
+
+AXES = {
+    f"{sign}{name}": (-1.0 if sign else 1.0) * np.eye(3)[k]
+    for sign in ("", "-")
+    for k, name in enumerate("XYZ")
+}
+
+
+def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:
+    """The binding with angles that turn each point's X axis along an axis of the surface object.
+
+    As far as the surface lets it: the axis is projected onto the surface. NONE leaves the angles.
+    """
+    if forward == "NONE":
+        return binding
+    along = surface.matrix[:3, :3] @ AXES[forward]
+    normals = vertex_normals(surface.vertices, surface.faces)
+    local = frames(binding, surface.vertices, normals)
+    angles = local.angle(np.broadcast_to(along, local.normal.shape))
+    return replace(binding, carry=angles)
