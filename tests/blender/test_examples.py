@@ -14,7 +14,15 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 DUMPS = Path(__file__).parent / "dumps"  # of these counts: python -m blend_examples.NAME --width 0
-COUNTS = {"meadow": 300, "studs": 200, "mosaic": 60, "portrait": 400, "city": 200, "decals": 30}
+COUNTS = {
+    "meadow": 300,
+    "studs": 200,
+    "mosaic": 60,
+    "portrait": 400,
+    "city": 200,
+    "decals": 30,
+    "scales": 120,
+}
 LARGEST = 2**20  # bytes of a .blend
 
 OPENED = """
