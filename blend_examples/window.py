@@ -60,6 +60,18 @@ def in_density(obj: bpy.types.Object) -> Story:
     only(("evenness",))
     yield from until_shown()
     yield from shot("4-optimised")
+    yield from details()
+
+
+def details() -> Story:
+    """The popover opens under the pointer."""
+    the_window().event_simulate("MOUSEMOVE", "NOTHING", x=560, y=760)
+    yield
+    with window():
+        bpy.ops.wm.call_panel("INVOKE_DEFAULT", name="DAPPLE_PT_details", keep_open=True)
+    yield from shot("5-details")
+    escape()
+    yield from until_shown()
 
 
 def in_classes(obj: bpy.types.Object) -> Story:
@@ -71,7 +83,7 @@ def in_classes(obj: bpy.types.Object) -> Story:
         kind.instance = bpy.data.objects[name]
     optimise()
     yield from until_idle()
-    yield from shot("5-classes")
+    yield from shot("6-classes")
 
 
 def in_motion(obj: bpy.types.Object) -> Story:
@@ -81,19 +93,19 @@ def in_motion(obj: bpy.types.Object) -> Story:
     optimise()
     for _ in range(4):
         yield
-    yield from shot("6-optimising")
+    yield from shot("7-optimising")
     escape()
     yield from until_idle()
-    yield from shot("7-cancelled")
+    yield from shot("8-cancelled")
     obj.dapple.count, obj.dapple.tolerance = 600, 5e-5
     with window():
         bpy.ops.dapple.bake("INVOKE_DEFAULT")
     yield from until_idle()
-    yield from shot("8-baked")
+    yield from shot("9-baked")
     bpy.context.scene.frame_set(12)
     obj.dapple.stickiness = 2.0
     yield from until_shown()
-    yield from shot("9-stale")
+    yield from shot("10-stale")
 
 
 def scene() -> bpy.types.Object:

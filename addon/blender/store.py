@@ -42,6 +42,7 @@ from ..nodes import (
     ensure_group,
     get_input,
     has_input,
+    is_current,
     set_input,
 )
 from .library import own_mesh
@@ -73,10 +74,10 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     modifier = scatter_modifier(obj)
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
-    group = ensure_group(len(obj.dapple.classes))
-    if modifier.node_group != group:
+    # One that is linked may stay: an override keeps only what it changes in the linked modifier.
+    if not is_current(modifier.node_group, len(obj.dapple.classes)):
         before = _inputs(modifier)
-        modifier.node_group = group
+        modifier.node_group = ensure_group(len(obj.dapple.classes))
         for name, value in before.items():
             if has_input(modifier, name):
                 set_input(modifier, name, value)

@@ -10,6 +10,7 @@ from .scatter import (
     KEPT_SINCE,
     ensure_group,
     input_name,
+    is_current,
 )
 
 __all__ = [
@@ -23,5 +24,6 @@ __all__ = [
     "get_input",
     "has_input",
     "input_name",
+    "is_current",
     "set_input",
 ]

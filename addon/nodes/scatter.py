@@ -22,10 +22,16 @@ INSTANCE_INPUTS = [
 def ensure_group(classes: int = 0) -> bpy.types.NodeTree:
     """The group of this version for so many classes in the open file, built if there is none."""
     for group in bpy.data.node_groups:
-        known = group.get(VERSION_KEY) == VERSION and group.get(_KINDS_KEY, 0) == classes
-        if known and group.library is None:
+        if is_current(group, classes) and group.library is None:
             return group
     return build(classes)
+
+
+def is_current(group: bpy.types.NodeTree | None, classes: int) -> bool:
+    """Whether a group is of this version and for so many classes."""
+    if group is None or group.get(VERSION_KEY) != VERSION:
+        return False
+    return bool(group.get(_KINDS_KEY, 0) == classes)
 
 
 def input_name(name: str, kind: int | None) -> str:

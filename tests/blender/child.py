@@ -2,14 +2,16 @@
 """Python with bpy in a process of its own: the wheel's Python, or this Blender executable."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
+from importlib import metadata
 from pathlib import Path
 
 import bpy
-import numpy
 
 HERE = Path(__file__).resolve().parent
 
@@ -31,7 +33,7 @@ def run(script, *arguments, **environment):
 
 
 def bare(script, *arguments, **environment):
-    """As run, in a Blender as users have it: its Python finds bpy and numpy, no other package."""
+    """As run, in a Blender as users have it: its Python finds bpy and what that needs."""
     return _said(_done(_bare_command, script, *arguments, **environment))
 
 
@@ -73,10 +75,28 @@ def _bare_command(path):
         return command
     packages = path.parent / "packages"
     packages.mkdir()
-    for found in (Path(bpy.utils.resource_path("LOCAL")), Path(numpy.__file__)):
-        (packages / found.parent.name).symlink_to(found.parent, target_is_directory=True)
+    module = Path(bpy.utils.resource_path("LOCAL")).parent
+    (packages / module.name).symlink_to(module, target_is_directory=True)
+    for found in _required("bpy", set()):
+        if not (packages / found.name).exists():
+            (packages / found.name).symlink_to(found)
     path.write_text(f"import sys\nsys.path.append({str(packages)!r})\n{path.read_text()}")
     return [sys.executable, "-I", "-S", str(path)]
+
+
+def _required(name, seen):
+    """Folders and files of the packages that a package asks for: a Blender program has them too."""
+    seen.add(name)
+    found = []
+    for line in metadata.requires(name) or []:
+        needed = re.match(r"[\w.-]+", line)[0]
+        if "extra ==" in line or needed in seen:
+            continue
+        with suppress(metadata.PackageNotFoundError):
+            tops = {file.parts[0] for file in metadata.files(needed) if file.parts[0] != ".."}
+            found += [Path(metadata.distribution(needed).locate_file(top)) for top in tops]
+            found += _required(needed, seen)
+    return found
 
 
 def blender(*options):
