@@ -1,17 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of the add-on that touches bpy."""
 
+from typing import Any
+
 import bpy
 
-from . import operators, overlay, pictures, presets, preview, properties, ui, workfiles
+from . import (
+    operators,
+    overlay,
+    pictures,
+    presets,
+    preview,
+    properties,
+    translation,
+    ui,
+    workfiles,
+)
 
 _CLASSES = (*operators.CLASSES, *presets.CLASSES, *ui.CLASSES)
 
 
 def register() -> None:
     """Add properties, operators, panel and menu entry."""
+    translation.register()
     properties.register()
     for cls in _CLASSES:
+        _describe(cls)
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_mesh_add.append(ui.draw_add_menu)
     pictures.register()
@@ -30,3 +44,10 @@ def unregister() -> None:
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
     properties.unregister()
+    translation.unregister()
+
+
+def _describe(cls: Any) -> None:
+    """Have a tooltip be one line, whatever Python keeps of a docstring's indentation."""
+    if issubclass(cls, bpy.types.Operator):
+        cls.bl_description = " ".join((cls.__doc__ or "").split())

@@ -8,6 +8,7 @@ import bpy
 
 from ..core.errors import ScatterError, StoppedError
 from ..core.steps import Stepper, Steps, run_now
+from .translation import operator_label, told
 
 _TICK = 0.01  # seconds between two ticks
 _BUDGET = 0.04  # seconds of a tick
@@ -86,7 +87,12 @@ class StepsOperator:
     def _show(self, context: bpy.types.Context) -> None:
         progress = self._stepper.progress
         context.window_manager.progress_update(progress)
-        context.workspace.status_text_set(f"{self.bl_label}: {progress:.0%}    Esc cancels")
+        text = told(
+            "{work}: {progress:.0%}    Esc cancels",
+            work=operator_label(self.bl_label),
+            progress=progress,
+        )
+        context.workspace.status_text_set(text)
 
     def _failed(self, error: Exception) -> Answer:
         kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"

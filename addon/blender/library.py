@@ -4,24 +4,30 @@
 import bpy
 
 from .scatter import is_scatter
+from .translation import Say, told
 
 
-def read_only(obj: bpy.types.Object) -> str:
+def read_only(obj: bpy.types.Object, say: Say = told) -> str:
     """Why nothing that is written to an object would be kept; empty when it is."""
     if obj.library is not None:
-        return (
-            f"'{obj.name}' is linked from '{bpy.path.basename(obj.library.filepath)}': make it "
-            "local or a library override, or work in that file"
+        return say(
+            "'{name}' is linked from '{file}': make it local or a library override, or work in "
+            "that file",
+            name=obj.name,
+            file=bpy.path.basename(obj.library.filepath),
         )
     if obj.override_library is not None and obj.override_library.is_system_override:
-        return f"'{obj.name}' is a library override that is not editable: make it editable first"
+        return say(
+            "'{name}' is a library override that is not editable: make it editable first",
+            name=obj.name,
+        )
     return ""
 
 
 def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the active object is a scatter that keeps what is written to it."""
     if not is_scatter(context.object):
-        cls.poll_message_set("The active object is not a Dapple scatter")
+        cls.poll_message_set(told("The active object is not a Dapple scatter"))
     elif read_only(context.object):
         cls.poll_message_set(read_only(context.object))
     else:

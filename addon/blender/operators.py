@@ -21,6 +21,7 @@ from .properties import BIND_TO
 from .scatter import is_scatter, is_surface
 from .store import clear_keys
 from .topology import differences, match_subdivision
+from .translation import reported, told
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
 from .workfiles import work_files
 
@@ -34,13 +35,13 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
     if missing():
         cls.poll_message_set(missing())
     elif context.mode != "OBJECT" or obj is None:
-        cls.poll_message_set("Needs an active object in Object Mode")
+        cls.poll_message_set(told("Needs an active object in Object Mode"))
     elif scatter:
         return writable(cls, context)
     elif is_scatter(obj):
-        cls.poll_message_set("The active object is a scatter, not a surface")
+        cls.poll_message_set(told("The active object is a scatter, not a surface"))
     elif not is_surface(obj):
-        cls.poll_message_set("Needs an active mesh, curve or text object")
+        cls.poll_message_set(told("Needs an active mesh, curve or text object"))
     else:
         return True
     return False
@@ -122,7 +123,11 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         if result.trouble:
             self.report({"WARNING"}, result.trouble)
         if result.taken:
-            text = f"{result.taken} of {result.done} frames were solved by a bake stopped before"
+            text = reported(
+                "{taken} of {done} frames were solved by a bake stopped before",
+                taken=result.taken,
+                done=result.done,
+            )
             self.report({"INFO"}, text)
 
 
@@ -162,9 +167,13 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
     def done(self, context: bpy.types.Context, result: Any) -> None:
         made, tiles = result
-        text = f"'{made.name}': {len(np.unique(tiles.cells)):,} tiles"
-        lost = f", {tiles.lost} were narrower than the grout" if tiles.lost else ""
-        self.report({"WARNING" if tiles.lost else "INFO"}, text + lost)
+        count = len(np.unique(tiles.cells))
+        text = reported("'{name}': {count:,} tiles", name=made.name, count=count)
+        if tiles.lost:
+            text = reported(
+                "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
+            )
+        self.report({"WARNING" if tiles.lost else "INFO"}, text)
 
 
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
@@ -273,7 +282,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
         if not writable(cls, context):
             return False
         if context.object.override_library:
-            cls.poll_message_set("A library override keeps the classes of its file")
+            cls.poll_message_set(told("A library override keeps the classes of its file"))
         return not context.object.override_library
 
     def execute(self, context: bpy.types.Context) -> Answer:
@@ -302,7 +311,10 @@ class DAPPLE_OT_lock(bpy.types.Operator):
         except ScatterError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{count:,} points {'locked' if self.lock else 'unlocked'}")
+        if self.lock:
+            self.report({"INFO"}, reported("{count:,} points locked", count=count))
+        else:
+            self.report({"INFO"}, reported("{count:,} points unlocked", count=count))
         return {"FINISHED"}
 
 

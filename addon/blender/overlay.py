@@ -22,6 +22,7 @@ from ..core.surface import Floats
 from .held import Held
 from .scatter import settings_of, surface_of
 from .surroundings import read_with
+from .translation import told
 
 _PAUSE = 0.2  # seconds without a change before the colours are computed
 _LIFT = 2e-3  # above the surface, of its size
@@ -118,7 +119,7 @@ def _tick() -> float | None:
         try:
             _compute(_shown.scatter.get())
         except ScatterError as error:
-            _shown.said = f"Density is not shown: {error}"
+            _shown.said = told("Density is not shown: {error}", error=error)
             stop()
             return None
         _redraw()

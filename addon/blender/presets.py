@@ -12,6 +12,7 @@ from ..core import presets
 from ..core.errors import ScatterError
 from .library import writable
 from .scatter import is_scatter
+from .translation import told
 
 Answer = set[str]
 _PACKAGE = __package__.removesuffix(".blender")
@@ -140,14 +141,15 @@ class DAPPLE_MT_presets(bpy.types.Menu):
     def draw(self, context: bpy.types.Context) -> None:
         found = presets.names(folder())
         for name in found:
-            self.layout.operator(DAPPLE_OT_load_preset.bl_idname, text=name).name = name
+            load = DAPPLE_OT_load_preset.bl_idname
+            self.layout.operator(load, text=name, translate=False).name = name
         if found:
             self.layout.separator()
         self.layout.operator(DAPPLE_OT_save_preset.bl_idname, icon="ADD")
         save = self.layout.operator(DAPPLE_OT_save_preset.bl_idname, text="Save as Default")
         save.name = presets.DEFAULT
         for name in found:
-            text = f"Remove '{name}'"
+            text = told("Remove '{name}'", name=name)
             remove = self.layout.operator(
                 DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH"
             )

@@ -24,6 +24,7 @@ from .scatter import is_scatter, scatter_modifier, settings_of, surface_of
 from .staleness import check_bound_to_faces, other_faces
 from .store import ensure_modifier, own_points, read_binding
 from .surroundings import read_with
+from .translation import told
 
 _INPUT = "Preview"
 _TICK = 0.05  # seconds between two looks at the surface
@@ -60,7 +61,9 @@ def note(obj: bpy.types.Object) -> str:
     if not is_on(obj):
         return _state.said
     riding = _state.previews[obj.session_uid].follower.riding
-    return "Over budget: points ride on the surface" if riding else "Points follow the surface"
+    if riding:
+        return told("Over budget: points ride on the surface")
+    return told("Points follow the surface")
 
 
 def start(obj: bpy.types.Object) -> None:
@@ -142,7 +145,7 @@ def _follow(preview: _Preview) -> None:
 
 def _end(preview: _Preview, why: str) -> None:
     _state.previews.pop(preview.scatter.uid, None)
-    _state.said = f"Preview ended: {why}"
+    _state.said = told("Preview ended: {why}", why=why)
     _clear_all(keep=_state.previews)
 
 

@@ -12,6 +12,7 @@ from ..core.solve import Report
 from ..core.stale import changed_settings
 from ..core.tiles import TileSettings
 from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
+from .translation import Say, english, told
 
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}  # metaballs change faces as they move
 
@@ -53,11 +54,11 @@ def write_stale_input(obj: bpy.types.Object) -> None:
     """Have the modifier warn when the settings are not those of the result."""
     modifier = scatter_modifier(obj)
     if modifier is not None and has_input(modifier, "Stale"):
-        set_input(modifier, "Stale", settings_reason(obj))
+        set_input(modifier, "Stale", settings_reason(obj, english))
         obj.update_tag()
 
 
-def settings_reason(obj: bpy.types.Object) -> str:
+def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
     """Which settings are not those that the result was solved with; empty when all are."""
     if not obj.dapple.solved_settings:
         return ""
@@ -66,8 +67,15 @@ def settings_reason(obj: bpy.types.Object) -> str:
         names.append("bind to")
     if not names:
         return ""
-    again = "bake" if obj.dapple.baked_keys else "optimise"
-    return f"Settings were changed ({', '.join(names)}): {again} again"
+    listed = ", ".join(say(name) for name in names)
+    return solve_again(obj, say("Settings were changed ({names})", names=listed), say)
+
+
+def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
+    """A reason why a result does not fit, and what makes one that does."""
+    if obj.dapple.baked_keys:
+        return say("{reason}: bake again", reason=reason)
+    return say("{reason}: optimise again", reason=reason)
 
 
 def write_instance_inputs(obj: bpy.types.Object) -> None:

@@ -10,8 +10,9 @@ from ..core.stale import moved
 from ..core.surface import SurfaceArrays
 from ..nodes import get_input
 from .meshio import evaluated_mesh, read_columns, read_surface, topology
-from .scatter import scatter_modifier, settings_reason
+from .scatter import scatter_modifier, settings_reason, solve_again
 from .store import stored_object
+from .translation import counted, told
 
 
 def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
@@ -49,23 +50,31 @@ def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
 def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
     surface = obj.dapple.surface
     if surface is None:
-        return "The surface is gone"
+        return told("The surface is gone")
     if not surface.evaluated_get(depsgraph).is_evaluated:
-        return f"Surface '{surface.name}' is not in the view layer"
+        return told("Surface '{surface}' is not in the view layer", surface=surface.name)
     if not surface.users_collection and surface.library is None:
-        return f"Surface '{surface.name}' was deleted, or is in no collection: choose another"
+        return told(
+            "Surface '{surface}' was deleted, or is in no collection: choose another",
+            surface=surface.name,
+        )
     if obj.dapple.bound_to == "REST":
         return ""
     bound = _bound_vertices(obj, depsgraph.scene)
     with evaluated_mesh(surface, depsgraph) as mesh:
         now, faces = len(mesh.vertices), topology(mesh)
-    again = "bake" if obj.dapple.baked_keys else "optimise"
-    if now not in bound:
-        return f"Bound to {bound[0]:,} vertices, the surface has {now:,}: {again} again"
     known = obj.dapple.surface_topology.split()
-    if known and faces not in known:
-        return f"The faces of '{surface.name}' are not those the points are bound to: {again} again"
-    return ""
+    if now not in bound:
+        reason = told(
+            "Bound to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now
+        )
+    elif known and faces not in known:
+        reason = told(
+            "The faces of '{surface}' are not those the points are bound to", surface=surface.name
+        )
+    else:
+        return ""
+    return solve_again(obj, reason)
 
 
 def _points_reason(obj: bpy.types.Object) -> str:
@@ -73,12 +82,16 @@ def _points_reason(obj: bpy.types.Object) -> str:
     count = len(obj.data.vertices)
     if obj.dapple.baked_keys:
         known = get_input(scatter_modifier(obj), "Key Points")
-        return "" if count == known else "Points were added or removed since the bake: bake again"
+        if count == known:
+            return ""
+        return solve_again(obj, told("Points were added or removed since the bake"))
     added = count - obj.dapple.report.count
-    return (
-        f"{added:,} points were added by hand: re-bind, or lock them and optimise"
-        if added > 0
-        else ""
+    if added <= 0:
+        return ""
+    return counted(
+        added,
+        "{count} point was added by hand: re-bind, or lock it and optimise",
+        "{count:,} points were added by hand: re-bind, or lock them and optimise",
     )
 
 
@@ -97,10 +110,14 @@ def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
     last = first + obj.dapple.baked_frames - 1
     if first <= scene.frame_start and scene.frame_end <= last:
         return ""
-    return (
-        f"Frames {first} to {last} are baked, the scene has {scene.frame_start} to "
-        f"{scene.frame_end}: bake again"
+    reason = told(
+        "Frames {first} to {last} are baked, the scene has {start} to {end}",
+        first=first,
+        last=last,
+        start=scene.frame_start,
+        end=scene.frame_end,
     )
+    return solve_again(obj, reason)
 
 
 def _motion_reason(
@@ -113,10 +130,12 @@ def _motion_reason(
     stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
     if not moved(stored, read_surface(obj.dapple.surface, depsgraph)):
         return ""
-    return (
-        f"Surface '{obj.dapple.surface.name}' moves otherwise than when it was baked "
-        f"(frame {scene.frame_current}): bake again"
+    reason = told(
+        "Surface '{surface}' moves otherwise than when it was baked (frame {frame})",
+        surface=obj.dapple.surface.name,
+        frame=scene.frame_current,
     )
+    return solve_again(obj, reason)
 
 
 def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:

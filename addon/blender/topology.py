@@ -14,6 +14,7 @@ import bpy
 
 from ..core.errors import ScatterError
 from .meshio import evaluated_mesh, topology
+from .translation import Say, english
 
 # Modifier type -> properties that the viewport and the render read.
 _PAIRS = {
@@ -46,26 +47,36 @@ def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> 
     )
 
 
-def differences(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[str]:
+def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = english) -> list[str]:
     """Settings by which viewport and render differ, in words."""
-    causes = [f"Resolution: {seen} and {used}" for _, seen, used in _resolutions(obj)]
-    causes += [words for modifier in obj.modifiers for words in _modifier_difference(modifier)]
+    causes = [
+        say("Resolution: {viewport} and {render}", viewport=seen, render=used)
+        for _, seen, used in _resolutions(obj)
+    ]
+    causes += [words for one in obj.modifiers for words in _modifier_difference(one, say)]
     if _simplified(scene) and any(modifier.type in _PAIRS for modifier in obj.modifiers):
         render = scene.render
         causes.append(
-            f"Simplify: {render.simplify_subdivision} and {render.simplify_subdivision_render}"
+            say(
+                "Simplify: {viewport} and {render}",
+                viewport=render.simplify_subdivision,
+                render=render.simplify_subdivision_render,
+            )
         )
     return causes
 
 
-def _modifier_difference(modifier: bpy.types.Modifier) -> Iterator[str]:
+def _modifier_difference(modifier: bpy.types.Modifier, say: Say) -> Iterator[str]:
     if modifier.show_viewport != modifier.show_render:
-        where = "viewport" if modifier.show_viewport else "render"
-        yield f"{modifier.name}: shown in the {where} only"
+        if modifier.show_viewport:
+            yield say("{modifier}: shown in the viewport only", modifier=modifier.name)
+        else:
+            yield say("{modifier}: shown in the render only", modifier=modifier.name)
     elif modifier.show_viewport and modifier.type in _PAIRS:
         viewport, render = (getattr(modifier, name) for name in _PAIRS[modifier.type])
         if viewport != render:
-            yield f"{modifier.name}: {viewport} and {render}"
+            values = {"viewport": viewport, "render": render}
+            yield say("{modifier}: {viewport} and {render}", modifier=modifier.name, **values)
 
 
 def _resolutions(obj: bpy.types.Object) -> Iterator[tuple[tuple[str, str], int, int]]:

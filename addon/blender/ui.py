@@ -32,6 +32,7 @@ from .presets import DAPPLE_MT_presets
 from .scatter import is_scatter, settings_of, settings_reason
 from .staleness import stale_reason
 from .topology import differences
+from .translation import counted, told
 from .workfiles import unfinished, unsaved_note
 
 _LETTER = 5.7  # pixels of a letter of a label, about
@@ -118,40 +119,46 @@ def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
     row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
     if obj.dapple.locked_count:
-        layout.label(text=f"{obj.dapple.locked_count:,} points are locked", icon="LOCKED")
+        text = counted(
+            obj.dapple.locked_count, "{count} point is locked", "{count:,} points are locked"
+        )
+        layout.label(text=text, icon="LOCKED")
 
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     surface = active_surface(context)
-    causes = differences(surface, context.scene) if surface else []
+    causes = differences(surface, context.scene, told) if surface else []
     if causes:
-        _lines(layout, f"Viewport and render differ: {'; '.join(causes)}", "ERROR")
+        text = told("Viewport and render differ: {causes}", causes="; ".join(causes))
+        _lines(layout, text, "ERROR")
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
 
 
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
     """What is to be said about the last result: (text, icon)."""
     report = obj.dapple.report
-    baked = " a frame" if obj.dapple.baked_keys else ""
-    count, spread = _number(report.count, "point"), 100 * report.capacity_spread
-    evaluations, spent = _number(report.evaluations, "evaluation"), _time(report.milliseconds)
+    points = counted(report.count, "{count} point", "{count:,} points")
+    spread, mean, least = 100 * report.capacity_spread, report.alpha_mean, report.alpha_min
     lines = [
-        (f"{count}, capacity spread {spread:.2g} %", "NONE"),
-        (f"Spacing {report.alpha_mean:.2f} of the best (min {report.alpha_min:.2f})", "NONE"),
-        (f"{evaluations}, {spent}{baked}", "NONE"),
+        (told("{points}, capacity spread {spread:.2g} %", points=points, spread=spread), "NONE"),
+        (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
+        (_effort(obj), "NONE"),
     ]
     if not report.converged:
-        lines.append(("Tolerance not reached: raise Max Evaluations", "INFO"))
+        lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
     stale = _stale_reason(obj, context)
     if stale:
-        lines.append((f"Stale: {stale[0].lower()}{stale[1:]}", "ERROR"))
+        lines.append((told("Stale: {reason}", reason=stale), "ERROR"))
     else:
-        lines.append(("Fresh: fits the surface", "CHECKMARK"))
+        lines.append((told("Fresh: fits the surface"), "CHECKMARK"))
     return lines
 
 
-def _number(count: int, thing: str) -> str:
-    return f"{count:,} {thing}{'' if count == 1 else 's'}"
+def _effort(obj: bpy.types.Object) -> str:
+    report = obj.dapple.report
+    done = counted(report.evaluations, "{count} evaluation", "{count:,} evaluations")
+    line = f"{done}, {_time(report.milliseconds)}"
+    return told("{effort} a frame", effort=line) if obj.dapple.baked_keys else line
 
 
 def _time(milliseconds: float) -> str:
@@ -187,10 +194,15 @@ class DAPPLE_PT_details(bpy.types.Panel):
         layout.template_icon(icon_value=pictures.gaps_icon(details), scale=6.0)
         row = layout.row()
         row.label(text="0")
-        _right(row, f"{FARTHEST:g} of the best possible")
+        _right(row, told("{share:g} of the best possible", share=FARTHEST))
         if len(details.energies) > 1:
             first, last = details.energies[0], details.energies[-1]
-            layout.label(text=f"Energy over {len(details.energies) - 1} iterations")
+            steps = len(details.energies) - 1
+            layout.label(
+                text=counted(
+                    steps, "Energy over {count} iteration", "Energy over {count} iterations"
+                )
+            )
             layout.template_icon(icon_value=pictures.energy_icon(details), scale=6.0)
             row = layout.row()
             row.label(text=f"{first:.4g}")
@@ -294,7 +306,8 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
         layout.prop(settings, "viewport_share")
         if settings.report.worst_overlap > 0:
             row = layout.row()
-            row.label(text=f"Worst overlap {100 * settings.report.worst_overlap:.0f} %")
+            share = 100 * settings.report.worst_overlap
+            row.label(text=told("Worst overlap {share:.0f} %", share=share))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
 
 
@@ -342,12 +355,16 @@ def baked_line(obj: bpy.types.Object) -> str:
     """Which frames are baked, and what the frames without a key lose."""
     settings, report = obj.dapple, obj.dapple.report
     last = settings.baked_start + settings.baked_frames - 1
-    line = f"Baked: frames {settings.baked_start} to {last}"
+    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
     if settings.baked_keys == settings.baked_frames:
         return line
-    return (
-        f"{line}, {settings.baked_keys} keys; between them points are "
-        f"{report.key_error_mean:.2g} spacings off (at most {report.key_error_max:.2g})"
+    return told(
+        "{baked}, {keys} keys; between them points are {mean:.2g} spacings off "
+        "(at most {most:.2g})",
+        baked=line,
+        keys=settings.baked_keys,
+        mean=report.key_error_mean,
+        most=report.key_error_max,
     )
 
 
@@ -373,15 +390,19 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         if settings.baked_keys:
             _lines(layout, baked_line(context.object), "CHECKMARK")
         else:
-            _lines(layout, "Not baked: points ride on the surface", "INFO")
+            _lines(layout, told("Not baked: points ride on the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
         row.prop(settings, "preview_budget", text="ms")
         if preview.note(context.object):
             _lines(layout, preview.note(context.object), "INFO")
         if unfinished(context.object):
-            count = unfinished(context.object)
-            _lines(layout, f"Unfinished bake: {count} frames are solved, Bake goes on", "INFO")
+            text = counted(
+                unfinished(context.object),
+                "Unfinished bake: {count} frame is solved, Bake goes on",
+                "Unfinished bake: {count} frames are solved, Bake goes on",
+            )
+            _lines(layout, text, "INFO")
             layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
         if unsaved_note():
             _lines(layout, unsaved_note(), "INFO")

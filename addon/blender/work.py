@@ -47,6 +47,7 @@ from .store import (
 from .surroundings import read_with
 from .tiles import check_tile_object, write_tiles
 from .topology import check_render_topology
+from .translation import english, reported
 from .workfiles import work_files
 
 _SEAM_STEPS = 6
@@ -167,10 +168,12 @@ def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, Surf
 
 def _stopped(baker: Baker) -> str:
     if baker.sidecar is None or not baker.done:
-        return "Cancelled: nothing was written"
-    return (
-        f"Cancelled: the scatter is as it was; {baker.done} solved frames are kept in "
-        f"'{baker.sidecar.folder}', Bake goes on from there"
+        return reported("Cancelled: nothing was written")
+    return reported(
+        "Cancelled: the scatter is as it was; {count} solved frames are kept in '{folder}', Bake "
+        "goes on from there",
+        count=baker.done,
+        folder=baker.sidecar.folder,
     )
 
 
@@ -267,7 +270,9 @@ def _read_checked(
             f"Surface '{surface.name}' is no mesh and has no rest position: set Bind To to Faces"
         )
     elif read_only(surface) and not surface.add_rest_position_attribute:
-        raise ScatterError(f"Rest Position of the surface is off, and {read_only(surface)}")
+        raise ScatterError(
+            f"Rest Position of the surface is off, and {read_only(surface, english)}"
+        )
     return _read(surface, settings)
 
 

@@ -9,6 +9,7 @@ import bpy
 
 from ..core.sidecar import Sidecar
 from .scatter import is_scatter
+from .translation import told
 
 
 def work_files(obj: bpy.types.Object) -> Sidecar:
@@ -28,7 +29,9 @@ def unsaved_note() -> str:
     """What to say about a file that was never saved; empty when it was."""
     if bpy.data.filepath:
         return ""
-    return "Save the file: until then, frames of a stopped bake are kept only until Blender closes"
+    return told(
+        "Save the file: until then, frames of a stopped bake are kept only until Blender closes"
+    )
 
 
 def unfinished(obj: bpy.types.Object) -> int:

@@ -145,4 +145,4 @@ def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
     assert lines[-1] == "Fresh: fits the surface"
     surface.modifiers.new("Subdivision", "SUBSURF")
     lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
-    assert lines[-1].startswith("Stale: bound to 266 vertices, the surface has ")
+    assert lines[-1].startswith("Stale: Bound to 266 vertices, the surface has ")

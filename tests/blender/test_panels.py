@@ -32,7 +32,7 @@ class Layout:
         assert icon in ICONS
         self.shown.append(name)
 
-    def operator(self, name, text="", icon="NONE", depress=False):
+    def operator(self, name, text="", icon="NONE", depress=False, translate=True):
         assert icon in ICONS
         group, verb = name.split(".")
         kind = getattr(getattr(bpy.ops, group), verb).get_rna_type()
