@@ -65,7 +65,7 @@ def in_density(obj: bpy.types.Object) -> Story:
 
 def details() -> Story:
     """The popover opens under the pointer."""
-    the_window().event_simulate("MOUSEMOVE", "NOTHING", x=560, y=760)
+    the_window().event_simulate("MOUSEMOVE", "NOTHING", x=560, y=560)
     yield
     with window():
         bpy.ops.wm.call_panel("INVOKE_DEFAULT", name="DAPPLE_PT_details", keep_open=True)

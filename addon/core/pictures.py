@@ -11,7 +11,7 @@ import numpy as np
 from .native import package
 from .surface import Floats
 
-SIZE = (128, 256)  # rows, columns
+SIZE = (160, 160)  # rows, columns; icons are square
 _FINER = 3  # drawn so many times larger, then averaged
 _INK = np.array([0.92, 0.92, 0.92])
 _MARK = np.array([0.95, 0.55, 0.15])
