@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import bpy
 
-from ..core.details import FARTHEST, details_from
+from ..core.details import FARTHEST, Details, details_from
 from ..core.errors import ScatterError
 from ..core.native import missing
 from . import overlay, pictures, preview
@@ -181,7 +181,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
     bl_label = "Details"
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"
-    bl_ui_units_x = 14
+    bl_ui_units_x = 18
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -190,27 +190,30 @@ class DAPPLE_PT_details(bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, report = self.layout, context.object.dapple.report
         details = details_from(report.details)
-        layout.label(text="Distance to the nearest point")
-        layout.template_icon(icon_value=pictures.gaps_icon(details), scale=6.0)
-        row = layout.row()
+        sides = layout.row()
+        column = sides.column(align=True)
+        column.label(text="Distance to the nearest point")
+        column.template_icon(icon_value=pictures.gaps_icon(details), scale=7.0)
+        row = column.row()
         row.label(text="0")
         _right(row, told("{share:g} of the best possible", share=FARTHEST))
         if len(details.energies) > 1:
-            first, last = details.energies[0], details.energies[-1]
-            steps = len(details.energies) - 1
-            layout.label(
-                text=counted(
-                    steps, "Energy over {count} iteration", "Energy over {count} iterations"
-                )
-            )
-            layout.template_icon(icon_value=pictures.energy_icon(details), scale=6.0)
-            row = layout.row()
-            row.label(text=f"{first:.4g}")
-            _right(row, f"{last:.4g}")
+            _draw_energies(sides.column(align=True), details)
         column = layout.column(align=True)
         for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations"):
             column.prop(report, name)
         column.enabled = False
+
+
+def _draw_energies(column: bpy.types.UILayout, details: Details) -> None:
+    steps = len(details.energies) - 1
+    column.label(
+        text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")
+    )
+    column.template_icon(icon_value=pictures.energy_icon(details), scale=7.0)
+    row = column.row()
+    row.label(text=f"{details.energies[0]:.4g}")
+    _right(row, f"{details.energies[-1]:.4g}")
 
 
 def _right(row: bpy.types.UILayout, text: str) -> None:
