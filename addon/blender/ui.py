@@ -144,7 +144,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
         (_effort(obj), "NONE"),
     ]
-    if not report.converged:
+    if not report.converged and not obj.dapple.baked_keys:
         lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
     stale = _stale_reason(obj, context)
     if stale:

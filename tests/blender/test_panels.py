@@ -163,4 +163,6 @@ def test_a_baked_scatter(mode):
     bpy.ops.dapple.bake()
     shown = drawn()
     assert "Baked: frames 1 to 3" in shown
+    obj.dapple.report.converged = False  # of a frame, which has a limit of its own
+    assert not [line for line in drawn() if "Max Evaluations" in line]
     assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
