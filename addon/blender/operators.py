@@ -17,7 +17,7 @@ from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
 from .library import read_only, writable
 from .locking import lock_points
-from .properties import BIND_TO
+from .properties import BIND_TO, OWN
 from .scatter import is_scatter, is_surface
 from .store import clear_keys
 from .topology import differences, match_subdivision
@@ -65,6 +65,7 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         name="Bind To",
         description="What the points hold on to while the surface deforms",
         items=BIND_TO,
+        translation_context=OWN,
         default="FACES",
     )
 

@@ -28,6 +28,7 @@ from .scatter import is_surface
 
 _DEFAULT = Settings()
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
+OWN = "Dapple"  # context of words that Blender's own catalogues have for other things
 BIND_TO = [
     ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
     (
@@ -186,6 +187,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         name="Bind To",
         description="What the points hold on to while the surface deforms",
         items=BIND_TO,
+        translation_context=OWN,
         default="FACES",
     )
     count_over_time: EnumProperty(
@@ -246,7 +248,10 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         name="Bake Fingerprint", description="Digest of all that the keys were solved from"
     )
     bound_to: EnumProperty(
-        name="Bound To", description="What the points hold on to now", items=BIND_TO
+        name="Bound To",
+        description="What the points hold on to now",
+        items=BIND_TO,
+        translation_context=OWN,
     )
     surface_topology: StringProperty(
         name="Surface Topology", description="Digest of the faces the points are bound to"

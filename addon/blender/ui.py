@@ -349,8 +349,11 @@ class DAPPLE_PT_tiles(_ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         for name in ("grout", "inset_randomness", "thickness", "colour_by"):
             layout.prop(tiles, name)
-        text = "Replace Tiles" if tiles.object else "Make Tiles"
-        layout.operator(DAPPLE_OT_tile.bl_idname, text=text, icon="MESH_GRID")
+        layout.operator(
+            DAPPLE_OT_tile.bl_idname,
+            text="Replace Tiles" if tiles.object else "Make Tiles",
+            icon="MESH_GRID",
+        )
         layout.prop(tiles, "object", text="Object")
 
 
@@ -396,7 +399,7 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
             _lines(layout, told("Not baked: points ride on the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
-        row.prop(settings, "preview_budget", text="ms")
+        row.prop(settings, "preview_budget", text="ms", translate=False)
         if preview.note(context.object):
             _lines(layout, preview.note(context.object), "INFO")
         if unfinished(context.object):

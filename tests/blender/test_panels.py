@@ -19,7 +19,7 @@ class Layout:
         self.shown = shown
 
     def row(self, **_):
-        return Layout(self.shown)
+        return type(self)(self.shown)
 
     column = row
 
@@ -71,12 +71,12 @@ class Layout:
             kind.draw_item(draw, bpy.context, self, data, item, 0, active_data, active, index)
 
 
-def drawn():
+def drawn(layout=Layout):
     """What all panels show for the active object."""
     ui, shown = addon_host.part("blender.ui"), []
     for kind in ui.CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):
-            kind.draw(types.SimpleNamespace(layout=Layout(shown)), bpy.context)
+            kind.draw(types.SimpleNamespace(layout=layout(shown)), bpy.context)
     return shown
 
 

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Catalogues: complete, with nothing else, and what the panel and Blender make of them.
+
+The bpy module has no translations compiled in; a lookup in the catalogue stands in for Blender's.
+"""
+
+import json
+import re
+import string
+from zipfile import ZipFile
+
+import addon_host
+import bpy
+import messages
+import pytest
+import scenes
+import test_panels
+from bl_i18n_utils import settings as languages
+from test_addon import extension_tool
+
+LOCALES = sorted(path.stem for path in (addon_host.ADDON / "translations").glob("*.json"))
+INTERNATIONAL = bpy.app.build_options.international
+
+
+def part():
+    return addon_host.part("blender.translation")
+
+
+def catalogue(locale):
+    return part().catalogues(part().FOLDER)[locale]
+
+
+@pytest.fixture
+def german(monkeypatch):
+    """Blender's interface in German; what it makes of a message in a context."""
+    if INTERNATIONAL:
+        view = bpy.context.preferences.view
+        view.language, view.use_translate_interface = "de_DE", True
+        view.use_translate_reports = True
+        yield lambda message, context="*": bpy.app.translations.pgettext_iface(message, context)
+        view.language = "DEFAULT"
+        return
+    texts = catalogue("de_DE")
+
+    def lookup(message, context="*"):
+        return texts.get((context, message), message)
+
+    for name in ("pgettext_iface", "pgettext_rpt"):
+        monkeypatch.setattr(part(), name, lookup)
+    yield lookup
+
+
+def translating(lookup):
+    """A layout that looks up its texts as Blender's does."""
+
+    class Layout(test_panels.Layout):
+        def label(self, text="", icon="NONE"):
+            super().label(lookup(text), icon)
+
+        def popover(self, panel, text="", icon="NONE"):
+            super().popover(panel, lookup(text), icon)
+
+        def prop(self, data, name, text=None, translate=True, **options):
+            super().prop(data, name, **options)
+            prop = data.bl_rna.properties[name]
+            self.shown.append(lookup(text or prop.name, prop.translation_context))
+
+        def operator(self, name, text="", icon="NONE", depress=False, translate=True):
+            given = super().operator(name, text, icon, depress)
+            group, verb = name.split(".")
+            label = text or getattr(getattr(bpy.ops, group), verb).get_rna_type().name
+            self.shown.append(lookup(label, "Operator") if translate else label)
+            return given
+
+    return Layout
+
+
+def placeholders(text):
+    return {(name, spec) for _, name, spec, _ in string.Formatter().parse(text) if name is not None}
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+def test_a_catalogue_has_all_that_is_shown_and_nothing_else(locale):
+    shown, known = messages.shown(), set(catalogue(locale))
+    assert not shown - known, "not translated"
+    assert not known - shown, "shown nowhere"
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+def test_a_catalogue_is_of_a_language_of_blenders_and_fills_in_the_same(locale):
+    assert locale in [code for _, _, code in languages.LANGUAGES]
+    for (_, message), text in catalogue(locale).items():
+        assert text.strip()
+        assert placeholders(text) == placeholders(message), message
+        assert message.endswith(".") == text.endswith("."), message
+
+
+def test_what_is_shown_is_found():
+    shown = messages.shown()
+    expected = {
+        ("Operator", "Replace Tiles"),  # a choice in the sources
+        ("Operator", "Lock Selected"),  # a text of a button
+        ("*", "Capacity Weight"),
+        ("*", "gap weight"),
+        ("*", "{count} point"),
+        ("*", "Exact Count"),  # a heading
+        ("Dapple", "Rest Position"),  # Blender's German for it is that of Resolution
+        ("*", "Even and without any pattern, as grass or pebbles lie"),
+    }
+    assert expected <= shown
+    assert len(shown) > 250
+    assert not [message for _, message in shown if "\n" in message]
+
+
+@pytest.mark.parametrize("baked", [False, True])
+def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
+    obj = scenes.scattered(scenes.tail(frames=3), count=30)
+    if baked:
+        obj.dapple.key_every = 2
+        bpy.ops.dapple.bake()
+        obj.dapple.locked_count, obj.dapple.report.converged = 2, False
+    obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
+    bpy.context.scene.frame_set(1)
+    monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
+    monkeypatch.setattr(addon_host.part("blender.ui"), "_letters", lambda _icon: 10_000)
+    known, lines = {message for _, message in messages.shown()}, []
+
+    class Layout(test_panels.Layout):
+        def label(self, text="", icon="NONE"):
+            lines.append(text)
+
+    test_panels.drawn(Layout)
+    assert any("«seed»" in line for line in lines)
+    plain = [line for line in lines if "«" not in line and line not in known]
+    assert not [line for line in plain if not re.fullmatch(r"[\d.,e+-]*", line)]
+
+
+def test_the_panel_is_german(german):
+    obj = scenes.scattered(scenes.sphere(), count=120)
+    shown = test_panels.drawn(translating(german))
+    for text in ("Optimieren", "Neu binden", "Mehrere Klassen", "Binden an", "Haftung"):
+        assert text in shown
+    assert "Aktuell: passt zur Oberfläche" in shown
+    assert any(text.startswith("120 Punkte, Kapazitätsabweichung ") for text in shown)
+    obj.dapple.seed, obj.dapple.gap_weight = 3, 1.0
+    shown = "|".join(test_panels.drawn(translating(german)))
+    reason = "Einstellungen wurden geändert (Startwert, Abstandsgewicht): neu optimieren"
+    assert f"Veraltet: {reason}" in shown.replace("|", " ")
+
+
+def test_one_is_no_plural(german):
+    counted = part().counted
+    assert counted(1, "{count} point", "{count:,} points") == "1 Punkt"
+    assert counted(0, "{count} point", "{count:,} points") == "0 Punkte"
+    assert counted(2000, "{count} point", "{count:,} points") == "2,000 Punkte"
+
+
+def test_a_file_keeps_english(german):
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.seed = 9
+    get_input = addon_host.part("nodes").get_input
+    assert get_input(obj.modifiers[0], "Stale") == "Settings were changed (seed): optimise again"
+    assert "Einstellungen" in addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    obj.dapple.surface = None
+    with pytest.raises(RuntimeError, match="has no surface: choose a mesh object"):
+        bpy.ops.dapple.optimise()
+
+
+def test_names_with_braces_are_shown_as_they_are(german):
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    surface.name = "{0} {count} }{"
+    bpy.data.collections.new("Away").objects.link(surface)
+    for collection in list(surface.users_collection):
+        collection.objects.unlink(surface)
+    reason = addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    assert reason.startswith("Oberfläche '{0} {count} }{'")
+
+
+BROKEN = {
+    "de_DE": b"{ not json",
+    "es": b"[1, 2]",
+    "fr_FR": b'{"*": ["Count"]}',
+    "it_IT": b'{"*": {"Count": 3}}',
+    "ja_JP": '{"*": {"Count": "é"}}'.encode("latin-1"),
+}
+
+
+def test_broken_catalogues_are_named_and_left_out(tmp_path, monkeypatch, capsys):
+    for locale, content in BROKEN.items():
+        (tmp_path / f"{locale}.json").write_bytes(content)
+    (tmp_path / "nl_NL.json").write_text(json.dumps({"*": {"Count": "Aantal"}}))
+    assert part().catalogues(tmp_path) == {"nl_NL": {("*", "Count"): "Aantal"}}
+    said = capsys.readouterr().out
+    assert all(f"{locale}.json' is no translation: " in said for locale in BROKEN)
+    monkeypatch.setattr(part(), "FOLDER", tmp_path)
+    addon_host.part("blender").unregister()
+    addon_host.part("blender").register()
+    assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+
+
+@pytest.mark.parametrize("text", ["{other} Punkte", "{count", "{count.far}", "{0}", "{count:q}"])
+def test_a_text_that_cannot_be_filled_in_is_left_english(text, monkeypatch):
+    monkeypatch.setattr(part(), "pgettext_iface", lambda _message: text)
+    assert part().told("{count:,} points", count=5) == "5 points"
+
+
+def test_the_zip_has_the_catalogues(tmp_path):
+    archive = tmp_path / "dapple.zip"
+    extension_tool("build", f"--source-dir={addon_host.ADDON}", f"--output-filepath={archive}")
+    with ZipFile(archive) as file:
+        names = set(file.namelist())
+    assert {f"translations/{locale}.json" for locale in LOCALES} <= names
+    assert "de_DE" in LOCALES
+
+
+@pytest.mark.skipif(not INTERNATIONAL, reason="this Blender is built without translations")
+def test_blender_looks_up_the_catalogue_and_forgets_it(german):
+    part().unregister()
+    own = {key: german(key[1], key[0]) for key in messages.shown()}
+    assert own["Operator", "Optimise"] == "Optimise"
+    part().register()
+    for (context, message), text in catalogue("de_DE").items():
+        before = own[context, message]
+        assert german(message, context) == (text if before == message else before)
