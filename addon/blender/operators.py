@@ -17,11 +17,11 @@ from .classes import change_classes, select_overlap
 from .job import Answer, StepsOperator
 from .library import read_only, writable
 from .locking import lock_points
-from .properties import BIND_TO, OWN
+from .properties import BIND_TO
 from .scatter import is_scatter, is_surface
 from .store import clear_keys
 from .topology import differences, match_subdivision
-from .translation import reported, told
+from .translation import OWN, reported, told
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
 from .workfiles import work_files
 
@@ -350,7 +350,9 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
     bl_label = "Quality"
     bl_options = _OPTIONS
 
-    quality: EnumProperty(name="Quality", items=QUALITIES, default="NATURAL")
+    quality: EnumProperty(
+        name="Quality", items=QUALITIES, translation_context=OWN, default="NATURAL"
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -25,10 +25,10 @@ from .property_groups import (
     settings_changed,
 )
 from .scatter import is_surface
+from .translation import OWN
 
 _DEFAULT = Settings()
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-OWN = "Dapple"  # context of words that Blender's own catalogues have for other things
 BIND_TO = [
     ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
     (

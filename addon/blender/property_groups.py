@@ -18,6 +18,7 @@ from ..core.settings import DensitySettings
 from ..core.tiles import TileSettings
 from . import overlay
 from .scatter import write_instance_inputs, write_stale_input
+from .translation import OWN
 from .weights import weight_names
 
 _DENSITY = DensitySettings()
@@ -121,6 +122,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="From",
+        translation_context=OWN,
         description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
         default=_DENSITY.slope_from,
         min=0.0,
@@ -131,6 +133,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="To",
+        translation_context=OWN,
         description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
         default=_DENSITY.slope_to,
         min=0.0,
@@ -157,6 +160,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="From",
+        translation_context=OWN,
         description="Lowest world Z with full density",
         default=_DENSITY.height_from,
         unit="LENGTH",
@@ -165,6 +169,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="To",
+        translation_context=OWN,
         description="Highest world Z with full density",
         default=_DENSITY.height_to,
         unit="LENGTH",
@@ -260,6 +265,7 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     colour_by: EnumProperty(
         options=STILL,
         name="Colour By",
+        translation_context=OWN,
         description="What the colour attribute of the tiles tells",
         items=[
             ("RANDOM", "Tile", "Each tile has a colour by chance of its id"),

@@ -20,6 +20,7 @@ import bpy
 from bpy.app.translations import pgettext_iface, pgettext_rpt
 
 FOLDER = Path(__file__).resolve().parents[1] / "translations"
+OWN = "Dapple"  # context of names that Blender's catalogues have for other things
 _PACKAGE = __package__.removesuffix(".blender")
 Messages = dict[tuple[str, str], str]  # (context, English message): text
 Say = Callable[..., str]  # told or english

@@ -138,7 +138,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
 def test_the_panel_is_german(german):
     obj = scenes.scattered(scenes.sphere(), count=120)
     shown = test_panels.drawn(translating(german))
-    for text in ("Optimieren", "Neu binden", "Mehrere Klassen", "Binden an", "Haftung"):
+    for text in ("Optimieren", "Neu binden", "Mehrere Klassen", "Binden an", "Klebrigkeit"):
         assert text in shown
     assert "Aktuell: passt zur Oberfläche" in shown
     assert any(text.startswith("120 Punkte, Kapazitätsabweichung ") for text in shown)
