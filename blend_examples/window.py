@@ -10,8 +10,6 @@ import importlib
 import os
 import subprocess
 import sys
-import tempfile
-import traceback
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +21,7 @@ OUT = Path(os.environ["DAPPLE_SHOTS"])
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tests" / "blender"))
 addon_host = importlib.import_module("addon_host")
+told = importlib.import_module("story")
 
 TICK = 0.2
 PANELS = ("density", "evenness", "instances", "tiles", "animation")
@@ -32,6 +31,7 @@ Story = Iterator[None]
 def story() -> Story:
     """What an artist does from the first scatter to a bake."""
     ground = scene()
+    prepare()
     only(())
     yield from until_shown()
     yield from shot("1-start")
@@ -70,7 +70,7 @@ def details() -> Story:
     with window():
         bpy.ops.wm.call_panel("INVOKE_DEFAULT", name="DAPPLE_PT_details", keep_open=True)
     yield from shot("5-details")
-    escape()
+    told.press_escape()
     yield from until_shown()
 
 
@@ -94,7 +94,7 @@ def in_motion(obj: bpy.types.Object) -> Story:
     for _ in range(4):
         yield
     yield from shot("7-optimising")
-    escape()
+    told.press_escape()
     yield from until_idle()
     yield from shot("8-cancelled")
     obj.dapple.count, obj.dapple.tolerance = 600, 5e-5
@@ -138,11 +138,6 @@ def thing(name: str, add: Any, radius: float, colour: tuple[float, ...]) -> None
 def optimise() -> None:
     with window():
         bpy.ops.dapple.optimise("INVOKE_DEFAULT")
-
-
-def escape() -> None:
-    for value in ("PRESS", "RELEASE"):
-        the_window().event_simulate("ESC", value, x=100, y=100)
 
 
 def the_window() -> bpy.types.Window:
@@ -222,33 +217,5 @@ def shot(name: str) -> Story:
     yield
 
 
-def leave(status: int) -> None:
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
-
-
-def tell(told: Story) -> float:
-    try:
-        next(told)
-    except StopIteration:
-        addon_host.disable()
-        leave(0)
-    except BaseException:
-        traceback.print_exc()
-        leave(1)
-    return TICK
-
-
-def main() -> None:
-    addon_host.add_repository(Path(tempfile.mkdtemp()))
-    addon_host.enable()
-    bpy.context.preferences.view.show_splash = False
-    bpy.context.preferences.view.show_developer_ui = False
-    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
-    told = story()
-    bpy.app.timers.register(prepare, first_interval=1.0, persistent=True)
-    bpy.app.timers.register(lambda: tell(told), first_interval=3.0, persistent=True)
-
-
-main()
+if __name__ == "__main__":
+    told.begin(story, TICK)

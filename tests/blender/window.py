@@ -1,26 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The modal operators in a real window. test_window.py runs this; exit status 0 is success.
 
-Each step of `story` yields until Blender's event loop has gone on.
+Each step of `events` yields until Blender's event loop has gone on.
 """
 
-import os
 import sys
-import tempfile
-import traceback
 from pathlib import Path
 
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-import addon_host
 import scenes
+import story
 
 TICK = 0.05
 PATIENCE = 600  # ticks
 
 
-def story():
+def events():
     """Add, bake, cancel a bake and an optimisation, as an artist would."""
     surface = scenes.tail()
     obj = yield from added(surface)
@@ -73,36 +70,9 @@ def until_idle(operator, escape_after=None, **options):
         if not window.modal_operators:
             return
         if tick == escape_after:
-            window.event_simulate("ESC", "PRESS", x=100, y=100)
-            window.event_simulate("ESC", "RELEASE", x=100, y=100)
+            story.press_escape()
         yield
     raise TimeoutError(f"{operator} is still running")
 
 
-def leave(status):
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
-
-
-def tell(told):
-    try:
-        next(told)
-    except StopIteration:
-        addon_host.disable()
-        leave(0)
-    except BaseException:
-        traceback.print_exc()
-        leave(1)
-    return TICK
-
-
-def main():
-    addon_host.add_repository(Path(tempfile.mkdtemp()))
-    addon_host.enable()
-    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
-    told = story()
-    bpy.app.timers.register(lambda: tell(told), first_interval=1.0, persistent=True)
-
-
-main()
+story.begin(events, TICK)
