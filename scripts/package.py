@@ -11,6 +11,7 @@ from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
 
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
+ASSETS = "dapple_nodes.blend"  # addon/blender/asset_library.py looks for it
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 TAG = f"cp{PYTHON}".replace(".", "")
 
@@ -83,13 +84,14 @@ def refuse_wheels(version: str, names: list[str]) -> None:
         pythons.add(python)
 
 
-def extension(folder: str, platform: str, version: str, *wheels: str) -> None:
-    """Write the folder that Blender builds into a zip: the add-on, its licence, its wheels."""
+def extension(folder: str, platform: str, version: str, assets: str, *wheels: str) -> None:
+    """Write the folder that Blender builds into a zip: the add-on, its licence, assets, wheels."""
     names = [Path(wheel).name for wheel in wheels]
     refuse_wheels(version, names)
     target = Path(folder)
     shutil.copytree(ROOT / "addon", target, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", target)
+    shutil.copy(assets, target / "assets" / ASSETS)
     (target / "wheels").mkdir()
     for wheel in wheels:
         shutil.copy(wheel, target / "wheels")

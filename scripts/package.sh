@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Builds the extension that Blender installs from disk, the native package in it:
+# Builds the extension that Blender installs from disk, the native package and the node groups as assets in it:
 # build/package/dapple-VERSION-PLATFORM.zip. The same build gives the same bytes. It suits Blenders of the Python that it
 # was made with: 3.11 on Debian 12 (as Blender 4.5), 3.13 on Debian 13 (as Blender 5.2); --wheel adds the other one.
 #   scripts/package.sh [--build FOLDER] [--wheel FILE]... [--to FOLDER]
@@ -70,9 +70,18 @@ check_wheel() {
   [ ! -s "$work/missing" ] || { echo "the private Embree lacks: $(<"$work/missing")"; return 1; }
 }
 
+# Blender reads files of newer versions badly or not at all: the oldest one here writes.
+build_assets() {
+  local command=("$python" scripts/assets.py)
+  [ "$(system_name)" != debian-13 ] ||
+    command=(blender --background --factory-startup --python-exit-code 1 --python scripts/assets.py)
+  BLENDER_USER_RESOURCES=$work/blender timeout --kill-after=10 300 "${command[@]}" -- "$work/assets.blend"
+}
+
 build_extension() {
   local folder=$work/extension
-  "$python" scripts/package.py extension "$folder" "$platform" "$version" "$work"/wheels/*.whl "${others[@]}" &&
+  "$python" scripts/package.py extension "$folder" "$platform" "$version" "$work/assets.blend" \
+    "$work"/wheels/*.whl "${others[@]}" &&
     "$python" "$blender_ext" build --source-dir="$folder" --output-filepath="$work/built.zip" &&
     "$python" scripts/package.py settle "$work/built.zip" "$work/$zip" &&
     "$python" "$blender_ext" validate "$work/$zip" &&
@@ -89,5 +98,6 @@ version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple; print(dapple.__v
 zip=dapple-$version-$platform.zip
 stage 'build the wheel' build_wheel
 stage 'check the wheel' check_wheel
+stage 'build the assets' build_assets
 stage 'build the extension' build_extension
 "$python" scripts/package.py show "$to/$zip"

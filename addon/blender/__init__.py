@@ -6,6 +6,7 @@ from typing import Any
 import bpy
 
 from . import (
+    asset_library,
     operators,
     overlay,
     pictures,
@@ -17,7 +18,7 @@ from . import (
     workfiles,
 )
 
-_CLASSES = (*operators.CLASSES, *presets.CLASSES, *ui.CLASSES)
+_CLASSES = (*operators.CLASSES, *presets.CLASSES, *ui.CLASSES, *asset_library.CLASSES)
 
 
 def register() -> None:
@@ -40,6 +41,7 @@ def unregister() -> None:
     preview.unregister()
     workfiles.unregister()
     pictures.unregister()
+    asset_library.unregister()
     bpy.types.VIEW3D_MT_mesh_add.remove(ui.draw_add_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

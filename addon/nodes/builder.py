@@ -5,6 +5,8 @@ from typing import Any, TypeAlias
 
 import bpy
 
+from . import tooltips
+
 Socket: TypeAlias = Any  # bpy.types.NodeSocket
 
 
@@ -90,6 +92,11 @@ class Builder:
         """Field of a named attribute."""
         return self.out("GeometryNodeInputNamedAttribute", name, data_type=data_type)
 
+    def attribute_or(self, name: str, data_type: str, input_type: str, other: Any) -> Socket:
+        """Field of a named attribute, another value on a geometry that has none."""
+        value = self.attribute(name, data_type)
+        return self.switch(input_type, value.node.outputs["Exists"], other, value)
+
     def sample(self, geometry: Any, value: Any, index: Any, data_type: str) -> Socket:
         """Value of a field at the point of a geometry with this index."""
         return self.out("GeometryNodeSampleIndex", geometry, value, index, data_type=data_type)
@@ -97,6 +104,10 @@ class Builder:
     def count(self, geometry: Any, component: str = "MESH") -> Socket:
         """Number of points (or instances) of a geometry."""
         return self.out("GeometryNodeAttributeDomainSize", geometry, component=component)
+
+    def count_points(self, geometry: Any) -> Socket:
+        """Number of points of a geometry, be they a mesh's vertices or a point cloud."""
+        return self.integer("ADD", self.count(geometry), self.count(geometry, "POINTCLOUD"))
 
     def turned(self, rotation: Any, angle: Any) -> Socket:
         """Rotation turned by an angle about its own Z."""
@@ -161,7 +172,11 @@ def new_group(
     """Empty node group with these (name, socket type) inputs and outputs."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     for label, kind in inputs:
-        tree.interface.new_socket(label, in_out="INPUT", socket_type=kind)
+        socket = tree.interface.new_socket(label, in_out="INPUT", socket_type=kind)
+        socket.description = tooltips.of_input(label)
+        if tooltips.default(label) is not None:
+            socket.default_value = tooltips.default(label)
     for label, kind in outputs:
-        tree.interface.new_socket(label, in_out="OUTPUT", socket_type=kind)
+        socket = tree.interface.new_socket(label, in_out="OUTPUT", socket_type=kind)
+        socket.description = tooltips.of_output(label)
     return tree

@@ -29,9 +29,9 @@ def build() -> bpy.types.NodeTree:
     b = Builder(tree)
     played = b.input("Played")
     bound = b.switch("INT", played, b.input("Surface Vertices"), b.input("Key Vertices"))
-    other = b.compare("NOT_EQUAL", b.input("Vertices"), bound)
+    other = _differs(b, b.input("Vertices"), bound)
     other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
-    lost = b.compare("NOT_EQUAL", b.input("Points"), b.input("Key Points"))
+    lost = _differs(b, b.input("Points"), b.input("Key Points"))
     lost = b.boolean("AND", played, lost)
     other = _warning(b, other, "The surface has another number of vertices: optimise the scatter")
     lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
@@ -42,6 +42,12 @@ def build() -> bpy.types.NodeTree:
     b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
     b.arrange()
     return tree
+
+
+def _differs(b: Builder, number: Socket, asked: Socket) -> Socket:
+    """Whether there is another number than is asked for; 0 asks for none."""
+    asks = b.compare("NOT_EQUAL", asked, 0)
+    return b.boolean("AND", asks, b.compare("NOT_EQUAL", number, asked))
 
 
 def _warning(b: Builder, show: Socket, message: Any) -> Socket:

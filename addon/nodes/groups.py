@@ -11,17 +11,18 @@ import bpy
 
 from .builder import Builder
 
-VERSION = 7
+VERSION = 8
 VERSION_KEY = "dapple_version"  # -VERSION for groups inside others
 _PART_KEY = "dapple_part"
 
 
 def inner(b: Builder, part: ModuleType, *feeds: object) -> bpy.types.Node:
     """A node with the group that a module builds; feeds go to its inputs in their order."""
-    return b.group(_ensure(part), *feeds)
+    return b.group(ensure(part), *feeds)
 
 
-def _ensure(part: ModuleType) -> bpy.types.NodeTree:
+def ensure(part: ModuleType) -> bpy.types.NodeTree:
+    """The group that a module builds, as it is in the open file, built if there is none."""
     for group in bpy.data.node_groups:
         known = group.get(VERSION_KEY) == -VERSION and group.get(_PART_KEY) == part.NAME
         if known and group.library is None:

@@ -72,7 +72,7 @@ class _Played:
 def _played(b: Builder, surface: Socket) -> _Played:
     names = ("Keys", "Triangles", "Frames", "Preview")
     keys, triangles, frames, preview = (_stored(b, name) for name in names)
-    count, vertices = b.count(b.input("Geometry")), b.count(surface)
+    count, vertices = b.count_points(b.input("Geometry")), b.count(surface)
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
     now = inner(b, moment, frames, b.input("First Frame"), vertices)

@@ -11,7 +11,8 @@ NAME = "Dapple Things"
 def build() -> bpy.types.NodeTree:
     """New group: objects of the collection by chance, or the object; a small cone without any.
 
-    Things stand on the points of a class, or on all if it is below 0, that are there.
+    Things stand on the points of a class, or on all if it is below 0, that are there. Points of
+    others, without `fade` or `scale`, are all there, with things of their own size.
     """
     tree = new_group(
         NAME,
@@ -36,7 +37,7 @@ def build() -> bpy.types.NodeTree:
         some,
         b.switch("INT", some, 0, _picked(b, count)),
         b.attribute("rotation", "QUATERNION"),
-        b.attribute("scale", "FLOAT_VECTOR"),
+        b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0)),
     )
     b.output("Instances", placed)
     b.arrange()
@@ -44,7 +45,8 @@ def build() -> bpy.types.NodeTree:
 
 
 def _chosen(b: Builder) -> Socket:
-    there = b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT")
+    fade = b.attribute_or("fade", "FLOAT", "FLOAT", 1.0)
+    there = b.compare("GREATER_THAN", fade, 0.0, "FLOAT")
     kind = b.input("Class")
     mine = b.boolean("AND", there, b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind))
     return b.switch("BOOLEAN", b.compare("LESS_THAN", kind, 0), mine, there)

@@ -9,8 +9,10 @@ import tomllib
 from pathlib import Path
 from zipfile import ZipFile
 
+import addon_host
 import bpy
 import child
+import nodes_text
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -135,6 +137,24 @@ def test_it_is_small_and_brings_the_licences_of_what_is_bundled(archive):
         with files.open(*wheels_of(archive)) as file, ZipFile(file) as inner:
             names = {Path(name).name for name in inner.namelist() if "/licenses/" in name}
     assert names >= {"LICENSE", "libembree-dev.txt", "libtbb-dev.txt", "libopenmesh-dev.txt"}
+
+
+def test_it_brings_the_node_groups_as_assets_with_their_catalogue(archive, tmp_path):
+    with ZipFile(archive) as files:
+        for name in ("blender_assets.cats.txt", "dapple_nodes.blend"):
+            files.extract(f"assets/{name}", tmp_path)
+    source = ROOT / "addon" / "assets" / "blender_assets.cats.txt"
+    shipped = tmp_path / "assets"
+    assert (shipped / source.name).read_bytes() == source.read_bytes()
+    path = str(shipped / "dapple_nodes.blend")
+    with bpy.data.libraries.load(path, assets_only=True) as (found, wanted):
+        names = list(found.node_groups)
+        wanted.node_groups = list(names)
+    assets = dict(zip(names, wanted.node_groups, strict=True))
+    described = addon_host.part("nodes.assets").ASSETS
+    assert sorted(assets) == sorted(asset.name for asset in described)
+    found = {name: nodes_text.dump(group) for name, group in assets.items()}
+    assert found == nodes_text.built()
 
 
 def test_the_same_build_gives_the_same_bytes(archive, tmp_path):

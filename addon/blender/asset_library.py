@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node groups as an asset library of Blender's preferences, if the user wants it there."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty
+
+from .translation import reported, told
+
+Answer = set[str]
+NAME = "Dapple"
+FOLDER = Path(__file__).parents[1] / "assets"
+ASSETS = "dapple_nodes.blend"
+_PACKAGE = __package__.removesuffix(".blender")
+
+
+def missing_assets() -> str:
+    """Why there is no library to add; empty when there is one."""
+    if (FOLDER / ASSETS).is_file():
+        return ""
+    return told(
+        "{file} is missing: only the extension that Blender installs from a zip has it",
+        file=ASSETS,
+    )
+
+
+def library() -> bpy.types.UserAssetLibrary | None:
+    """The entry of the preferences that leads to the assets."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    return next((one for one in libraries if one.path and Path(one.path) == FOLDER), None)
+
+
+def remove() -> None:
+    """Take the assets out of the preferences."""
+    found = library()
+    if found is not None:
+        bpy.context.preferences.filepaths.asset_libraries.remove(found)
+
+
+class _LibraryOperator:
+    bl_options = {"INTERNAL"}  # noqa: RUF012 - as Blender wants it
+    report: Callable[[set[str], str], None]
+
+
+class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
+    """Show Dapple's node groups in the asset browser: adds their folder to the asset libraries of
+    the preferences"""
+
+    bl_idname = "dapple.add_asset_library"
+    bl_label = "Add Asset Library"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if missing_assets():
+            cls.poll_message_set(missing_assets())
+        return not missing_assets()
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        found = library()
+        if found is not None:
+            text = reported("The asset library '{name}' is there already", name=found.name)
+            self.report({"INFO"}, text)
+            return {"FINISHED"}
+        libraries = context.preferences.filepaths.asset_libraries
+        added = libraries.new(name=NAME, directory=str(FOLDER))
+        context.preferences.is_dirty = True
+        self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
+    """Take Dapple's node groups out of the asset browser; groups that files use stay"""
+
+    bl_idname = "dapple.remove_asset_library"
+    bl_label = "Remove Asset Library"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if library() is None:
+            text = "Dapple's node groups are in no asset library of the preferences"
+            cls.poll_message_set(told(text))
+        return library() is not None
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        remove()
+        context.preferences.is_dirty = True
+        return {"FINISHED"}
+
+
+class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
+    """Preferences of the extension."""
+
+    bl_idname = _PACKAGE
+
+    remove_library: BoolProperty(
+        name="Remove with the Add-on",
+        description="Take the asset library out of the preferences when the add-on is disabled",
+        default=False,
+    )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        layout.label(text="The node groups can be used alone, from the asset browser.")
+        if library() is None:
+            layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")
+            if missing_assets():
+                layout.label(text=missing_assets(), icon="INFO")
+            return
+        layout.operator(DAPPLE_OT_remove_asset_library.bl_idname, icon="X")
+        layout.prop(self, "remove_library")
+
+
+def unregister() -> None:
+    """Take the library back if the user asked for that."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    wanted = addon is not None and addon.preferences is not None
+    if wanted and addon.preferences.remove_library:
+        remove()
+
+
+CLASSES = (
+    DAPPLE_OT_add_asset_library,
+    DAPPLE_OT_remove_asset_library,
+    DAPPLE_AP_preferences,
+)

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node groups that are of use alone, behind other nodes: what an asset browser says of them."""
+
+from dataclasses import dataclass
+from types import ModuleType
+
+import bpy
+
+from . import bound_point, points, rest_point, things, viewport
+from .groups import ensure
+from .scatter import GROUP_NAME, ensure_group
+
+CATALOGUE = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
+AUTHOR = "Dapple developers"
+LICENCE = "GPL-3.0-or-later"
+
+
+@dataclass(frozen=True)
+class Asset:
+    """A group and what is said of it; no part is the whole: one kind of things, no classes."""
+
+    description: str
+    tags: tuple[str, ...]
+    part: ModuleType | None = None
+
+    @property
+    def name(self) -> str:
+        """Of the node group."""
+        return self.part.NAME if self.part else GROUP_NAME
+
+    def build(self) -> bpy.types.NodeTree:
+        """The group in the open file, built if there is none."""
+        return ensure(self.part) if self.part else ensure_group()
+
+
+ASSETS = (
+    Asset(
+        "Plays the points of a scatter on its surface and places an object, or a collection's "
+        "objects, on them",
+        ("scatter", "instances", "blue noise"),
+    ),
+    Asset(
+        "Plays the points of a scatter on its surface: positions, and the attributes rotation, "
+        "scale and fade",
+        ("scatter", "points", "blue noise"),
+        points,
+    ),
+    Asset(
+        "Places an object, or a collection's objects by chance, on points; they may carry "
+        "rotation, scale, fade and dapple_class",
+        ("instances",),
+        things,
+    ),
+    Asset(
+        "Hides a share of a scatter's points in the viewport, so that the others stay even",
+        ("points", "viewport"),
+        viewport,
+    ),
+    Asset(
+        "Position and rotation of a place in a triangle of a surface, as it is now",
+        ("surface", "position", "rotation"),
+        bound_point,
+    ),
+    Asset(
+        "Position and rotation of a place of a surface's rest_position, as the surface is now",
+        ("surface", "position", "rotation"),
+        rest_point,
+    ),
+)
+
+
+def mark(asset: Asset) -> bpy.types.NodeTree:
+    """The group, as an asset of the catalogue Dapple."""
+    group = asset.build()
+    group.asset_mark()
+    data = group.asset_data
+    data.description, data.author, data.license = asset.description, AUTHOR, LICENCE
+    data.catalog_id = CATALOGUE
+    for tag in asset.tags:
+        data.tags.new(tag, skip_if_exists=True)
+    return group
+
+
+def write(path: str) -> None:
+    """Write all assets, and the groups inside them, to a .blend of their own."""
+    groups = {mark(asset) for asset in ASSETS}
+    bpy.data.libraries.write(path, groups, fake_user=True)

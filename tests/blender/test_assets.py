@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node groups as assets: what the file holds, a Blender without the add-on, the preferences."""
+
+import json
+import types
+from pathlib import Path
+
+import addon_host
+import bpy
+import child
+import nodes_text
+import numpy as np
+import pytest
+import scenes
+from test_panels import Layout
+
+ROOT = Path(__file__).resolve().parents[2]
+NAMES = [f"Dapple {name}" for name in ("Bound Point", "Points", "Rest Point", "Scatter", "Things")]
+NAMES += ["Dapple Viewport"]
+
+WRITE = """
+sys.path.insert(0, arguments[0])
+from pathlib import Path
+from scripts import assets
+assets.main(Path(arguments[1]))
+"""
+
+# Each group behind others, on an object elsewhere whose mesh has the points of a scatter.
+USED = """
+import json
+import numpy as np
+import mathutils
+import scenes
+
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
+assert not hasattr(bpy.types.Object, "dapple")
+with bpy.data.libraries.load(arguments[1], assets_only=True) as (found, wanted):
+    wanted.node_groups = list(found.node_groups)
+groups = dict(zip(found.node_groups, wanted.node_groups))
+told = json.loads(arguments[2])
+expected = np.load(arguments[3])
+
+
+def shown(kind, build):
+    tree = bpy.data.node_groups.new("Chain", "GeometryNodeTree")
+    for side in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+
+    def node(kind, **feeds):
+        new = tree.nodes.new("GeometryNodeGroup" if kind in groups else kind)
+        if kind in groups:
+            new.node_tree = groups[kind]
+        for name, feed in feeds.items():
+            socket = new.inputs[name.replace("_", " ")]
+            if isinstance(feed, bpy.types.NodeSocket):
+                tree.links.new(feed, socket)
+            else:
+                socket.default_value = feed
+        return new
+
+    def attribute(name, kind):
+        new = node("GeometryNodeInputNamedAttribute", Name=name)
+        new.data_type = kind
+        return next(socket for socket in new.outputs if socket.enabled)
+
+    cloud = node("GeometryNodeMeshToPoints", Mesh=node("NodeGroupInput").outputs[0]).outputs[0]
+    last = build(node, attribute, cloud).outputs[0]
+    tree.links.new(last, node("NodeGroupOutput").inputs[0])
+    host = bpy.data.objects.new("Host", bpy.data.objects[told[kind]["scatter"]].data)
+    host.location = (1, 2, 3)
+    host.modifiers.new("Chain", "NODES").node_group = tree
+    bpy.context.scene.collection.objects.link(host)
+    bpy.context.scene.frame_set(2, subframe=0.5)
+    return host
+
+
+def inputs(kind):
+    objects = {name: bpy.data.objects[value] for name, value in told[kind]["objects"].items()}
+    return {**objects, **told[kind]["plain"]}
+
+
+def bound(kind, geometry, node):
+    return node("Dapple Points", Geometry=geometry, **inputs(kind))
+
+
+def vertices(kind, build):
+    host = shown(
+        kind,
+        lambda node, attribute, cloud: node(
+            "GeometryNodePointsToVertices", Points=build(node, attribute, cloud).outputs[0]
+        ),
+    )
+    return host, host.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+
+
+def said(name, positions, kind, part="positions"):
+    print(name, np.abs(positions - expected[f"{kind}_{part}"]).max())
+
+
+def check(name, kind, build):
+    host, mesh = vertices(kind, build)
+    said(name, scenes.world_vertices(host), kind)
+    if "rotation" in mesh.attributes:
+        turns = np.empty(4 * len(mesh.vertices), np.float32)
+        mesh.attributes["rotation"].data.foreach_get("value", turns)
+        matrices = [mathutils.Quaternion(turn).to_matrix() for turn in turns.reshape(-1, 4)]
+        said(f"{name} (rotations)", np.array(matrices), kind, "rotations")
+
+
+def placed(node, attribute, surface, kind, **feeds):
+    info = node("GeometryNodeObjectInfo", Object=inputs(kind)["Surface"])
+    info.transform_space = "RELATIVE"
+    return node(surface, Surface=info.outputs["Geometry"], **feeds).outputs["Position"]
+
+
+def bound_point(node, attribute, cloud):
+    weights = node("ShaderNodeSeparateXYZ")
+    weights.id_data.links.new(attribute("dapple_barycentric", "FLOAT_VECTOR"), weights.inputs[0])
+    corners = {f"V{k}": attribute(f"dapple_v{k}", "INT") for k in range(3)}
+    corners |= {f"W{k}": weights.outputs[k] for k in range(3)}
+    position = placed(node, attribute, "Dapple Bound Point", "bound", **corners)
+    return node("GeometryNodeSetPosition", Geometry=cloud, Position=position)
+
+
+def rest_point(node, attribute, cloud):
+    rest = {"Rest": attribute("dapple_rest", "FLOAT_VECTOR")}
+    rest["Ahead"] = attribute("dapple_ahead", "FLOAT_VECTOR")
+    position = placed(node, attribute, "Dapple Rest Point", "rest", **rest)
+    return node("GeometryNodeSetPosition", Geometry=cloud, Position=position)
+
+
+def scatter(node, attribute, cloud):
+    return node("Dapple Scatter", Geometry=cloud, **inputs("baked"))
+
+
+def things(node, attribute, cloud):
+    return node("Dapple Things", Points=bound("baked", cloud, node).outputs[0])
+
+
+for kind in ("baked", "bound", "rest"):
+    check("Dapple Points", kind, lambda node, attribute, cloud: bound(kind, cloud, node))
+check("Dapple Bound Point", "bound", bound_point)
+check("Dapple Rest Point", "rest", rest_point)
+for name, build in (("Dapple Scatter", scatter), ("Dapple Things", things)):
+    host = shown("baked", build)
+    said(name, scenes.positions(host), "baked")
+    said(f"{name} (rotations)", scenes.rotations(host), "baked", "rotations")
+half = lambda node, attribute, cloud: node(
+    "Dapple Viewport", Points=bound("bound", cloud, node).outputs[0], Hidden=0.5
+)
+_, mesh = vertices("bound", half)
+print("Dapple Viewport", abs(len(mesh.vertices) - 0.5 * len(expected["bound_positions"])) / 100)
+"""
+
+
+@pytest.fixture(scope="module")
+def assets(tmp_path_factory):
+    """The file with the assets."""
+    path = tmp_path_factory.mktemp("assets") / "dapple_nodes.blend"
+    child.run(WRITE, ROOT, path)
+    return path
+
+
+@pytest.fixture
+def appended(assets):
+    """The assets in the open file, by name."""
+    with bpy.data.libraries.load(str(assets), assets_only=True) as (found, wanted):
+        names = list(found.node_groups)
+        wanted.node_groups = list(names)
+    return dict(zip(names, wanted.node_groups, strict=True))
+
+
+def catalogues():
+    lines = (addon_host.ADDON / "assets" / "blender_assets.cats.txt").read_text().splitlines()
+    return {line.split(":")[0]: line.split(":")[2] for line in lines if line.count(":") == 2}
+
+
+def test_each_asset_says_what_it_is_and_its_sockets_what_they_are(assets):
+    with bpy.data.libraries.load(str(assets), link=True, assets_only=True) as (found, wanted):
+        names = list(found.node_groups)
+        wanted.node_groups = list(names)
+    assert sorted(names) == NAMES
+    for group in wanted.node_groups:
+        said = group.asset_data
+        assert len(said.description) > 40
+        assert said.author
+        assert said.license == "GPL-3.0-or-later"
+        assert len(said.tags) > 0
+        assert catalogues()[said.catalog_id] == "Dapple"
+        for item in group.interface.items_tree:
+            assert item.description, f"no word of {group.name}'s {item.name}"
+
+
+def test_the_groups_of_the_file_are_those_that_are_built(appended):
+    found = {name: nodes_text.dump(group) for name, group in appended.items()}
+    assert found == nodes_text.built()
+
+
+def test_the_same_groups_give_the_same_bytes(assets, tmp_path):
+    child.run(WRITE, ROOT, tmp_path / "again.blend")
+    assert (tmp_path / "again.blend").read_bytes() == assets.read_bytes()
+
+
+def told(obj):
+    """What the modifier of a scatter is told, to be told to an asset."""
+    nodes = addon_host.part("nodes")
+    names = [name for name, kind in nodes.INPUTS if kind != "NodeSocketGeometry"]
+    values = {name.replace(" ", "_"): nodes.get_input(obj.modifiers[0], name) for name in names}
+    objects = {name: one.name for name, one in values.items() if isinstance(one, bpy.types.Object)}
+    there = {name: one for name, one in values.items() if name not in objects and one is not None}
+    plain = {name: one for name, one in there.items() if name not in ("Spacing", "Hidden")}
+    return {"scatter": obj.name, "objects": objects, "plain": plain}
+
+
+def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, tmp_path):
+    surface, found, arguments = scenes.tail(frames=3), {}, {}
+    for kind in ("baked", "bound", "rest"):
+        obj = scenes.scattered(surface, count=60)
+        obj.dapple.turn_randomness = 1.0
+        if kind == "rest":
+            obj.dapple.bind_to = "REST"
+            assert bpy.ops.dapple.optimise() == {"FINISHED"}
+        if kind == "baked":
+            assert bpy.ops.dapple.bake() == {"FINISHED"}
+        bpy.context.scene.frame_set(2, subframe=0.5)
+        found[f"{kind}_positions"] = scenes.positions(obj)
+        found[f"{kind}_rotations"] = scenes.rotations(obj)
+        arguments[kind] = told(obj)
+        bpy.context.scene.frame_set(1)
+    np.savez(tmp_path / "expected.npz", **found)
+    for obj in list(bpy.data.objects):
+        for modifier in [one for one in obj.modifiers if one.type == "NODES"]:
+            modifier.show_viewport = False
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    files = (tmp_path / "scene.blend", assets, json.dumps(arguments), tmp_path / "expected.npz")
+    lines = child.bare(USED, *files).splitlines()
+    off = [line.rsplit(" ", 1) for line in lines if line.startswith("Dapple ")]
+    assert {name.split(" (")[0] for name, _ in off} == set(NAMES)
+    assert max(float(distance) for _, distance in off) < 5e-4, lines
+
+
+def test_things_stand_on_points_of_any_others_too(appended):
+    surface = scenes.sphere()
+    group = appended["Dapple Things"]
+    surface.modifiers.new("Things", "NODES").node_group = group
+    assert len(scenes.positions(surface)) == len(surface.data.vertices)
+    sizes = np.linalg.norm(scenes.instance_matrices(surface)[:, :3, 0], axis=1)
+    assert np.allclose(sizes, 1.0, atol=1e-6)
+
+
+@pytest.fixture
+def library(monkeypatch, assets):
+    """The module, in an add-on whose folder has the assets; the preferences stay as they were."""
+    module = addon_host.part("blender.asset_library")
+    monkeypatch.setattr(module, "FOLDER", assets.parent)
+    yield module
+    module.remove()
+
+
+def libraries():
+    return [Path(one.path) for one in bpy.context.preferences.filepaths.asset_libraries]
+
+
+def drawn(module, **settings):
+    shown = []
+    preferences = types.SimpleNamespace(layout=Layout(shown), bl_rna=None, **settings)
+    preferences.layout.prop = lambda data, name, **_: shown.append(name)
+    module.DAPPLE_AP_preferences.draw(preferences, bpy.context)
+    return shown
+
+
+def test_the_library_is_added_once_and_removed(library, assets, capfd):
+    before = libraries()
+    assert assets.parent not in before
+    assert not bpy.ops.dapple.remove_asset_library.poll()
+    assert "dapple.add_asset_library" in drawn(library)
+    assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
+    assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
+    assert "The asset library 'Dapple' is there already" in capfd.readouterr().out
+    assert libraries() == [*before, assets.parent]
+    assert drawn(library)[-2:] == ["dapple.remove_asset_library", "remove_library"]
+    assert bpy.ops.dapple.remove_asset_library() == {"FINISHED"}
+    assert libraries() == before
+
+
+def test_without_the_file_the_button_says_why(library, tmp_path, monkeypatch):
+    monkeypatch.setattr(library, "FOLDER", tmp_path)
+    assert not bpy.ops.dapple.add_asset_library.poll()
+    assert drawn(library)[-1].startswith("dapple_nodes.blend is missing: only the extension")
+    with pytest.raises(RuntimeError, match=r"dapple_nodes\.blend is missing"):
+        bpy.ops.dapple.add_asset_library()
+    (tmp_path / "dapple_nodes.blend").write_bytes(b"")
+    assert bpy.ops.dapple.add_asset_library.poll()
+
+
+@pytest.mark.parametrize("asked", [False, True])
+def test_disabling_the_add_on_removes_the_library_if_that_was_asked_for(library, assets, asked):
+    assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
+    bpy.context.preferences.addons[addon_host.MODULE].preferences.remove_library = asked
+    addon_host.disable()
+    left = libraries()
+    addon_host.enable()
+    assert (assets.parent in left) == (not asked)
