@@ -79,8 +79,7 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if library() is None:
-            text = "Dapple's node groups are in no asset library of the preferences"
-            cls.poll_message_set(told(text))
+            cls.poll_message_set(told("The preferences have no asset library of Dapple's"))
         return library() is not None
 
     def execute(self, context: bpy.types.Context) -> Answer:

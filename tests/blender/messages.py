@@ -43,7 +43,8 @@ def _of_class(kind):
         yield rna.translation_context, kind.bl_label
         yield "*", getattr(kind, "bl_description", kind.__doc__) or ""
         yield "*", getattr(kind, "bl_category", "")
-    if issubclass(kind, bpy.types.Operator | bpy.types.PropertyGroup):
+    settings = bpy.types.PropertyGroup | bpy.types.AddonPreferences
+    if issubclass(kind, bpy.types.Operator | settings):
         for prop in rna.properties:
             if any(prop.identifier in getattr(one, "__annotations__", ()) for one in kind.__mro__):
                 yield from _of_property(prop)
