@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panel in the 3D View's sidebar and entry in the Add menu."""
 
-import textwrap
 from typing import ClassVar
 
 import bpy
 
-from ..core.details import FARTHEST, Details, details_from
-from ..core.errors import ScatterError
 from ..core.native import missing
 from . import overlay, pictures, preview
 from .classes import count_labels
+from .labels import lines_of
 from .operators import (
     DAPPLE_OT_add,
     DAPPLE_OT_bake,
@@ -29,30 +27,11 @@ from .operators import (
     active_surface,
 )
 from .presets import DAPPLE_MT_presets
-from .scatter import is_scatter, settings_of, settings_reason
-from .staleness import stale_reason
+from .results import DAPPLE_PT_details, baked_line, result_lines
+from .scatter import is_scatter, settings_of
 from .topology import differences
 from .translation import counted, told
 from .workfiles import unfinished, unsaved_note
-
-_LETTER = 5.7  # pixels of a letter of a label, about
-_MARGIN, _ICON = 50.0, 25.0  # pixels of the sidebar beside a label, and of its icon
-
-
-def _lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
-    """A text as labels, as wide as the sidebar is."""
-    column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, _letters(icon))):
-        column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
-
-
-def _letters(icon: str) -> int:
-    """That fit into a line; a background Blender has no region."""
-    region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
-    width = region.width / scale if region is not None and region.type == "UI" else 0.0
-    taken = _MARGIN if icon == "NONE" else _MARGIN + _ICON
-    return max(int((width - taken) / _LETTER), 24) if width else 44
-
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
 _DIRECTION = ("align", "turn_randomness", "tilt")
@@ -84,7 +63,7 @@ class DAPPLE_PT_main(_Panel, bpy.types.Panel):
         layout = self.layout
         layout.use_property_split, layout.use_property_decorate = True, False
         if missing():
-            _lines(layout, missing(), "ERROR")
+            lines_of(layout, missing(), "ERROR")
         elif is_scatter(context.object):
             _draw_scatter(layout, context)
         else:
@@ -107,7 +86,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
     for text, icon in result_lines(context.object, context):
-        _lines(layout, text, icon)
+        lines_of(layout, text, icon)
     if settings.report.details:
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
     _draw_locked(layout, context.object)
@@ -130,96 +109,8 @@ def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> No
     causes = differences(surface, context.scene, told) if surface else []
     if causes:
         text = told("Viewport and render differ: {causes}", causes="; ".join(causes))
-        _lines(layout, text, "ERROR")
+        lines_of(layout, text, "ERROR")
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
-
-
-def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
-    """What is to be said about the last result: (text, icon)."""
-    report = obj.dapple.report
-    points = counted(report.count, "{count} point", "{count:,} points")
-    spread, mean, least = 100 * report.capacity_spread, report.alpha_mean, report.alpha_min
-    lines = [
-        (told("{points}, capacity spread {spread:.2g} %", points=points, spread=spread), "NONE"),
-        (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
-        (_effort(obj), "NONE"),
-    ]
-    if not report.converged and not obj.dapple.baked_keys:
-        lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
-    stale = _stale_reason(obj, context)
-    if stale:
-        lines.append((told("Stale: {reason}", reason=stale), "ERROR"))
-    else:
-        lines.append((told("Fresh: fits the surface"), "CHECKMARK"))
-    return lines
-
-
-def _effort(obj: bpy.types.Object) -> str:
-    report = obj.dapple.report
-    done = counted(report.evaluations, "{count} evaluation", "{count:,} evaluations")
-    line = f"{done}, {_time(report.milliseconds)}"
-    return told("{effort} a frame", effort=line) if obj.dapple.baked_keys else line
-
-
-def _time(milliseconds: float) -> str:
-    return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
-
-
-def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
-    """stale_reason, but while the animation plays: then nobody waits for the panel."""
-    if context.screen is not None and context.screen.is_animation_playing:
-        return settings_reason(obj)
-    try:
-        return stale_reason(obj, context)
-    except ScatterError as error:
-        return str(error)
-
-
-class DAPPLE_PT_details(bpy.types.Panel):
-    """How the last optimisation went, in pictures"""
-
-    bl_label = "Details"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "HEADER"
-    bl_ui_units_x = 18
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, report = self.layout, context.object.dapple.report
-        details = details_from(report.details)
-        sides = layout.row()
-        column = sides.column(align=True)
-        column.label(text="Distance to the nearest point")
-        column.template_icon(icon_value=pictures.gaps_icon(details), scale=7.0)
-        row = column.row()
-        row.label(text="0")
-        _right(row, told("{share:g} of the best possible", share=FARTHEST))
-        if len(details.energies) > 1:
-            _draw_energies(sides.column(align=True), details)
-        column = layout.column(align=True)
-        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations"):
-            column.prop(report, name)
-        column.enabled = False
-
-
-def _draw_energies(column: bpy.types.UILayout, details: Details) -> None:
-    steps = len(details.energies) - 1
-    column.label(
-        text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")
-    )
-    column.template_icon(icon_value=pictures.energy_icon(details), scale=7.0)
-    row = column.row()
-    row.label(text=f"{details.energies[0]:.4g}")
-    _right(row, f"{details.energies[-1]:.4g}")
-
-
-def _right(row: bpy.types.UILayout, text: str) -> None:
-    part = row.row()
-    part.alignment = "RIGHT"
-    part.label(text=text)
 
 
 class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
@@ -287,7 +178,7 @@ class DAPPLE_PT_density(_ScatterPanel, bpy.types.Panel):
         shown = overlay.is_on(context.object)
         layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=shown)
         if overlay.note():
-            _lines(layout, overlay.note(), "INFO")
+            lines_of(layout, overlay.note(), "INFO")
 
 
 class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
@@ -357,23 +248,6 @@ class DAPPLE_PT_tiles(_ScatterPanel, bpy.types.Panel):
         layout.prop(tiles, "object", text="Object")
 
 
-def baked_line(obj: bpy.types.Object) -> str:
-    """Which frames are baked, and what the frames without a key lose."""
-    settings, report = obj.dapple, obj.dapple.report
-    last = settings.baked_start + settings.baked_frames - 1
-    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
-    if settings.baked_keys == settings.baked_frames:
-        return line
-    return told(
-        "{baked}, {keys} keys; between them points are {mean:.2g} spacings off "
-        "(at most {most:.2g})",
-        baked=line,
-        keys=settings.baked_keys,
-        mean=report.key_error_mean,
-        most=report.key_error_max,
-    )
-
-
 class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
     bl_label = "Animation"
 
@@ -394,24 +268,24 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
         row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
         if settings.baked_keys:
-            _lines(layout, baked_line(context.object), "CHECKMARK")
+            lines_of(layout, baked_line(context.object), "CHECKMARK")
         else:
-            _lines(layout, told("Not baked: points ride on the surface"), "INFO")
+            lines_of(layout, told("Not baked: points ride on the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
         row.prop(settings, "preview_budget", text="ms", translate=False)
         if preview.note(context.object):
-            _lines(layout, preview.note(context.object), "INFO")
+            lines_of(layout, preview.note(context.object), "INFO")
         if unfinished(context.object):
             text = counted(
                 unfinished(context.object),
                 "Unfinished bake: {count} frame is solved, Bake goes on",
                 "Unfinished bake: {count} frames are solved, Bake goes on",
             )
-            _lines(layout, text, "INFO")
+            lines_of(layout, text, "INFO")
             layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
         if unsaved_note():
-            _lines(layout, unsaved_note(), "INFO")
+            lines_of(layout, unsaved_note(), "INFO")
 
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -136,13 +136,13 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
 
 
 def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
-    ui = addon_host.part("blender.ui")
+    results = addon_host.part("blender.results")
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=120)
-    lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
+    lines = [text for text, _ in results.result_lines(obj, bpy.context)]
     assert lines[0].startswith("120 points, capacity spread ")
     assert lines[1].startswith("Spacing 0.")
     assert lines[-1] == "Fresh: fits the surface"
     surface.modifiers.new("Subdivision", "SUBSURF")
-    lines = [text for text, _ in ui.result_lines(obj, bpy.context)]
+    lines = [text for text, _ in results.result_lines(obj, bpy.context)]
     assert lines[-1].startswith("Stale: Bound to 266 vertices, the surface has ")

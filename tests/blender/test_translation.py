@@ -122,7 +122,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
-    monkeypatch.setattr(addon_host.part("blender.ui"), "_letters", lambda _icon: 10_000)
+    monkeypatch.setattr(addon_host.part("blender.labels"), "letters", lambda _icon: 10_000)
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):

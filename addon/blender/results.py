@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel says of a result: its figures, whether it still fits, and pictures of it."""
+
+import bpy
+
+from ..core.details import FARTHEST, Details, details_from
+from ..core.errors import ScatterError
+from . import pictures
+from .labels import at_right
+from .scatter import is_scatter, settings_reason
+from .staleness import stale_reason
+from .translation import counted, told
+
+
+def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
+    """What is to be said about the last result: (text, icon)."""
+    report = obj.dapple.report
+    points = counted(report.count, "{count} point", "{count:,} points")
+    spread, mean, least = 100 * report.capacity_spread, report.alpha_mean, report.alpha_min
+    lines = [
+        (told("{points}, capacity spread {spread:.2g} %", points=points, spread=spread), "NONE"),
+        (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
+        (_effort(obj), "NONE"),
+    ]
+    if not report.converged and not obj.dapple.baked_keys:
+        lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
+    stale = _stale_reason(obj, context)
+    if stale:
+        lines.append((told("Stale: {reason}", reason=stale), "ERROR"))
+    else:
+        lines.append((told("Fresh: fits the surface"), "CHECKMARK"))
+    return lines
+
+
+def _effort(obj: bpy.types.Object) -> str:
+    report = obj.dapple.report
+    done = counted(report.evaluations, "{count} evaluation", "{count:,} evaluations")
+    line = f"{done}, {_time(report.milliseconds)}"
+    return told("{effort} a frame", effort=line) if obj.dapple.baked_keys else line
+
+
+def _time(milliseconds: float) -> str:
+    return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
+
+
+def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """stale_reason, but while the animation plays: then nobody waits for the panel."""
+    if context.screen is not None and context.screen.is_animation_playing:
+        return settings_reason(obj)
+    try:
+        return stale_reason(obj, context)
+    except ScatterError as error:
+        return str(error)
+
+
+def baked_line(obj: bpy.types.Object) -> str:
+    """Which frames are baked, and what the frames without a key lose."""
+    settings, report = obj.dapple, obj.dapple.report
+    last = settings.baked_start + settings.baked_frames - 1
+    line = told("Baked: frames {first} to {last}", first=settings.baked_start, last=last)
+    if settings.baked_keys == settings.baked_frames:
+        return line
+    return told(
+        "{baked}, {keys} keys; between them points are {mean:.2g} spacings off "
+        "(at most {most:.2g})",
+        baked=line,
+        keys=settings.baked_keys,
+        mean=report.key_error_mean,
+        most=report.key_error_max,
+    )
+
+
+class DAPPLE_PT_details(bpy.types.Panel):
+    """How the last optimisation went, in pictures"""
+
+    bl_label = "Details"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_ui_units_x = 18
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, report = self.layout, context.object.dapple.report
+        details = details_from(report.details)
+        sides = layout.row()
+        column = sides.column(align=True)
+        column.label(text="Distance to the nearest point")
+        column.template_icon(icon_value=pictures.gaps_icon(details), scale=7.0)
+        row = column.row()
+        row.label(text="0")
+        at_right(row, told("{share:g} of the best possible", share=FARTHEST))
+        if len(details.energies) > 1:
+            _draw_energies(sides.column(align=True), details)
+        column = layout.column(align=True)
+        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations"):
+            column.prop(report, name)
+        column.enabled = False
+
+
+def _draw_energies(column: bpy.types.UILayout, details: Details) -> None:
+    steps = len(details.energies) - 1
+    column.label(
+        text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")
+    )
+    column.template_icon(icon_value=pictures.energy_icon(details), scale=7.0)
+    row = column.row()
+    row.label(text=f"{details.energies[0]:.4g}")
+    at_right(row, f"{details.energies[-1]:.4g}")
