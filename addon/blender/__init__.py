@@ -13,12 +13,15 @@ from . import (
     presets,
     preview,
     properties,
+    tools,
     translation,
     ui,
     workfiles,
 )
 
-_CLASSES = (*operators.CLASSES, *presets.CLASSES, *ui.CLASSES, *asset_library.CLASSES)
+_CLASSES = tuple(
+    one for room in (operators, tools, presets, ui, asset_library) for one in room.CLASSES
+)
 
 
 def register() -> None:

@@ -13,6 +13,7 @@ from .translation import operator_label, told
 _TICK = 0.01  # seconds between two ticks
 _BUDGET = 0.04  # seconds of a tick
 Answer = set[str]
+OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
 class StepsOperator:

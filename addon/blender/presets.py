@@ -10,11 +10,11 @@ from bpy.props import StringProperty
 
 from ..core import presets
 from ..core.errors import ScatterError
+from .job import OPTIONS, Answer
 from .library import writable
 from .scatter import is_scatter
 from .translation import told
 
-Answer = set[str]
 _PACKAGE = __package__.removesuffix(".blender")
 
 
@@ -110,7 +110,7 @@ class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
 
     bl_idname = "dapple.load_preset"
     bl_label = "Load Preset"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012 - as Blender wants it
+    bl_options = OPTIONS
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

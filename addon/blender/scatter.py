@@ -50,6 +50,14 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     return surface
 
 
+def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object, or the surface of the active scatter."""
+    obj = context.object
+    if is_scatter(obj):
+        return obj.dapple.surface
+    return obj if is_surface(obj) else None
+
+
 def write_stale_input(obj: bpy.types.Object) -> None:
     """Have the modifier warn when the settings are not those of the result."""
     modifier = scatter_modifier(obj)

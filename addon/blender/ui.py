@@ -14,21 +14,22 @@ from .operators import (
     DAPPLE_OT_bake,
     DAPPLE_OT_clear_bake,
     DAPPLE_OT_discard_bake,
-    DAPPLE_OT_edit_classes,
-    DAPPLE_OT_lock,
-    DAPPLE_OT_match_subdivision,
     DAPPLE_OT_optimise,
-    DAPPLE_OT_preview,
     DAPPLE_OT_rebind,
-    DAPPLE_OT_select_overlap,
-    DAPPLE_OT_set_quality,
-    DAPPLE_OT_show_density,
     DAPPLE_OT_tile,
-    active_surface,
 )
 from .presets import DAPPLE_MT_presets
 from .results import DAPPLE_PT_details, baked_line, result_lines
-from .scatter import is_scatter, settings_of
+from .scatter import active_surface, is_scatter, settings_of
+from .tools import (
+    DAPPLE_OT_edit_classes,
+    DAPPLE_OT_lock,
+    DAPPLE_OT_match_subdivision,
+    DAPPLE_OT_preview,
+    DAPPLE_OT_select_overlap,
+    DAPPLE_OT_set_quality,
+    DAPPLE_OT_show_density,
+)
 from .topology import differences
 from .translation import counted, told
 from .workfiles import unfinished, unsaved_note
