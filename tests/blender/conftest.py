@@ -18,15 +18,21 @@ import bpy  # noqa: E402 - after the environment is set, before Blender's own mo
 sys.path.insert(0, str(HERE))
 import addon_host  # noqa: E402
 
-_status = [0]
+_status = [1]  # until the tests were run
+
+
+def pytest_sessionstart(session):
+    """Enable the add-on; test files may look for the native package that it brings."""
+    addon_host.add_repository(Path(_HOME) / "repository")
+    addon_host.enable()
+    if addon_host.TESTED_ZIP:
+        addon_host.check_package()
 
 
 @pytest.fixture(scope="session")
 def addon():
     """Package of the enabled extension, e.g. for addon.core."""
-    repository = Path(_HOME) / "repository"
-    addon_host.add_repository(repository)
-    yield addon_host.enable()
+    yield sys.modules[addon_host.MODULE]
     addon_host.disable()
 
 

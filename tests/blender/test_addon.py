@@ -14,15 +14,14 @@ import child
 import pytest
 import scenes
 
-ADDON = addon_host.ADDON
-
 WITHOUT_BPY = """
 import importlib, pathlib, sys
 sys.modules["bpy"] = None
-sys.path.insert(0, sys.argv[1])
-names = sorted(path.stem for path in pathlib.Path(sys.argv[1], "addon", "core").glob("*.py"))
+folder = pathlib.Path(sys.argv[1])
+sys.path.insert(0, str(folder.parent))
+names = sorted(path.stem for path in (folder / "core").glob("*.py"))
 for name in names:
-    importlib.import_module(f"addon.core.{name}")
+    importlib.import_module(f"{folder.name}.core.{name}")
 print(len(names))
 """
 
@@ -74,7 +73,7 @@ def test_enable_and_disable_again_and_again():
 
 def test_the_core_needs_no_bpy():
     done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_BPY, str(ADDON.parent)],
+        [sys.executable, "-c", WITHOUT_BPY, str(addon_host.sources())],
         capture_output=True,
         text=True,
         check=True,
@@ -89,7 +88,7 @@ def test_without_the_native_package_the_add_on_enables_and_says_what_is_missing(
 
 
 def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():
-    manifest = tomllib.loads((ADDON / "blender_manifest.toml").read_text())
+    manifest = tomllib.loads((addon_host.sources() / "blender_manifest.toml").read_text())
     assert manifest["id"] == "dapple"
     assert manifest["blender_version_min"] == "4.3.0"
     assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
@@ -97,12 +96,12 @@ def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():
 
 
 def test_blender_accepts_the_extension():
-    extension_tool("validate", str(ADDON))
+    extension_tool("validate", str(addon_host.sources()))
 
 
 def test_the_zip_installs_from_disk(tmp_path):
     archive = tmp_path / "dapple.zip"
-    extension_tool("build", f"--source-dir={ADDON}", f"--output-filepath={archive}")
+    extension_tool("build", f"--source-dir={addon_host.sources()}", f"--output-filepath={archive}")
     assert "60 points in bl_ext.user_default.dapple" in child.run(INSTALLED, archive)
 
 

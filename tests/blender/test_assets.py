@@ -171,7 +171,7 @@ def appended(assets):
 
 
 def catalogues():
-    lines = (addon_host.ADDON / "assets" / "blender_assets.cats.txt").read_text().splitlines()
+    lines = (addon_host.sources() / "assets" / "blender_assets.cats.txt").read_text().splitlines()
     return {line.split(":")[0]: line.split(":")[2] for line in lines if line.count(":") == 2}
 
 
@@ -291,6 +291,16 @@ def test_without_the_file_the_button_says_why(library, tmp_path, monkeypatch):
         bpy.ops.dapple.add_asset_library()
     (tmp_path / "dapple_nodes.blend").write_bytes(b"")
     assert bpy.ops.dapple.add_asset_library.poll()
+
+
+@pytest.mark.skipif(not addon_host.TESTED_ZIP, reason="a checkout has no assets")
+def test_what_is_installed_has_the_file():
+    module, before = addon_host.part("blender.asset_library"), libraries()
+    assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
+    (added,) = set(libraries()) - set(before)
+    module.remove()
+    assert {path.name for path in added.iterdir()} >= {"dapple_nodes.blend"}
+    assert added.is_relative_to(addon_host.sources())
 
 
 @pytest.mark.parametrize("asked", [False, True])

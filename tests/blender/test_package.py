@@ -114,6 +114,8 @@ def wheels_of(archive):
 
 @pytest.fixture(scope="session")
 def archive(tmp_path_factory):
+    if addon_host.TESTED_ZIP:
+        return Path(addon_host.TESTED_ZIP)
     if not list(BUILD.glob("native/python/dapple/_native.*")):
         pytest.skip(f"no Python package in {BUILD}")
     return built(tmp_path_factory.mktemp("package"))

@@ -26,6 +26,7 @@ def sampled(surface, preload):
 
 
 @pytest.mark.skipif(bool(bpy.app.binary_path), reason="needs bpy as a module of Python")
+@pytest.mark.skipif(bool(addon_host.TESTED_ZIP), reason="test_package.py tests that of the zip")
 @pytest.mark.skipif(sys.platform != "linux", reason="LD_PRELOAD is Linux's")
 def test_blenders_own_embree_and_tbb_change_nothing(tmp_path):
     lib = Path(bpy.utils.resource_path("LOCAL")).parent / "lib"

@@ -18,7 +18,7 @@ import test_panels
 from bl_i18n_utils import settings as languages
 from test_addon import extension_tool
 
-LOCALES = sorted(path.stem for path in (addon_host.ADDON / "translations").glob("*.json"))
+LOCALES = sorted(path.stem for path in (addon_host.sources() / "translations").glob("*.json"))
 INTERNATIONAL = bpy.app.build_options.international
 
 
@@ -207,7 +207,7 @@ def test_a_text_that_cannot_be_filled_in_is_left_english(text, monkeypatch):
 
 def test_the_zip_has_the_catalogues(tmp_path):
     archive = tmp_path / "dapple.zip"
-    extension_tool("build", f"--source-dir={addon_host.ADDON}", f"--output-filepath={archive}")
+    extension_tool("build", f"--source-dir={addon_host.sources()}", f"--output-filepath={archive}")
     with ZipFile(archive) as file:
         names = set(file.namelist())
     assert {f"translations/{locale}.json" for locale in LOCALES} <= names
