@@ -17,6 +17,7 @@ from ..core.records import (
     FRAME_ATTRIBUTES,
     GONE_ATTRIBUTES,
     KEY_ATTRIBUTES,
+    LEAN_ATTRIBUTES,
     POINT_ATTRIBUTES,
     REST_ATTRIBUTES,
     ROW_ATTRIBUTES,
@@ -234,6 +235,8 @@ def write_baked(
     types = KEY_ATTRIBUTES
     if "dapple_gone" in baked.keys:
         types = {**types, **GONE_ATTRIBUTES}
+    if "dapple_lean" in baked.keys:
+        types = {**types, **LEAN_ATTRIBUTES}
     set_input(modifier, "Keys", _stored(obj, "Keys", baked.keys, types, places))
     for name, columns, types in (
         ("Triangles", baked.triangles, TRIANGLE_ATTRIBUTES),

@@ -14,6 +14,7 @@ from .frames import carried
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
+from .lean import leaning
 from .native import package
 from .records import Binding
 from .settings import Settings
@@ -57,6 +58,7 @@ class Baker:
         self._now = self.bound
         self.topologies = [self.bound.topology]
         self.last = start.binding
+        self.lean: Floats | None = None  # of the last frame
         self._tracker: Any = None
         self._ground: Any = None  # that the tracker stands on
         self._tracked = 0  # frames after which the tracker stands
@@ -82,6 +84,7 @@ class Baker:
         self._chain.add(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker = after, self.done, None
+        self.lean = None
         self.topologies.append(after.topology)
 
     def enter(self, frame: SurfaceArrays) -> None:
@@ -157,9 +160,11 @@ class Baker:
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""
-        placed = placed_of(samples, self.bound.faces)
-        turned = carried(self.last, placed.binding, self._now.vertices, self.bound.faces)
-        return Solved(Placed(placed.faces, turned), report_of(samples.report), settled)
+        vertices, faces = self._now.vertices, self.bound.faces
+        placed = placed_of(samples, faces)
+        turned = carried(self.last, placed.binding, vertices, faces)
+        lean = leaning(self.last, self.lean, turned, vertices, faces)
+        return Solved(Placed(placed.faces, turned, lean=lean), report_of(samples.report), settled)
 
     def _samples(self, surface: Any) -> Any:
         """Of the last frame that is done, to the last bit."""
@@ -180,7 +185,7 @@ class Baker:
 
     def _add(self, solved: Solved) -> None:
         self._solved, self._vertices = solved, self._now.vertices
-        self.last = solved.placed.binding
+        self.last, self.lean = solved.placed.binding, solved.placed.lean
         self.reports.append(solved.report)
         spacing = solved.report.spacing
         self.keyframes.add(solved.placed, self.bound, self._now, spacing)

@@ -31,6 +31,11 @@ class Frames:
         """Unit tangent vectors at these angles from the tangent."""
         return np.cos(angle)[:, None] * self.tangent + np.sin(angle)[:, None] * self.bitangent
 
+    def axes(self, angle: Floats) -> Floats:
+        """Matrices (n, 3, 3): columns are the direction at the angle, its left, the normal."""
+        ahead = self.direction(angle)
+        return np.stack([ahead, np.cross(self.normal, ahead), self.normal], axis=2)
+
     def angle(self, direction: Floats) -> Floats:
         """Angles of tangent vectors."""
         return np.arctan2(_dot(direction, self.bitangent), _dot(direction, self.tangent))

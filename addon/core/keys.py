@@ -3,8 +3,8 @@
 
 A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
 (32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
-each), 16 bytes for a point. A second table says for every frame which key is played, and how far
-it is to the next one: docs/bake.md.
+each), 16 bytes for a point; 12 more where some things lean. A second table says for every frame
+which key is played, and how far it is to the next one: docs/bake.md.
 """
 
 from dataclasses import dataclass, field
@@ -24,6 +24,7 @@ class Placed:
     faces: Ints  # (n,) triangles of the surface, as it was cut when it was bound
     binding: Binding
     gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
+    lean: Floats | None = None  # (n, 3) see lean.py; None: none leans
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Baked:
     """Packed keys, ready to be stored; columns named as in records.py."""
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
-    # dapple_gone where points appear or vanish
+    # dapple_gone where points appear or vanish, dapple_lean where some lean
     triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle
     frames: Columns  # FRAME_ATTRIBUTES of each frame
 
@@ -105,6 +106,7 @@ class Keyframes:
     _triangles: list[Ints] = field(default_factory=list)
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
     _gone: list[Floats | None] = field(default_factory=list)
+    _lean: list[Floats | None] = field(default_factory=list)
     _sketches: list[Floats] = field(default_factory=list)
     _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
 
@@ -141,6 +143,8 @@ class Keyframes:
         }
         if any(gone is not None for gone in self._gone):
             keys["dapple_gone"] = np.concatenate(self._gone, dtype=np.float32)  # type: ignore[arg-type]
+        if any(lean is not None for lean in self._lean):
+            keys["dapple_lean"] = self._all_leans()
         corners = triangles[used]
         names = ("key", "since", "span", "vertices")
         sketches = np.array(self._sketches, dtype=np.float32)
@@ -152,6 +156,15 @@ class Keyframes:
                 **{f"dapple_sketch{k}": sketches[:, k] for k in range(SKETCH_SUMS)},
             },
         )
+
+    def _all_leans(self) -> Floats:
+        """Of the rows of all keys, 0 where none leans."""
+        leans = [
+            padded(np.zeros((0, 3)) if lean is None else lean, len(faces))
+            for lean, (faces, _) in zip(self._lean, self._rows, strict=True)
+        ]
+        found: Floats = np.concatenate(leans, dtype=np.float32)
+        return found
 
     def _fill_up(self) -> None:
         """Give each key rows for the points that appear later: where they will, not there yet."""
@@ -190,6 +203,13 @@ class Keyframes:
         places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
         self._gone.append(placed.gone)
+        self._lean.append(placed.lean)
+
+
+def padded(leans: Floats, count: int) -> Floats:
+    """Leans (k, 3) and as many of none as make them so many: of points that appear later."""
+    found: Floats = np.concatenate([leans, np.zeros((count - len(leans), 3))])
+    return found
 
 
 def _distances(waiting: _Waiting, before: Binding, after: Binding, share: float) -> Floats:

@@ -14,8 +14,9 @@ import numpy as np
 from .bake import Baker
 from .errors import ScatterError
 from .frames import carried
-from .keys import Placed
+from .keys import Placed, padded
 from .kinds import check_one_class
+from .lean import leaning
 from .native import package
 from .records import Binding, Columns
 from .sidecar import Solved
@@ -87,8 +88,10 @@ class PopulationBaker(Baker):
         )
         self._faces = faces
         after = Binding(self.bound.faces[faces], weights, np.zeros(len(faces)))
-        turned = carried(self.last, after, self._now.vertices, self.bound.faces)
-        return Placed(faces, turned, gone)
+        vertices, own = self._now.vertices, self.bound.faces
+        turned = carried(self.last, after, vertices, own)
+        lean = None if self.lean is None else padded(self.lean, len(faces))
+        return Placed(faces, turned, gone, leaning(self.last, lean, turned, vertices, own))
 
     def _appear(self, samples: Any, new: Any) -> None:
         """Give new ids rows at their first places."""

@@ -31,6 +31,8 @@ REST_ATTRIBUTES = {"dapple_rest": "FLOAT_VECTOR", "dapple_ahead": "FLOAT_VECTOR"
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
+# How far things lean off the normal, on each key, where some do (lean.py).
+LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
 TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
 FRAME_ATTRIBUTES = {
     "dapple_key": "INT",  # the key at or before the frame

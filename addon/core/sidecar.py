@@ -24,7 +24,7 @@ from .settings import Settings
 from .solve import Report
 from .surface import Ints, SurfaceArrays
 
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,7 @@ class Sidecar:
         """Keep a frame, on the disk when this returns; OSError if that fails."""
         self.folder.mkdir(parents=True, exist_ok=True)
         part = self.path(frame).with_suffix(f".{os.getpid()}.part")
+        lean = solved.placed.lean
         try:
             with part.open("wb") as file:
                 np.savez(
@@ -100,6 +101,7 @@ class Sidecar:
                     carry=solved.placed.binding.carry,
                     report=np.array(json.dumps(asdict(solved.report))),
                     settled=np.array(solved.settled),
+                    **({} if lean is None else {"lean": lean}),
                 )
                 file.flush()
                 os.fsync(file.fileno())
@@ -131,6 +133,8 @@ def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
         "barycentric": ("f8", (points, 3)),
         "carry": ("f8", (points,)),
     }
+    if "lean" in stored:
+        wanted["lean"] = ("f8", (points, 3))
     for name, (kind, shape) in wanted.items():
         if stored[name].dtype != np.dtype(kind) or stored[name].shape != shape:
             raise ValueError(f"{name} has another type or shape")
@@ -140,7 +144,8 @@ def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
         raise ValueError("faces has an index out of range")
     binding = Binding(faces[stored["faces"]], stored["barycentric"], stored["carry"])
     report = Report(**json.loads(str(stored["report"])))
-    return Solved(Placed(stored["faces"], binding), report, bool(stored["settled"]))
+    placed = Placed(stored["faces"], binding, lean=stored.get("lean"))
+    return Solved(placed, report, bool(stored["settled"]))
 
 
 def _sync_folder(folder: Path) -> None:

@@ -52,7 +52,7 @@ def build() -> bpy.types.NodeTree:
     feeds = (b.input("Surface"), *bound.corners, *bound.weights, turn, b.input("Side"))
     placed = inner(b, bound_point, *feeds)
     b.output("Position", placed.outputs["Position"])
-    b.output("Rotation", placed.outputs["Rotation"])
+    b.output("Rotation", _leaning(b, placed.outputs["Rotation"]))
     b.output("Gone", bound.gone)
     b.arrange()
     return tree
@@ -85,9 +85,7 @@ def _previewed(b: Builder) -> _Bound:
 
 def _of_key(b: Builder) -> _Bound:
     """The binding that the key holds."""
-    rows, triangles = b.input("Keys"), b.input("Triangles")
-    row = b.integer("MULTIPLY_ADD", b.input("Key"), b.input("Points"))
-    b.tree.links.new(b.out("GeometryNodeInputIndex"), row.node.inputs[2])
+    rows, triangles, row = b.input("Keys"), b.input("Triangles"), _row(b)
     face = b.sample(rows, b.attribute("dapple_face", "INT"), row, "INT")
     place = b.sample(rows, b.out("GeometryNodeInputPosition"), row, "FLOAT_VECTOR")
     second, third, carry = b.parts(place)
@@ -98,6 +96,27 @@ def _of_key(b: Builder) -> _Bound:
         carry,
         _gone(b, rows, row),
     )
+
+
+def _row(b: Builder) -> Socket:
+    """Of the key, for each point."""
+    row = b.integer("MULTIPLY_ADD", b.input("Key"), b.input("Points"))
+    b.tree.links.new(b.out("GeometryNodeInputIndex"), row.node.inputs[2])
+    return row
+
+
+def _leaning(b: Builder, rotation: Socket) -> Socket:
+    """As the key says, in axes that are not turned yet; only in a bake where some things lean."""
+    rows, lean = b.input("Keys"), b.attribute("dapple_lean", "FLOAT_VECTOR")
+    stored = b.sample(rows, lean.node.outputs["Exists"], 0, "BOOLEAN")
+    played = b.boolean("AND", b.input("Baked"), b.boolean("NOT", b.input("Live")))
+    vector = b.node("ShaderNodeVectorRotate", rotation_type="Z_AXIS")
+    b.tree.links.new(b.sample(rows, lean, _row(b), "FLOAT_VECTOR"), vector.inputs["Vector"])
+    b.tree.links.new(b.number("MULTIPLY", b.input("Turn"), -1.0), vector.inputs["Angle"])
+    length = b.node("ShaderNodeVectorMath", vector.outputs[0], operation="LENGTH").outputs["Value"]
+    by = b.out("FunctionNodeAxisAngleToRotation", vector.outputs[0], length)
+    leaned = b.out("FunctionNodeRotateRotation", rotation, by, rotation_space="LOCAL")
+    return b.switch("ROTATION", b.boolean("AND", played, stored), rotation, leaned)
 
 
 def _gone(b: Builder, rows: Socket, row: Socket) -> Socket:

@@ -2,7 +2,7 @@
 """How far things turn against the surface they stand on, from one baked frame to the next.
 
 The surface turns a thing as it turns the triangle under it. What comes on top, because the thing
-slid to another place, should be no more than the surface's own curvature along that slide.
+slid to another place, is bounded: over a crease it leans, and rights itself frame by frame.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 
 from addon.core.bake import Baker, Start
 from addon.core.binding import binding_of
-from addon.core.frames import Frames, frames, vertex_normals
-from addon.core.keys import Keyframes
-from addon.core.records import Binding
+from addon.core.frames import frames, vertex_normals
+from addon.core.keys import Keyframes, Placed
+from addon.core.lean import rotations
 from addon.core.settings import Settings
 from addon.core.surface import SurfaceArrays
 from benchmarks.tracking.animations import GENERATED, Animation
@@ -56,9 +56,10 @@ def turns_of(animation: Animation, sites: int) -> np.ndarray:
     for vertices in animation.frames:
         baker.enter(SurfaceArrays(animation.name, vertices, animation.faces, ""))
         baker.advance(dapple.Context())
+        after = Placed(np.zeros(0, np.int32), baker.last, lean=baker.lean)
         if before is not None:
-            turns.append(_between(before, baker.last, vertices, animation.faces))
-        before = baker.last
+            turns.append(_between(before, after, vertices, animation.faces))
+        before = after
     return np.array(turns)
 
 
@@ -70,19 +71,17 @@ def _baker(animation: Animation, sites: int) -> Baker:
     return Baker(first, start, Keyframes(len(animation.frames)))
 
 
-def _between(
-    before: Binding, after: Binding, vertices: np.ndarray, faces: np.ndarray
-) -> np.ndarray:
-    """Angles (n,) in degrees between what both bindings make of things on one surface."""
+def _between(before: Placed, after: Placed, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Angles (n,) in degrees between what both keys make of things on one surface."""
     normals = vertex_normals(vertices, faces)
-    one, other = (_axes(frames(each, vertices, normals), each.carry) for each in (before, after))
+    one, other = (_axes(each, vertices, normals) for each in (before, after))
     trace = np.einsum("nij,nij->n", one, other)
     return np.degrees(np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0)))
 
 
-def _axes(found: Frames, angle: np.ndarray) -> np.ndarray:
-    ahead = found.direction(angle)
-    return np.stack([ahead, np.cross(found.normal, ahead), found.normal], axis=2)
+def _axes(placed: Placed, vertices: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    own = frames(placed.binding, vertices, normals).axes(placed.binding.carry)
+    return own if placed.lean is None else own @ rotations(placed.lean)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Things that slide over a crease lean, and right themselves a little in every frame."""
+
+import itertools
+import math
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+
+def part(name):
+    return addon_host.part(f"core.{name}")
+
+
+def turn_between(one, other):
+    """Angles (n,) between orthonormal axes (n, 3, 3)."""
+    trace = np.einsum("nij,nij->n", one, other)
+    return np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0))
+
+
+def roof():
+    """Two squares that meet in a right angle along y, each with vertices of its own."""
+    ridge, left, right = [[0, 0, 1], [0, 1, 1]], [[-1, 0, 0], [-1, 1, 0]], [[1, 0, 0], [1, 1, 0]]
+    one = [left[0], ridge[0], ridge[1], left[1]]
+    other = [ridge[0], right[0], right[1], ridge[1]]
+    faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], np.int32)
+    return np.array(one + other, dtype=float), faces
+
+
+def bound(faces, row, weights):
+    records = part("records")
+    return records.Binding(faces[[row]], np.array([weights]), np.zeros(1))
+
+
+def test_rotation_vectors_come_back():
+    lean = part("lean")
+    vectors = np.random.default_rng(1).normal(size=(200, 3))
+    vectors *= (np.linspace(0, 3.1, 200) / np.linalg.norm(vectors, axis=1))[:, None]
+    matrices = lean.rotations(vectors)
+    np.testing.assert_allclose(np.linalg.det(matrices), 1)
+    np.testing.assert_allclose(lean._rotation_vectors(matrices), vectors, atol=1e-7)
+
+
+def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself():
+    lean, frames, keys = part("lean"), part("frames"), part("keys")
+    vertices, faces = roof()
+    left, right = bound(faces, 0, [0.1, 0.2, 0.7]), bound(faces, 2, [0.3, 0.1, 0.6])
+    normals = frames.vertex_normals(vertices, faces)
+    placed = [keys.Placed(np.zeros(1, np.int32), left)]
+    leaned, last = None, left
+    for _ in range(12):
+        turned = frames.carried(last, right, vertices, faces)
+        leaned = lean.leaning(last, leaned, turned, vertices, faces)
+        placed.append(keys.Placed(np.zeros(1, np.int32), turned, lean=leaned))
+        last = turned
+    shown = []
+    for one in placed:
+        own = frames.frames(one.binding, vertices, normals).axes(one.binding.carry)
+        shown.append(own if one.lean is None else own @ lean.rotations(one.lean))
+    steps = np.degrees([turn_between(a, b)[0] for a, b in itertools.pairwise(shown)])
+    assert steps.max() == pytest.approx(9.5, abs=1e-6)
+    assert steps.sum() == pytest.approx(90, abs=1e-6)
+    assert steps[-1] == pytest.approx(0, abs=1e-6)
+    assert placed[-1].lean is None
+
+
+def test_where_nothing_flips_nothing_leans():
+    surface = scenes.sphere()
+    for frame, size in ((1, 1.0), (6, 1.3)):
+        surface.scale.z = size
+        surface.keyframe_insert("scale", frame=frame)
+    scenes.scattered(surface, count=100)
+    bpy.ops.dapple.bake()
+    keys = bpy.data.objects["Sphere Scatter Keys"].data
+    assert "dapple_lean" not in keys.attributes
+
+
+@pytest.mark.parametrize("randomness", [0.0, 1.0])
+def test_a_baked_lean_is_played(randomness):
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface, count=40)
+    obj.dapple.turn_randomness = randomness
+    store, meshio = (addon_host.part(f"blender.{name}") for name in ("store", "meshio"))
+    arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    binding, _ = store.read_binding(obj, len(arrays.vertices))
+    faces = part("binding").faces_with_corners(binding.corners, arrays.faces)
+    corners = arrays.faces[faces]
+    order = np.argmax(corners[:, None, :] == binding.corners[:, :, None], axis=1)
+    weights = np.take_along_axis(binding.barycentric, order, axis=1)
+    binding = part("records").Binding(corners, weights, np.linspace(0, 6, 40))
+    vectors = np.random.default_rng(2).uniform(-0.6, 0.6, (40, 3))
+    keyframes = part("keys").Keyframes(2)
+    for lean in (None, vectors):
+        placed = part("keys").Placed(faces, binding, lean=lean)
+        keyframes.add(placed, arrays, arrays, 0.1)
+    store.write_baked(obj, keyframes.packed(), 1, part("solve").Report(count=40))
+    normals = part("frames").vertex_normals(arrays.vertices, arrays.faces)
+    own = part("frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
+    turn = np.empty(40, np.float32)
+    obj.data.attributes["dapple_turn"].data.foreach_get("value", turn)
+    about = part("lean").rotations(np.outer(randomness * turn, [0, 0, 1]))
+    for frame, expected in ((1, own), (2, own @ part("lean").rotations(vectors))):
+        bpy.context.scene.frame_set(frame)
+        found = scenes.instance_matrices(obj)[:, :3, :3]
+        found = found / np.linalg.norm(found, axis=1, keepdims=True)
+        assert np.degrees(turn_between(found, expected @ about)).max() < 1.0
+    bpy.context.scene.frame_set(1, subframe=0.5)
+    half = scenes.instance_matrices(obj)[:, :3, :3]
+    half = half / np.linalg.norm(half, axis=1, keepdims=True)
+    between = own @ part("lean").rotations(0.5 * vectors) @ about
+    assert np.degrees(turn_between(half, between)).max() < 1.5
+
+
+def test_a_frame_with_leans_comes_back_from_its_file(tmp_path):
+    sidecar, keys, records = part("sidecar"), part("keys"), part("records")
+    faces = np.array([[0, 1, 2]], np.int32)
+    binding = records.Binding(faces[[0, 0]], np.full((2, 3), 1 / 3), np.zeros(2))
+    lean = np.array([[0.1, -0.2, 0.0], [0.0, 0.0, math.pi / 7]])
+    placed = keys.Placed(np.zeros(2, np.int32), binding, lean=lean)
+    files = sidecar.Sidecar(tmp_path / "work")
+    files.store(4, "mark", sidecar.Solved(placed, part("solve").Report()))
+    found = files.load(4, "mark", 2, faces)
+    np.testing.assert_array_equal(found.placed.lean, lean)
+    assert files.load(4, "mark", 3, faces) is None
+
+
+def test_leans_are_packed_with_rows_that_appear_later():
+    keys = part("keys")
+    np.testing.assert_array_equal(keys.padded(np.ones((1, 3)), 3), [[1] * 3, [0] * 3, [0] * 3])
+    assert keys.padded(np.zeros((0, 3)), 2).shape == (2, 3)
+
+
+def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
+    """With a limit that every slide exceeds, all rows of all keys have a lean."""
+    monkeypatch.setattr(part("lean"), "LIMIT", 1e-9)
+    obj = scenes.scattered(scenes.tail(), count=60)
+    obj.dapple.count_over_time = "KEEP_DENSITY"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    keys = addon_host.part("blender.store").stored_object(obj, "Keys").data
+    assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)
+    assert len(keys.vertices) == obj.dapple.baked_keys * len(obj.data.vertices)
+    bpy.context.scene.frame_set(4)
+    assert len(scenes.instance_matrices(obj)) >= 60
