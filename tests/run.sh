@@ -18,7 +18,7 @@ case $only in
 esac
 
 # A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit.
-limit=(timeout --kill-after=10 900)
+limit=(timeout --kill-after=10 1500)
 results=() failures=0
 
 # part GROUP NAME COMMAND...: runs the command, keeps the outcome for the summary.
