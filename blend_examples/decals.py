@@ -168,7 +168,7 @@ def main() -> None:
     left.data.materials.append(painted("Baked", image_block("Baked", picture), see_through=False))
     right.data.materials.append(material("Glaze", glaze(), 0.3))
     cards = [
-        build_card(name, decal.image, decal.radius)
+        build_card(name, np.asarray(decal.image, np.float64), decal.radius)
         for name, decal in zip(("Daisy", "Leaf"), decals, strict=True)
     ]
     place_cards(right, samples, cards)

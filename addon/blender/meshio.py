@@ -3,9 +3,11 @@
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import ScatterError
 from ..core.records import Columns
@@ -98,7 +100,7 @@ def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str])
     """Store columns as attributes on the points of a mesh."""
     for name, kind in types.items():
         attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
-        values = np.ascontiguousarray(columns[name], dtype=_NUMPY[kind])
+        values: NDArray[Any] = np.ascontiguousarray(columns[name], dtype=_NUMPY[kind])
         attribute.data.foreach_set(_FIELD[kind], values.ravel())
 
 
@@ -111,7 +113,7 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
     attribute = mesh.attributes.get(name)
     if attribute is None or attribute.data_type != kind or attribute.domain != "POINT":
         raise ScatterError(f"Mesh '{mesh.name}' has no {kind} attribute '{name}' on its points")
-    values = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
+    values: NDArray[Any] = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
     attribute.data.foreach_get(_FIELD[kind], values)
     return values.reshape(-1, 3) if _WIDTH[kind] == 3 else values
 

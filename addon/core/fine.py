@@ -69,16 +69,19 @@ class Camera:
         self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
 
     def _inside(self, points: Floats) -> Mask:
-        found: Mask = points @ self._planes[:, :3].T + self._planes[:, 3] >= 0.0
+        signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
+        found: Mask = signed >= 0.0
         return found
 
     def values(self, points: Floats) -> Floats:
-        return self._inside(points).all(axis=1).astype(np.float64)
+        seen: Mask = np.all(self._inside(points), axis=1)
+        return seen.astype(np.float64)
 
     def changes(self, points: Floats, faces: Ints) -> Mask:
         inside = self._inside(points)[faces]  # (m, 3 corners, 5 planes)
-        beyond_one = (~inside).all(axis=1).any(axis=1)
-        found: Mask = ~beyond_one & ~inside.all(axis=(1, 2))
+        beyond: Mask = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
+        within: Mask = np.all(inside, axis=(1, 2))
+        found: Mask = ~beyond & ~within
         return found
 
 

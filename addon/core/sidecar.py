@@ -91,6 +91,7 @@ class Sidecar:
         self.folder.mkdir(parents=True, exist_ok=True)
         part = self.path(frame).with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
+        some: dict[str, Any] = {} if lean is None else {"lean": lean}
         try:
             with part.open("wb") as file:
                 np.savez(
@@ -101,7 +102,7 @@ class Sidecar:
                     carry=solved.placed.binding.carry,
                     report=np.array(json.dumps(asdict(solved.report))),
                     settled=np.array(solved.settled),
-                    **({} if lean is None else {"lean": lean}),
+                    **some,
                 )
                 file.flush()
                 os.fsync(file.fileno())

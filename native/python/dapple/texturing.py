@@ -159,7 +159,7 @@ def _texel_size(surface: Surface, grid: Texels) -> float:
 
 def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray[np.float64]:
     """Halved until its pixels are about as large as texels: detail below that would alias."""
-    while min(pixels.shape[:2]) > 1 and 4 * radius / max(pixels.shape[:2]) <= texel:
+    while min(pixels.shape[:2]) > 1 and 4 * radius <= texel * max(pixels.shape[:2]):
         even = pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2]
         pixels = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
     return pixels

@@ -4,7 +4,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import click
 import numpy as np
@@ -158,7 +158,8 @@ def _read_npz(path: Path) -> Points:
 
 
 def _write_npz(file: IO[bytes], points: Points) -> None:
-    np.savez(file, **points.arrays())
+    arrays: dict[str, Any] = points.arrays()
+    np.savez(file, **arrays)
 
 
 def _write_ply(file: IO[bytes], points: Points) -> None:
