@@ -154,12 +154,13 @@ def _paint(
 def _texel_size(surface: Surface, grid: Texels) -> float:
     """The side of a texel on the surface, on average."""
     inside = (grid.faces >= 0) & (grid.barycentric.min(axis=2) >= 0)
-    return float(np.sqrt(surface.area / max(1, np.count_nonzero(inside))))
+    count = max(1, int(np.count_nonzero(inside)))
+    return float(np.sqrt(surface.area / count))
 
 
 def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray[np.float64]:
     """Halved until its pixels are about as large as texels: detail below that would alias."""
-    while min(pixels.shape[:2]) > 1 and 4 * radius <= texel * max(pixels.shape[:2]):
+    while min(pixels.shape[:2]) > 1 and 4 * radius / max(pixels.shape[:2]) <= texel:
         even = pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2]
         pixels = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
     return pixels
