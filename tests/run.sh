@@ -51,10 +51,11 @@ make_package() {
   done
 }
 
-# on_package COMMAND...: with the add-on as it is installed from that zip. The virtual environment is left out.
+# on_package COMMAND...: with the add-on as it is installed from that zip. The virtual environment is left out, of the
+# path too: there Blender's own Python looks for the folder it belongs to.
 on_package() {
   local archives=("$tested"/*.zip)
-  DAPPLE_TESTED_ZIP=${archives[0]} PYTHONPATH=$tested/site-packages "$@"
+  DAPPLE_TESTED_ZIP=${archives[0]} PYTHONPATH=$tested/site-packages PATH=${PATH#"$venv/bin:"} "$@"
 }
 
 scripts/setup.sh
