@@ -70,12 +70,13 @@ check_wheel() {
   [ ! -s "$work/missing" ] || { echo "the private Embree lacks: $(<"$work/missing")"; return 1; }
 }
 
-# Blender reads files of newer versions badly or not at all: the oldest one here writes.
+# Blender reads files of newer versions badly or not at all: the oldest one here writes. A Python that has imported bpy
+# hands its children OCIO, the colours of a newer Blender.
 build_assets() {
   local command=("$python" scripts/assets.py)
   [ "$(system_name)" != debian-13 ] ||
     command=(blender --background --factory-startup --python-exit-code 1 --python scripts/assets.py)
-  BLENDER_USER_RESOURCES=$work/blender timeout --kill-after=10 300 "${command[@]}" -- "$work/assets.blend"
+  BLENDER_USER_RESOURCES=$work/blender env -u OCIO timeout --kill-after=10 300 "${command[@]}" -- "$work/assets.blend"
 }
 
 build_extension() {
