@@ -60,6 +60,8 @@ def settled(data: bytes) -> bytes:
         if block.code not in (b"DNA1", b"ENDB"):
             _settle_pointers(result, block, structures, numbers)
     for block in blocks:
+        if block.structure == _RAW:
+            _clear_after_text(result, block)
         if structures.name(block.structure) == "AssetMetaData":
             _clear_asset(result, block, structures)
     _number_nodes(result, blocks, structures)
@@ -119,6 +121,14 @@ def _number_nodes(result: bytearray, blocks: list[_Block], structures: "_Structu
             number += 1
             offset = structures.offset(block.structure, "identifier")
             pack_into("<i", result, block.start + offset, number)
+
+
+def _clear_after_text(result: bytearray, block: _Block) -> None:
+    """Up to three bytes that were never set: memory for a text comes in fours."""
+    data = bytes(result[block.start : block.start + block.size])
+    text = data.split(b"\0", 1)[0]
+    if text and len(data) - len(text) <= 4 and all(0x20 <= byte < 0x7F for byte in text):
+        result[block.start : block.start + block.size] = text.ljust(len(data), b"\0")
 
 
 def _clear_asset(result: bytearray, block: _Block, structures: "_Structures") -> None:
