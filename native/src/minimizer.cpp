@@ -356,18 +356,31 @@ class Minimizer {
     return false;
   }
 
+  /// The projection may carry even a site that has not moved: to where there is density, or by
+  /// rounding. Locked sites keep their bytes.
+  [[nodiscard]] Sites project(const Vectors& moved, std::span<const std::int32_t> hints) const {
+    Sites sites = objective_.project(moved, hints);
+    for (std::size_t k = 0; k < objective_.locked.size(); ++k) {
+      if (!objective_.locked[k]) continue;
+      sites.positions[k] = state_.sites.positions[k];
+      sites.faces[k] = state_.sites.faces[k];
+      sites.barycentric[k] = state_.sites.barycentric[k];
+    }
+    return sites;
+  }
+
   /// Project, no site farther than its reach. The projection can carry one that was held back
   /// farther again (around a bend, to another sheet): it is pulled towards its home until it does
   /// not.
   [[nodiscard]] Sites project_within_reach(Vectors moved,
                                            std::span<const std::int32_t> hints) const {
-    if (std::isinf(options_.max_slide)) return objective_.project(moved, hints);
+    if (std::isinf(options_.max_slide)) return project(moved, hints);
     for (std::size_t k = 0; k < moved.size(); ++k) {
       const Vec3 slide = moved[k] - home_.positions[k];
       const double excess = slide.norm() / reach(k);
       if (excess > 1.0) moved[k] = home_.positions[k] + slide / excess;
     }
-    Sites sites = objective_.project(moved, hints);
+    Sites sites = project(moved, hints);
     for (int pull = 0; pull < kPulls; ++pull)
       pull_back(sites, moved, pull + 1 < kPulls ? kPull : 0.0);
     return sites;

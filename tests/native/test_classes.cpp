@@ -185,6 +185,39 @@ TEST(Classes, KeepLockedSitesWhereTheyAre) {
   expect_message<ArgumentError>([&] { (void)sample(surface, 20, options); }, {"locked holds 30"});
 }
 
+/// The sphere's northern half has no density.
+TEST(Classes, DoNotMoveLockedSitesOutsideTheDensity) {
+  const Shape shape =
+      with_face_density(icosphere(3), [](const Vec3& p) { return p.z() < 0.0 ? 1.0 : 0.0; });
+  const Surface surface = shape.surface();
+  const Samples all = sample(icosphere(3).surface(), 40, {.seed = 9});
+  for (const Method method : {Method::kTrustRegion, Method::kLineSearch}) {
+    SampleOptions options;
+    options.optimizer.method = method;
+    options.locked = {all.positions, all.faces, all.barycentric};
+    const Samples samples = sample(surface, 300, options);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      EXPECT_TRUE(same_bytes({samples.positions[k]}, {all.positions[k]})) << k;
+      EXPECT_TRUE(same_bytes({samples.barycentric[k]}, {all.barycentric[k]})) << k;
+      EXPECT_EQ(samples.faces[k], all.faces[k]) << k;
+    }
+  }
+}
+
+TEST(Classes, DoNotMoveLockedSitesInEitherStage) {
+  const Surface surface =
+      with_face_density(blob(3), [](const Vec3& p) { return p.x() < 0.2 ? 1.0 : 0.0; }).surface();
+  const Samples all = sample(blob(3).surface(), 30, {.seed = 9});
+  const std::vector<SampleClass> classes = {
+      {.count = 100},
+      {.count = 150, .radius = 0.02, .locked = {all.positions, all.faces, all.barycentric}}};
+  ClassOptions options;
+  options.two_stages = true;
+  const Samples samples = sample_classes(surface, classes, options);
+  const std::vector<Vec3> held(samples.positions.begin() + 100, samples.positions.begin() + 130);
+  EXPECT_TRUE(same_bytes(held, all.positions));
+}
+
 TEST(Classes, StayEvenOnADeformingSurface) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
