@@ -92,7 +92,7 @@ def triangles() -> tuple[Floats, Floats]:
 
 def _compute(obj: bpy.types.Object) -> None:
     surface, settings = surface_of(obj), settings_of(obj)
-    arrays = read_with(settings, surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_with(settings, surface, bpy.context.evaluated_depsgraph_get(), obj)
     kinds, at = settings.classes, obj.dapple.class_index
     with named(arrays.name):
         ground = Ground(arrays, settings)

@@ -69,7 +69,7 @@ def note(obj: bpy.types.Object) -> str:
 def start(obj: bpy.types.Object) -> None:
     """Preview a scatter; ScatterError if it does not fit its surface."""
     surface = surface_of(obj)
-    arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get())
+    arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get(), obj)
     if other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
     check_bound_to_faces(obj, "preview")

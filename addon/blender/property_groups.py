@@ -217,7 +217,8 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         update=settings_changed,
         name="Keep Off",
         description="Collection of things that points keep off: from within closed meshes and from "
-        "near any, and from the things of other scatters by their radii",
+        "near any, and from the things of other scatters by their radii; never from the scatter's "
+        "own points, tiles and instances",
         type=bpy.types.Collection,
     )
     obstacle_margin: FloatProperty(

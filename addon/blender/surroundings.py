@@ -19,13 +19,19 @@ _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 def read_with(
-    settings: Settings, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+    settings: Settings,
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    own: bpy.types.Object | None = None,
 ) -> SurfaceArrays:
-    """The evaluated surface with all that these settings take from it and from beside it."""
+    """The evaluated surface with all that these settings take from it and from beside it.
+
+    own is the scatter that they are for: nothing that it makes or places is its obstacle.
+    """
     arrays = read_surface(obj, depsgraph, names_of(settings))
     density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
     if density.obstacles:
-        others = list(_obstacles(density.obstacles, obj))
+        others = list(_obstacles(density.obstacles, {obj, *_own_objects(own)}))
         points, radii = _balls(others, density.obstacle_margin)
         meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
     around = Surroundings(
@@ -103,14 +109,34 @@ def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     return np.array(frame @ camera.matrix_world.inverted(), dtype=np.float64)
 
 
-def _obstacles(name: str, surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
+def _own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    """A scatter, its tiles and what it places: it would flee from its last result."""
+    if scatter is None:
+        return
+    settings = scatter.dapple
+    yield scatter
+    yield from _with_its_mesh(settings.tiles.object)
+    for placed in (settings, *settings.classes):
+        if placed.instance:
+            yield placed.instance
+        if placed.collection:
+            yield from placed.collection.all_objects
+
+
+def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    """An object, and linked duplicates of it."""
+    if made is not None:
+        yield from (one for one in bpy.data.objects if one.data == made.data)
+
+
+def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
     """Objects of a collection and those inside it with something to keep off."""
     collection = _by_full_name(bpy.data.collections, name)
     if collection is None:
         raise ScatterError(f"There is no collection '{name}'")
     seen = set(bpy.context.view_layer.objects)
     for obj in collection.all_objects:
-        if obj.type in _MESHES and obj != surface and obj in seen:
+        if obj.type in _MESHES and obj not in own and obj in seen:
             yield obj
 
 

@@ -79,11 +79,11 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
-    arrays = _read_checked(surface.get(), context, bind_to, settings)
+    arrays = _read_checked(surface.get(), context, bind_to, settings, context.object)
     locked = locked_points(context.object)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
     obj = held.get()
-    check_unchanged(arrays, _read(surface.get(), settings))
+    check_unchanged(arrays, _read(surface.get(), settings, obj))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     write_scattered(obj, arrays, solved, rest)
     return obj
@@ -110,7 +110,7 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
 def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
     count = last - first + 1
     settings = settings_of(held.get())
-    begin = arrays = _at_frame(surface, first, settings=settings)
+    begin = arrays = _at_frame(surface, first, settings=settings, own=held)
     check_render_topology(surface.get(), bpy.context)
     baker = _baker(held.get(), arrays, first, count)
     end = _READING if isinstance(baker, TogetherBaker) else 1.0
@@ -118,19 +118,23 @@ def _carry(held: Held, surface: Held, first: int, last: int) -> Any:
         if step:
             arrays = _at_frame(surface, first + step)
         share = (end * step / count, end * (step + 1) / count)
-        yield from _solve(baker, surface, arrays, share)
+        yield from _solve(baker, held, surface, arrays, share)
     if isinstance(baker, TogetherBaker):
         yield Task(baker.solve, end, 1.0)
-    check_unchanged(begin, _at_frame(surface, first, settings=settings))
+    check_unchanged(begin, _at_frame(surface, first, settings=settings, own=held))
     return baker
 
 
-def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[float, float]) -> Any:
+def _solve(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, share: tuple[float, float]
+) -> Any:
     """The next frame: what a stopped bake left, or solved now."""
     if baker.changes(arrays):
         number = baker.first + baker.done
         before, after = _seam(surface, number, baker.bound.topology)
-        baker.cross(before, _with_density(surface, baker, number, after))
+        settings = baker.start.settings
+        then = _at_frame(surface, number, settings=settings, own=held)
+        baker.cross(before, replace(after, weights=then.weights, around=then.around))
         arrays = _at_frame(surface, number)
     baker.enter(arrays)
     try:
@@ -139,12 +143,6 @@ def _solve(baker: Baker, surface: Held, arrays: SurfaceArrays, share: tuple[floa
         yield Task(baker.advance, *share)
     except StoppedError as error:
         raise StoppedError(_stopped(baker)) from error
-
-
-def _with_density(surface: Held, baker: Baker, number: int, after: SurfaceArrays) -> SurfaceArrays:
-    """The first surface of a new topology, with what the frame tells of its density."""
-    then = _at_frame(surface, number, settings=baker.start.settings)
-    return replace(after, weights=then.weights, around=then.around)
 
 
 def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
@@ -243,18 +241,26 @@ def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
 
 
 def _at_frame(
-    surface: Held, frame: int, part: float = 0.0, settings: Settings | None = None
+    surface: Held,
+    frame: int,
+    part: float = 0.0,
+    settings: Settings | None = None,
+    own: Held | None = None,
 ) -> SurfaceArrays:
     bpy.context.scene.frame_set(frame, subframe=part)
-    return _read(surface.get(), settings)
+    return _read(surface.get(), settings, own.get() if own else None)
 
 
-def _read(surface: bpy.types.Object, settings: Settings | None = None) -> SurfaceArrays:
-    """The surface; with settings, also what they take from it and from beside it."""
+def _read(
+    surface: bpy.types.Object,
+    settings: Settings | None = None,
+    own: bpy.types.Object | None = None,
+) -> SurfaceArrays:
+    """The surface; with settings, also what they take from it and from beside their scatter."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     if settings is None:
         return read_surface(surface, depsgraph)
-    return read_with(settings, surface, depsgraph)
+    return read_with(settings, surface, depsgraph, own)
 
 
 def _read_checked(
@@ -262,6 +268,7 @@ def _read_checked(
     context: bpy.types.Context,
     bind_to: str,
     settings: Settings | None = None,
+    own: bpy.types.Object | None = None,
 ) -> SurfaceArrays:
     if bind_to == "FACES":
         check_render_topology(surface, context)
@@ -273,7 +280,7 @@ def _read_checked(
         raise ScatterError(
             f"Rest Position of the surface is off, and {read_only(surface, english)}"
         )
-    return _read(surface, settings)
+    return _read(surface, settings, own)
 
 
 def _rest(

@@ -157,6 +157,71 @@ def test_points_keep_off_those_of_another_scatter():
     assert apart.min() >= 0.3 - 1e-5
 
 
+def of_its_own(obj, things):
+    """What a scatter makes and places, in a collection inside another."""
+    inner = bpy.data.collections.new("Inner")
+    things.children.link(inner)
+    activate(obj)
+    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    tiles = obj.dapple.tiles.object
+    twin = bpy.data.objects.new("Twin", tiles.data)
+    obj.dapple.instance = obstacle(inner, 0.3)
+    obj.dapple.classes[0].instance = obstacle(inner, 0.3, (1, 1, 0))
+    placed = bpy.data.collections.new("Placed")
+    obstacle(placed, 0.3, (-1, 1, 0))
+    inner.children.link(placed)
+    obj.dapple.classes[0].collection = placed
+    for one in (obj, tiles, twin):
+        inner.objects.link(one)
+    activate(obj)
+
+
+def test_a_scatter_does_not_flee_from_its_own_points_tiles_and_things():
+    obj = scenes.scattered(plane(4.0), count=60)
+    bpy.ops.dapple.edit_classes(action="ADD")
+    obj.dapple.classes[0].radius = 0.1
+    expected = optimised(obj)
+    things = collection()
+    of_its_own(obj, things)
+    for _ in range(2):
+        found = optimised(obj, obstacles=things)
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_a_bake_does_not_flee_from_its_own_points():
+    obj = scenes.scattered(plane(4.0), count=60)
+    obj.dapple.classes.add().radius = 0.1
+    optimised(obj)
+    bpy.context.scene.frame_end = 2
+    found = []
+    for obstacles in (None, collection()):
+        if obstacles:
+            obstacles.objects.link(obj)
+        obj.dapple.density.obstacles = obstacles
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        found.append(scenes.positions(obj))
+    np.testing.assert_array_equal(*found)
+
+
+def test_a_copy_of_a_scatter_keeps_off_the_first_but_not_off_the_tiles_that_both_have():
+    first = scenes.scattered(plane(4.0), count=20)
+    first.dapple.classes.add().radius = 0.1
+    optimised(first)
+    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    things = collection()
+    for one in (first, first.dapple.tiles.object):
+        things.objects.link(one)
+    expected = scenes.positions(first)
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    second = bpy.context.object
+    assert second.dapple.tiles.object == first.dapple.tiles.object
+    found = optimised(second, obstacles=things)
+    apart = np.linalg.norm(found[:, None] - expected[None], axis=2)
+    assert apart.min() >= 0.1 - 1e-5
+    things.objects.unlink(first.dapple.tiles.object)
+    np.testing.assert_array_equal(optimised(second), found)
+
+
 def test_a_range_of_heights_is_met_within_faces():
     surface = plane(4.0)
     surface.rotation_euler = (0, math.radians(60), 0)
