@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that take their time: thin shells around work.py; and what takes a bake back."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from ..core.native import missing
 from ..core.settings import Settings
@@ -16,9 +16,9 @@ from .library import writable
 from .properties import BIND_TO
 from .scatter import is_scatter, is_surface
 from .store import clear_keys
-from .translation import OWN, reported, told
+from .translation import OWN, counted, operator_label, reported, told
 from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
-from .workfiles import work_files
+from .workfiles import all_work_files, drop_finished
 
 _DEFAULT = Settings()
 
@@ -81,12 +81,67 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         context.view_layer.objects.active = result
 
 
-class DAPPLE_OT_optimise(StepsOperator, bpy.types.Operator):
+class _DropsKeys(StepsOperator):
+    """Asks before it takes a bake away, when a button was pressed."""
+
+    _action: ClassVar[str]
+    drop_keys: BoolProperty(
+        name="Drop Keys",
+        description="Drop baked keys without a question",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        if not context.object.dapple.baked_keys or self.drop_keys or bpy.app.background:
+            return StepsOperator.invoke(self, context, event)
+        bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=self._action)
+        return {"CANCELLED"}  # it begins anew once that is answered
+
+
+class DAPPLE_OT_drop_keys(bpy.types.Operator):
+    """Go on with what drops the baked keys"""
+
+    bl_idname = "dapple.drop_keys"
+    bl_label = "Drop Baked Keys"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    action: EnumProperty(
+        name="Action",
+        items=[
+            ("OPTIMISE", "Optimise", "Scatter the points anew"),
+            ("REBIND", "Re-bind", "Bind the points to the nearest places"),
+        ],
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        settings = context.object.dapple
+        last = settings.baked_start + settings.baked_frames - 1
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=told("Drop the bake?"),
+            message=told(
+                "The keys of frames {first} to {last} are dropped",
+                first=settings.baked_start,
+                last=last,
+            ),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        operator = getattr(bpy.ops.dapple, self.action.lower())
+        operator("INVOKE_DEFAULT", drop_keys=True)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_optimise(_DropsKeys, bpy.types.Operator):
     """Scatter the points anew over the surface as it is in this frame; baked keys are dropped"""
 
     bl_idname = "dapple.optimise"
     bl_label = "Optimise"
     bl_options = OPTIONS
+    _action = "OPTIMISE"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -126,13 +181,14 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
             self.report({"INFO"}, text)
 
 
-class DAPPLE_OT_rebind(StepsOperator, bpy.types.Operator):
+class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
     """Bind the points to the nearest places of the surface, whose faces changed; go to the frame
     and pose in which they were optimised first. Baked keys are dropped"""
 
     bl_idname = "dapple.rebind"
     bl_label = "Re-bind"
     bl_options = OPTIONS
+    _action = "REBIND"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -184,27 +240,47 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
         return there and context.object.dapple.baked_keys > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
+        drop_finished(context.object)
         clear_keys(context.object)
         return {"FINISHED"}
 
 
 class DAPPLE_OT_discard_bake(bpy.types.Operator):
-    """Remove the frames that a stopped bake has left; the next bake begins with its first frame"""
+    """Remove the frames that stopped bakes have left; the next bake begins with its first frame"""
 
     bl_idname = "dapple.discard_bake"
     bl_label = "Discard Unfinished Bake"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and work_files(context.object).frames() > 0
+        return is_scatter(context.object) and bool(all_work_files(context.object))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        if bpy.app.background:
+            return self.execute(context)
+        count = sum(files.frames() for files in all_work_files(context.object))
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=told("Discard the unfinished bake?"),
+            message=counted(
+                count,
+                "{count} solved frame is deleted from the disk",
+                "{count:,} solved frames are deleted from the disk",
+            ),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
 
     def execute(self, context: bpy.types.Context) -> Answer:
-        work_files(context.object).clear()
+        for files in all_work_files(context.object):
+            files.clear()
         return {"FINISHED"}
 
 
 CLASSES = (
     DAPPLE_OT_add,
+    DAPPLE_OT_drop_keys,
     DAPPLE_OT_optimise,
     DAPPLE_OT_bake,
     DAPPLE_OT_rebind,

@@ -247,6 +247,9 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     bake_fingerprint: StringProperty(
         name="Bake Fingerprint", description="Digest of all that the keys were solved from"
     )
+    bake_key: StringProperty(
+        name="Bake Key", description="By which frames of a stopped bake are found"
+    )
     bound_to: EnumProperty(
         name="Bound To",
         description="What the points hold on to now",

@@ -138,7 +138,7 @@ def write_binding(
 
 def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Columns]:
     """Stored binding and point columns, checked against the surface; without added points."""
-    binding = binding_from(_own_columns(obj, ROW_ATTRIBUTES))
+    binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
     check_binding(binding, vertex_count, obj.name)
     columns = point_columns_of(obj)
     check_ids(columns["id"], obj.name)
@@ -149,8 +149,8 @@ def columns_with_own_ids(obj: bpy.types.Object) -> Columns:
     """Point columns without added points; those that an artist added or copied have new ids."""
     ranked = "dapple_rank" in obj.data.attributes
     types = {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"} if ranked else POINT_ATTRIBUTES
-    columns = _own_columns(obj, types)
-    new = unbound(binding_from(_own_columns(obj, ROW_ATTRIBUTES))) | repeated(columns["id"])
+    columns = own_columns(obj, types)
+    new = unbound(binding_from(own_columns(obj, ROW_ATTRIBUTES))) | repeated(columns["id"])
     return with_own_ids(columns, new, obj.dapple.seed)
 
 
@@ -163,7 +163,7 @@ def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
 
 def point_columns_of(obj: bpy.types.Object) -> Columns:
     """Point columns without added points."""
-    return _own_columns(obj, POINT_ATTRIBUTES)
+    return own_columns(obj, POINT_ATTRIBUTES)
 
 
 def locked_points(obj: bpy.types.Object) -> Locked | None:
@@ -183,7 +183,8 @@ def places_of(obj: bpy.types.Object) -> Floats:
     return to_world(obj, read_points(obj.data)[own_points(obj)])
 
 
-def _own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
+def own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
+    """Columns of the points without those that a bake has added."""
     own = own_points(obj)
     return {name: values[own] for name, values in read_columns(obj.data, types).items()}
 

@@ -32,7 +32,7 @@ from .tools import (
 )
 from .topology import differences
 from .translation import counted, told
-from .workfiles import unfinished, unsaved_note
+from .workfiles import left_over, unfinished, unsaved_note
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
 _DIRECTION = ("align", "turn_randomness", "tilt")
@@ -277,16 +277,28 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         row.prop(settings, "preview_budget", text="ms", translate=False)
         if preview.note(context.object):
             lines_of(layout, preview.note(context.object), "INFO")
-        if unfinished(context.object):
-            text = counted(
-                unfinished(context.object),
-                "Unfinished bake: {count} frame is solved, Bake goes on",
-                "Unfinished bake: {count} frames are solved, Bake goes on",
-            )
-            lines_of(layout, text, "INFO")
-            layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
+        _draw_work_files(layout, context.object)
         if unsaved_note():
             lines_of(layout, unsaved_note(), "INFO")
+
+
+def _draw_work_files(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    if unfinished(obj):
+        text = counted(
+            unfinished(obj),
+            "Unfinished bake: {count} frame is solved, Bake goes on",
+            "Unfinished bake: {count} frames are solved, Bake goes on",
+        )
+        lines_of(layout, text, "INFO")
+    if left_over(obj):
+        text = counted(
+            left_over(obj),
+            "{count} frame is kept that was solved from other settings or points",
+            "{count} frames are kept that were solved from other settings or points",
+        )
+        lines_of(layout, text, "INFO")
+    if unfinished(obj) or left_over(obj):
+        layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
 
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -48,7 +48,7 @@ from .surroundings import read_with
 from .tiles import check_tile_object, write_tiles
 from .topology import check_render_topology
 from .translation import english, reported
-from .workfiles import work_files
+from .workfiles import new_key, work_files
 
 _SEAM_STEPS = 6
 _READING = 0.2  # of the progress of a bake that solves all frames together
@@ -70,6 +70,7 @@ def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
     check_unchanged(arrays, _read(surface.get(), settings))
     rest = _rest(surface.get(), arrays, solved.binding, bind_to)
     obj = new_scatter(surface.get(), _collection_of(surface.get(), bpy.context))
+    obj.dapple.bake_key = new_key()
     presets.apply(obj, values)
     write_scattered(obj, arrays, solved, rest)
     return obj
@@ -185,7 +186,7 @@ def _baker(obj: bpy.types.Object, arrays: SurfaceArrays, first: int, count: int)
         return PopulationBaker(arrays, start, keyframes, first=first, fade=obj.dapple.fade_frames)
     if smoothing != "FORWARDS":
         return TogetherBaker(arrays, start, keyframes, first=first, closed=smoothing == "LOOP")
-    return Baker(arrays, start, keyframes, work_files(obj), first, rebind)
+    return Baker(arrays, start, keyframes, work_files(obj, first), first, rebind)
 
 
 def _binding(obj: bpy.types.Object, arrays: SurfaceArrays, rebind: bool) -> tuple[Binding, Columns]:

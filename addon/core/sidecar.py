@@ -10,6 +10,7 @@ good as none.
 import hashlib
 import json
 import os
+import shutil
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,7 +20,7 @@ import numpy as np
 
 from .keys import Placed
 from .native import package
-from .records import Binding
+from .records import Binding, Columns
 from .settings import Settings
 from .solve import Report
 from .surface import Ints, SurfaceArrays
@@ -56,6 +57,16 @@ class Fingerprint:
         values = np.ascontiguousarray(array)
         self._digest.update(f"{values.dtype.str}{values.shape}".encode())
         self._digest.update(values.tobytes())
+
+
+def start_digest(settings: Settings, first: int, columns: Columns) -> str:
+    """What a bake begins with, in a few letters: settings, first frame, stored points."""
+    head = json.dumps([FORMAT, package().__version__, asdict(settings), first], sort_keys=True)
+    digest = hashlib.blake2b(head.encode(), digest_size=4)
+    for name, values in sorted(columns.items()):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True)
@@ -114,6 +125,13 @@ class Sidecar:
     def frames(self) -> int:
         """Number of files of frames that are there, whatever they hold."""
         return len(list(self.folder.glob("frame_*.npz")))
+
+    def move(self, folder: Path) -> None:
+        """Take the frames to another folder, over those that are there; OSError if that fails."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in sorted(self.folder.glob("frame_*.npz")):
+            shutil.move(path, folder / path.name)
+        self.clear()
 
     def clear(self) -> None:
         """Remove the frames and what a killed process left; other files stay."""

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators by name, undo and redo, refusals that leave the scene as it was."""
 
+from types import SimpleNamespace
+
 import addon_host
 import bpy
 import numpy as np
@@ -186,3 +188,86 @@ def test_a_mesh_that_changed_meanwhile_is_not_written_to():
         running.send(solved)
     assert scenes.snapshot() == before
     assert isinstance(task, steps.Task)
+
+
+class Window:
+    """Stands in for a Blender with windows: notes what is asked instead of showing it."""
+
+    def __init__(self, monkeypatch, answer=True):
+        self.asked, self.started, self.answer = [], [], answer
+        self.operators = addon_host.part("blender.operators")
+        bpy_there = SimpleNamespace(
+            app=SimpleNamespace(background=False),
+            ops=SimpleNamespace(
+                dapple=SimpleNamespace(
+                    drop_keys=self._ask, optimise=self._start, rebind=self._start
+                )
+            ),
+        )
+        monkeypatch.setattr(self.operators, "bpy", bpy_there)
+        started = lambda operator, *_: self._start("MODAL", True)  # noqa: E731
+        monkeypatch.setattr(self.operators.StepsOperator, "invoke", started)
+
+    def press(self, kind, **properties):
+        operator = SimpleNamespace(**properties)
+        for name in ("_action", "bl_label"):
+            setattr(operator, name, getattr(kind, name, ""))
+        operator.execute = lambda context: kind.execute(operator, context)
+        manager = SimpleNamespace(invoke_confirm=self._confirm)
+        context = SimpleNamespace(object=bpy.context.object, window_manager=manager)
+        return kind.invoke(operator, context, None)
+
+    def _ask(self, how, action):
+        assert how == "INVOKE_DEFAULT"
+        self.press(self.operators.DAPPLE_OT_drop_keys, action=action)
+
+    def _confirm(self, operator, event, title, message, **_):
+        self.asked.append((title, message))
+        there = SimpleNamespace(object=bpy.context.object)
+        return operator.execute(there) if self.answer else {"CANCELLED"}
+
+    def _start(self, how, drop_keys):
+        self.started.append((how, drop_keys))
+        return {"RUNNING_MODAL"}
+
+
+def baked():
+    obj = scenes.scattered(scenes.tail())
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    return obj
+
+
+@pytest.mark.parametrize("name", ["optimise", "rebind"])
+@pytest.mark.parametrize("answer", [True, False])
+def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
+    baked()
+    window = Window(monkeypatch, answer)
+    kind = getattr(window.operators, f"DAPPLE_OT_{name}")
+    assert window.press(kind, drop_keys=False) == {"CANCELLED"}
+    assert window.asked == [("Drop the bake?", "The keys of frames 1 to 6 are dropped")]
+    assert window.started == ([("INVOKE_DEFAULT", True)] if answer else [])
+
+
+@pytest.mark.parametrize("name", ["optimise", "rebind"])
+def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name):
+    obj = baked()
+    window = Window(monkeypatch)
+    kind = getattr(window.operators, f"DAPPLE_OT_{name}")
+    window.press(kind, drop_keys=True)
+    obj.dapple.baked_keys = 0
+    window.press(kind, drop_keys=False)
+    assert window.asked == []
+    assert window.started == [("MODAL", True), ("MODAL", True)]
+
+
+@pytest.mark.parametrize("answer", [True, False])
+def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
+    obj = baked()
+    obj.dapple.bake_fingerprint = ""  # as if it had been stopped
+    files = addon_host.part("blender.workfiles").work_files(obj)
+    window = Window(monkeypatch, answer)
+    window.press(window.operators.DAPPLE_OT_discard_bake)
+    said = "6 solved frames are deleted from the disk"
+    assert window.asked == [("Discard the unfinished bake?", said)]
+    assert files.frames() == (0 if answer else 6)
+    files.clear()

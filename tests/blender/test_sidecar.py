@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work in progress: what is kept, what is believed, and a bake that goes on after kill -9."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -321,3 +322,203 @@ def test_a_folder_that_cannot_be_written_does_not_stop_the_bake(tmp_path):
     baker = steps.run_now(work.bake_steps(bpy.context, 1, FRAMES))
     assert baker.trouble.startswith(f"Frames cannot be kept in '{tmp_path}")
     assert obj.dapple.baked_frames == FRAMES
+
+
+def stopped(path=None):
+    """A scatter whose bake was stopped after three frames, in a saved file."""
+    obj = scenes.scattered(scenes.tail(frames=FRAMES))
+    if path is not None:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    stop_after(3)
+    assert going_on(obj) == files_of(obj).frames() >= 3
+    return obj
+
+
+def going_on(obj):
+    return addon_host.part("blender.workfiles").unfinished(obj)
+
+
+def left_over(obj):
+    return addon_host.part("blender.workfiles").left_over(obj)
+
+
+def expect_to_go_on(obj, kept):
+    """Bake solves only what is not kept."""
+    assert (going_on(obj), left_over(obj)) == (kept, 0)
+    solves = counted_solves()
+    scenes._activate(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == FRAMES - kept
+
+
+def expect_nothing_left(*folders):
+    bpy.ops.wm.save_mainfile()
+    for folder in folders:
+        assert not list(folder.rglob("*.npz"))
+        assert not list(folder.glob("*.dapple"))
+
+
+def test_frames_of_a_file_that_was_never_saved_follow_when_it_is(tmp_path):
+    obj = stopped()
+    kept = going_on(obj)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))
+    assert files_of(obj).folder.parent == tmp_path / "first.dapple"
+    assert not list(Path(bpy.app.tempdir).rglob("*.npz"))
+    expect_to_go_on(obj, kept)
+    expect_nothing_left(tmp_path)
+
+
+def test_frames_follow_when_the_file_is_saved_under_another_name(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    (tmp_path / "elsewhere").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "elsewhere" / "second.blend"))
+    assert not (tmp_path / "first.dapple").exists()
+    expect_to_go_on(obj, kept)
+    expect_nothing_left(tmp_path, tmp_path / "elsewhere")
+
+
+def test_frames_stay_when_a_copy_of_the_file_is_saved(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    assert not (tmp_path / "copy.dapple").exists()
+    expect_to_go_on(obj, kept)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "copy.blend"), copy=True)
+    assert files_of(obj).frames() == FRAMES  # the file itself has not got the bake yet
+
+
+def test_frames_follow_a_file_that_was_renamed_while_it_was_closed(tmp_path):
+    kept = going_on(stopped(tmp_path / "first.blend"))
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    (tmp_path / "first.blend").rename(tmp_path / "renamed.blend")
+    (tmp_path / "first.blend1").unlink(missing_ok=True)
+    obj = opened(tmp_path / "renamed.blend")
+    assert not (tmp_path / "first.dapple").exists()
+    expect_to_go_on(obj, kept)
+    expect_nothing_left(tmp_path)
+
+
+def test_a_copied_file_does_not_take_the_frames_of_the_first_away(tmp_path):
+    kept = going_on(stopped(tmp_path / "first.blend"))
+    bpy.ops.wm.save_mainfile()
+    shutil.copy(tmp_path / "first.blend", tmp_path / "copy.blend")
+    obj = opened(tmp_path / "copy.blend")
+    assert (going_on(obj), left_over(obj)) == (0, 0)
+    expect_to_go_on(opened(tmp_path / "first.blend"), kept)
+
+
+def test_frames_are_found_when_the_scatter_is_called_otherwise(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    obj.name = "Scales/of: a newt"
+    bpy.ops.wm.save_mainfile()
+    expect_to_go_on(opened(tmp_path / "first.blend"), kept)
+    expect_nothing_left(tmp_path)
+
+
+def test_a_copy_of_the_scatter_has_work_files_of_its_own(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    scenes._activate(obj)
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    copy = bpy.context.object
+    assert (going_on(copy), left_over(copy)) == (0, 0)
+    solves = counted_solves()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert solves() == FRAMES
+    expect_to_go_on(obj, kept)
+    assert files_of(copy).frames() == FRAMES
+    expect_nothing_left(tmp_path)
+
+
+def test_frames_of_a_deleted_scatter_go_with_it_when_the_file_is_saved(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    (tmp_path / "first.dapple" / "mine-12345678").mkdir()
+    (tmp_path / "first.dapple" / "mine-12345678" / "notes.txt").write_text("not ours")
+    bpy.data.objects.remove(obj)
+    bpy.ops.wm.save_mainfile()
+    assert sorted(path.name for path in tmp_path.rglob("*.*") if path.is_file()) == [
+        "first.blend",
+        "first.blend1",
+        "notes.txt",
+    ]
+
+
+@pytest.mark.parametrize("name", ["seed", "count", "gap_weight"])
+def test_bake_is_not_said_to_go_on_with_other_settings(tmp_path, name):
+    obj = stopped(tmp_path / "first.blend")
+    kept, before = going_on(obj), getattr(obj.dapple, name)
+    setattr(obj.dapple, name, before + 1)
+    assert (going_on(obj), left_over(obj)) == (0, kept)
+    setattr(obj.dapple, name, before)
+    assert (going_on(obj), left_over(obj)) == (kept, 0)
+    obj.dapple.bake_smoothing = "LOOP"
+    assert (going_on(obj), left_over(obj)) == (0, kept)
+
+
+def test_bake_is_not_said_to_go_on_from_other_points_or_another_first_frame(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    bpy.context.scene.frame_start = 2
+    assert (going_on(obj), left_over(obj)) == (0, kept)
+    bpy.context.scene.frame_start = 1
+    assert (going_on(obj), left_over(obj)) == (kept, 0)
+    bpy.context.scene.frame_set(4)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert (going_on(obj), left_over(obj)) == (0, kept)
+    assert bpy.ops.dapple.discard_bake() == {"FINISHED"}
+    assert (going_on(obj), left_over(obj)) == (0, 0)
+    assert not (tmp_path / "first.dapple").exists()
+
+
+def test_two_settings_that_were_stopped_are_not_in_the_way_of_each_other(tmp_path):
+    obj = stopped(tmp_path / "first.blend")
+    first = going_on(obj)
+    obj.dapple.gap_weight = 1.0
+    stop_after(3)
+    second = going_on(obj)
+    assert (second >= 3, left_over(obj)) == (True, first)
+    obj.dapple.gap_weight = 3.0
+    assert (going_on(obj), left_over(obj)) == (first, second)
+
+
+def test_an_unfinished_bake_is_not_said_to_go_on_after_clear_bake(tmp_path):
+    obj = saved_scatter(tmp_path / "cleared.blend")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert (going_on(obj), left_over(obj)) == (0, 0)
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert (going_on(obj), left_over(obj)) == (0, 0)
+    assert not (tmp_path / "cleared.dapple").exists()
+
+
+def test_a_stopped_bake_over_a_finished_one_is_said_to_go_on(tmp_path):
+    obj = saved_scatter(tmp_path / "again.blend")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    obj.dapple.gap_weight = 1.0
+    stop_after(3)
+    kept = going_on(obj)
+    assert kept >= 3
+    bpy.ops.wm.save_mainfile()
+    expect_to_go_on(obj, kept)
+
+
+def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, monkeypatch):
+    obj = stopped(tmp_path / "first.blend")
+    kept = going_on(obj)
+    workfiles = addon_host.part("blender.workfiles")
+    for name in ("_count", "start_digest"):
+        monkeypatch.setattr(workfiles, name, lambda *_: pytest.fail("it was looked up anew"))
+    assert going_on(obj) == kept
+
+
+def test_a_scatter_of_an_older_version_keeps_its_work_files_when_it_is_renamed(tmp_path):
+    obj = saved_scatter(tmp_path / "old.blend")
+    obj.dapple.bake_key = ""
+    bpy.ops.wm.save_mainfile()
+    obj = opened(tmp_path / "old.blend")
+    stop_after(3)
+    kept = going_on(obj)
+    obj.name = "New"
+    expect_to_go_on(obj, kept)
