@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of the add-on that touches bpy."""
 
+from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 import bpy
 
 from . import (
     asset_library,
+    copies,
     operators,
     overlay,
     pictures,
@@ -22,34 +25,60 @@ from . import (
 _CLASSES = tuple(
     one for room in (operators, tools, presets, ui, asset_library) for one in room.CLASSES
 )
+Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back
 
 
 def register() -> None:
-    """Add properties, operators, panel and menu entry."""
-    translation.register()
-    properties.register()
+    """Add properties, operators, panel and menu entry: all of them, or none if one fails.
+
+    Beside another enabled copy of the add-on, wait until that is disabled.
+    """
+    if copies.other():
+        copies.wait(_register)
+    else:
+        _register()
+
+
+def unregister() -> None:
+    """Take back what register added, in reverse, also when some of that fails."""
+    if copies.waits():
+        copies.stop()
+        return
+    with ExitStack() as back:
+        for _, take_back in _steps():
+            back.callback(take_back)
+        back.callback(asset_library.unregister)
+
+
+def _register() -> None:
+    with ExitStack() as back:
+        for add, take_back in _steps():
+            back.callback(take_back)  # before: what fails half-way is taken back too
+            add()
+        back.pop_all()
+
+
+def _steps() -> list[Step]:
+    rooms: Any = (translation, properties)
+    later: Any = (pictures, workfiles, preview, overlay)
+    return [
+        *((room.register, room.unregister) for room in rooms),
+        (_add_classes, _remove_classes),
+        *((room.register, room.unregister) for room in later),
+    ]
+
+
+def _add_classes() -> None:
     for cls in _CLASSES:
         _describe(cls)
         bpy.utils.register_class(cls)
     bpy.types.VIEW3D_MT_mesh_add.append(ui.draw_add_menu)
-    pictures.register()
-    workfiles.register()
-    preview.register()
-    overlay.register()
 
 
-def unregister() -> None:
-    """Take back what register added, in reverse."""
-    overlay.unregister()
-    preview.unregister()
-    workfiles.unregister()
-    pictures.unregister()
-    asset_library.unregister()
+def _remove_classes() -> None:
     bpy.types.VIEW3D_MT_mesh_add.remove(ui.draw_add_menu)
-    for cls in reversed(_CLASSES):
+    for cls in filter(properties.is_registered, reversed(_CLASSES)):
         bpy.utils.unregister_class(cls)
-    properties.unregister()
-    translation.unregister()
 
 
 def _describe(cls: Any) -> None:

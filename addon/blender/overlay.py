@@ -172,7 +172,8 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
     for handlers, handler in _handlers():
-        handlers.remove(handler)
+        if handler in handlers:
+            handlers.remove(handler)
 
 
 def _handlers() -> list[tuple[Any, Any]]:

@@ -61,5 +61,6 @@ def register() -> None:
 
 def unregister() -> None:
     """Forget them."""
-    bpy.utils.previews.remove(_Kept.icons)
+    if _Kept.icons is not None:
+        bpy.utils.previews.remove(_Kept.icons)
     _Kept.icons = None

@@ -293,6 +293,12 @@ def register() -> None:
 
 
 def unregister() -> None:
-    del bpy.types.Object.dapple
-    for cls in reversed(CLASSES):
+    if hasattr(bpy.types.Object, "dapple"):
+        del bpy.types.Object.dapple
+    for cls in filter(is_registered, reversed(CLASSES)):
         bpy.utils.unregister_class(cls)
+
+
+def is_registered(cls: type) -> bool:
+    """Whether Blender knows a class."""
+    return "bl_rna" in cls.__dict__

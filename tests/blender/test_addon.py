@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The extension itself: enabling, layers, manifest, one name for each option."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import addon_host
+import addon_utils
 import bpy
 import child
 import pytest
@@ -29,6 +31,7 @@ WITHOUT_DAPPLE = """
 import tempfile
 sys.modules["dapple"] = None
 import addon_host
+import addon_utils
 addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
 addon_host.enable()
 import scenes
@@ -145,3 +148,127 @@ def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
     surface.modifiers.new("Subdivision", "SUBSURF")
     lines = [text for text, _ in results.result_lines(obj, bpy.context)]
     assert lines[-1].startswith("Stale: Bound to 266 vertices, the surface has ")
+
+
+def traces():
+    """What an enabled add-on has put into Blender."""
+    handlers = bpy.app.handlers
+    lists = (name for name in dir(handlers) if isinstance(getattr(handlers, name), list))
+    return {
+        "property": hasattr(bpy.types.Object, "dapple"),
+        "classes": sorted(name for name in dir(bpy.types) if "DAPPLE" in name.upper()),
+        "handlers": sorted(
+            f"{name} {one.__name__}"
+            for name in lists
+            for one in getattr(handlers, name)
+            if "dapple" in one.__module__
+        ),
+        "menu": [
+            one.__name__
+            for one in bpy.types.VIEW3D_MT_mesh_add._dyn_ui_initialize()
+            if "dapple" in one.__module__
+        ],
+    }
+
+
+@pytest.fixture
+def disabled():
+    """The add-on disabled, and enabled again afterwards."""
+    addon_host.disable()
+    yield traces()
+    addon_host.disable()
+    addon_host.enable()
+    assert traces()["property"]
+
+
+@pytest.mark.parametrize("step", range(7))
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_an_add_on_that_cannot_be_enabled_leaves_nothing_behind(disabled, monkeypatch, step, when):
+    root = addon_host.part("blender")
+    steps = root._steps()
+    add, take_back = steps[step]
+
+    def failing():
+        if when == "after":
+            add()
+        raise OSError("no more")
+
+    steps[step] = failing, take_back
+    monkeypatch.setattr(root, "_steps", lambda: steps)
+    with pytest.raises(OSError, match="no more"):
+        root.register()
+    assert traces() == disabled
+
+
+@pytest.mark.parametrize("count", [0, 2, 7, 20])
+def test_a_class_that_cannot_be_registered_leaves_nothing_behind(disabled, monkeypatch, count):
+    root, seen, known = addon_host.part("blender"), [], bpy.utils.register_class
+
+    def failing(cls):
+        seen.append(cls)
+        if len(seen) > count:
+            raise ValueError("no more")
+        known(cls)
+
+    monkeypatch.setattr(bpy.utils, "register_class", failing)
+    with pytest.raises(ValueError, match="no more"):
+        root.register()
+    assert traces() == disabled
+
+
+def test_what_fails_while_disabling_does_not_keep_the_rest(disabled, monkeypatch):
+    root, preview = addon_host.part("blender"), addon_host.part("blender.preview")
+    root.register()
+    kept = preview.unregister
+
+    def failing():
+        kept()
+        raise OSError("gone")
+
+    monkeypatch.setattr(preview, "unregister", failing)
+    with pytest.raises(OSError, match="gone"):
+        root.unregister()
+    assert traces() == disabled
+
+
+@pytest.fixture
+def second(tmp_path):
+    """Module of a second copy in a repository of its own, enabled after the first."""
+    (tmp_path / "dapple").symlink_to(addon_host.sources(), target_is_directory=True)
+    repos = bpy.context.preferences.extensions.repos
+    repo = repos.new(name="Second", module="dapple_second", custom_directory=str(tmp_path))
+    repo.use_custom_directory = repo.enabled = True
+    name = "bl_ext.dapple_second.dapple"
+    addon_utils.enable(name, default_set=True)
+    yield name
+    addon_utils.disable(name, default_set=True)
+    repos.remove(repo)
+    if not addon_utils.check(addon_host.MODULE)[1] or not hasattr(bpy.types.Object, "dapple"):
+        addon_host.disable()
+        addon_host.enable()
+
+
+def test_a_second_enabled_copy_says_so_and_leaves_the_first_alone(second, capsys):
+    copies = importlib.import_module(f"{second}.blender.copies")
+    assert copies.waits()
+    assert copies.note() == (
+        f"Another copy of Dapple is enabled ('{addon_host.MODULE}'). This one ('{second}') does "
+        "nothing until that is disabled"
+    )
+    assert copies.look() > 0
+    assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+    addon_utils.disable(second, default_set=True)
+    assert not copies.waits()
+    assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+
+
+def test_a_second_enabled_copy_works_when_the_first_is_disabled(second):
+    copies = importlib.import_module(f"{second}.blender.copies")
+    addon_host.disable()
+    assert not hasattr(bpy.types.Object, "dapple")
+    assert copies.look() is None
+    obj = scenes.scattered(scenes.sphere())
+    assert type(obj.dapple).__module__.startswith(second)
+    assert len(scenes.positions(obj)) == 60
+    addon_host.enable()  # now this one waits
+    assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
