@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty
 
+from .presets import draw_removal
 from .translation import reported, told
 
 Answer = set[str]
@@ -101,6 +102,7 @@ class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
+        draw_removal(layout.column())
         layout.label(text="The node groups can be used alone, from the asset browser.")
         if library() is None:
             layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes <-> numpy arrays, in bulk."""
 
+import hashlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -13,6 +14,7 @@ from ..core.errors import ScatterError
 from ..core.records import Columns
 from ..core.surface import Floats, SurfaceArrays, topology_digest
 from .corners import corner_vertices, triangles
+from .scatter import is_fluid
 from .weights import read_weights
 
 _NUMPY = {"INT": np.int32, "FLOAT": np.float32, "FLOAT_VECTOR": np.float32, "BOOLEAN": np.bool_}
@@ -53,7 +55,7 @@ def read_surface(
             obj.name,
             np.ascontiguousarray(vertices),
             np.ascontiguousarray(faces),
-            topology(mesh),
+            _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
             matrix,
             {name: read_weights(obj, mesh, name) for name in names},
         )
@@ -70,6 +72,13 @@ def topology(mesh: bpy.types.Mesh) -> str:
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     return topology_digest(len(mesh.vertices), corner_vertices(mesh), starts)
+
+
+def _fluid_topology(mesh: bpy.types.Mesh) -> str:
+    """Digest of polygons and places, where a face is the same only as long as nothing moves."""
+    digest = hashlib.blake2b(topology(mesh).encode(), digest_size=16)
+    digest.update(_vertices(mesh).tobytes())
+    return digest.hexdigest()
 
 
 def _matrix(obj: bpy.types.Object) -> Floats:

@@ -11,13 +11,14 @@ from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
 from . import preview
+from .adding import add_steps
 from .job import OPTIONS, Answer, StepsOperator
 from .library import writable
 from .properties import BIND_TO
-from .scatter import is_scatter, is_surface
+from .scatter import is_scatter, is_surface, rest_note
 from .store import clear_keys
 from .translation import OWN, counted, operator_label, reported, told
-from .work import add_steps, bake_steps, optimise_steps, rebind_steps, tile_steps
+from .work import bake_steps, optimise_steps, rebind_steps, tile_steps
 from .workfiles import all_work_files, drop_finished
 
 _DEFAULT = Settings()
@@ -35,7 +36,7 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
     elif is_scatter(obj):
         cls.poll_message_set(told("The active object is a scatter, not a surface"))
     elif not is_surface(obj):
-        cls.poll_message_set(told("Needs an active mesh, curve or text object"))
+        cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
     else:
         return True
     return False
@@ -60,7 +61,7 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         description="What the points hold on to while the surface deforms",
         items=BIND_TO,
         translation_context=OWN,
-        default="FACES",
+        default="AUTO",
     )
 
     @classmethod
@@ -74,11 +75,15 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         }
         return add_steps(context, **given)
 
-    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+    def done(self, context: bpy.types.Context, result: Any) -> None:
         for obj in context.selected_objects:
             obj.select_set(False)
-        result.select_set(True)
-        context.view_layer.objects.active = result
+        result.obj.select_set(True)
+        context.view_layer.objects.active = result.obj
+        if result.note:
+            self.report({"WARNING"}, result.note)
+        elif rest_note(result.obj):
+            self.report({"INFO"}, rest_note(result.obj, reported))
 
 
 class _DropsKeys(StepsOperator):

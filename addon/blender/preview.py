@@ -17,12 +17,14 @@ from ..core.bake import Start
 from ..core.errors import ScatterError
 from ..core.follow import Follower
 from ..core.records import ROW_ATTRIBUTES, Binding
+from ..core.surface import SurfaceArrays
 from ..nodes import get_input, has_input, set_input
 from .held import Held
 from .meshio import read_surface, write_columns, write_points
+from .resting import current_binding
 from .scatter import is_scatter, scatter_modifier, settings_of, surface_of
-from .staleness import check_bound_to_faces, other_faces
-from .store import ensure_modifier, own_points, read_binding
+from .staleness import other_faces
+from .store import ensure_modifier, own_points
 from .surroundings import read_with
 from .translation import told
 
@@ -70,21 +72,24 @@ def start(obj: bpy.types.Object) -> None:
     """Preview a scatter; ScatterError if it does not fit its surface."""
     surface = surface_of(obj)
     arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get(), obj)
-    if other_faces(obj, arrays):
+    if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):
         raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
-    check_bound_to_faces(obj, "preview")
     if not own_points(obj).all():
         raise ScatterError(
             f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
         )
-    binding, columns = read_binding(obj, len(arrays.vertices))
-    begin = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
-    follower = Follower(arrays, begin)
+    follower = _follower(obj, surface, arrays)
     _clear_all(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
     _write(obj, follower.binding)
     _state.previews[obj.session_uid] = _Preview(Held(obj), Held(surface), follower)
     _state.said, _state.dirty = "", True
     _ensure_timer()
+
+
+def _follower(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Follower:
+    binding, columns = current_binding(obj, surface, arrays)
+    begin = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
+    return Follower(arrays, begin)
 
 
 def _ensure_timer() -> None:
@@ -137,7 +142,12 @@ def _follow(preview: _Preview) -> None:
     obj, surface = preview.scatter.get(), preview.surface.get()
     if bpy.context.view_layer.objects.get(surface.name) is None:
         raise ScatterError(f"Surface '{surface.name}' is not in the view layer")
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    arrays = read_surface(surface, depsgraph)
+    if obj.dapple.bound_to == "REST" and arrays.topology != preview.follower.topology:
+        begun = _follower(obj, surface, read_with(settings_of(obj), surface, depsgraph, obj))
+        preview.follower = begun
+        _write(obj, begun.binding)
     binding = preview.follower.follow(arrays, obj.dapple.preview_budget / 1000.0)
     if binding is not None or get_input(ensure_modifier(obj), _INPUT) is None:
         _write(obj, preview.follower.binding)

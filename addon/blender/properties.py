@@ -29,14 +29,24 @@ from .translation import OWN
 
 _DEFAULT = Settings()
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-BIND_TO = [
-    ("FACES", "Faces", "Faces after all modifiers: exact, and can be baked; needs the same faces"),
+BOUND_TO = [  # the numbers are those of older files
+    ("FACES", "Faces", "Faces after all modifiers, which must be the same everywhere", 0),
     (
         "REST",
         "Rest Position",
         "The shape before all modifiers: they may make other faces in every frame or in the "
-        "render; points ride and cannot be baked. Turns on the surface's Rest Position",
+        "render. Turns on the surface's Rest Position",
+        1,
     ),
+]
+BIND_TO = [
+    (
+        "AUTO",
+        "Automatic",
+        "Faces, or the rest position where viewport and render have different faces",
+        2,
+    ),
+    *BOUND_TO,
 ]
 
 
@@ -49,7 +59,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
 
     surface: PointerProperty(
         name="Surface",
-        description="Object to scatter over: a mesh, curve or text",
+        description="Object to scatter over: a mesh, curve, text or metaball",
         type=bpy.types.Object,
         poll=_is_surface,
     )
@@ -188,7 +198,13 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         description="What the points hold on to while the surface deforms",
         items=BIND_TO,
         translation_context=OWN,
-        default="FACES",
+        default="AUTO",
+    )
+    bound_parts: IntProperty(
+        options=STILL,
+        name="Bound Parts",
+        description="Equal runs of faces that may lie on one another in the rest position",
+        default=1,
     )
     count_over_time: EnumProperty(
         options=STILL,
@@ -253,7 +269,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     bound_to: EnumProperty(
         name="Bound To",
         description="What the points hold on to now",
-        items=BIND_TO,
+        items=BOUND_TO,
         translation_context=OWN,
     )
     surface_topology: StringProperty(

@@ -14,7 +14,7 @@ from ..core.tiles import TileSettings
 from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
 from .translation import Say, english, told
 
-_SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}  # metaballs change faces as they move
+_SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
 def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -36,6 +36,11 @@ def is_surface(obj: bpy.types.Object | None) -> bool:
     return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
 
 
+def is_fluid(obj: bpy.types.Object) -> bool:
+    """Whether a surface has other faces whenever it moves, and in the render."""
+    return obj.type == "META"
+
+
 def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
     surface = obj.dapple.surface
@@ -44,8 +49,8 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     if not is_surface(surface):
         kind = "scatter" if is_scatter(surface) else surface.type.lower()
         raise ScatterError(
-            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, no mesh, curve or text: "
-            "choose another object"
+            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, no mesh, curve, text or "
+            "metaball: choose another object"
         )
     return surface
 
@@ -71,12 +76,22 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
     if not obj.dapple.solved_settings:
         return ""
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
-    if obj.dapple.bind_to != obj.dapple.bound_to:
+    if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
         names.append("bind to")
     if not names:
         return ""
     listed = ", ".join(say(name) for name in names)
     return solve_again(obj, say("Settings were changed ({names})", names=listed), say)
+
+
+def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
+    """That points hold on to the rest position by themselves, and why; empty where not."""
+    surface, chosen = obj.dapple.surface, obj.dapple.bind_to
+    if surface is None or chosen != "AUTO" or obj.dapple.bound_to != "REST":
+        return ""
+    if is_fluid(surface):
+        return say("Metaballs change their faces: points hold on to the nearest places")
+    return say("Viewport and render have different faces: points hold on to the rest position")
 
 
 def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:

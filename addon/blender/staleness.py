@@ -4,7 +4,6 @@
 import bpy
 import numpy as np
 
-from ..core.errors import ScatterError
 from ..core.records import FRAME_ATTRIBUTES
 from ..core.stale import moved
 from ..core.surface import SurfaceArrays
@@ -25,15 +24,6 @@ def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     if not reason and obj.dapple.baked_keys:
         reason = _range_reason(obj, context.scene) or _motion_reason(obj, context.scene, depsgraph)
     return reason
-
-
-def check_bound_to_faces(obj: bpy.types.Object, action: str) -> None:
-    """ScatterError for points bound to the rest position, which ride whatever the faces are."""
-    if obj.dapple.bound_to == "REST":
-        raise ScatterError(
-            f"Scatter '{obj.name}' is bound to the rest position: its points ride on whatever "
-            f"faces the modifiers make. To {action}, set Bind To to Faces and optimise"
-        )
 
 
 def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writing results into the file: the scatter object and its baked keys."""
 
+from collections.abc import Container
 from typing import Any
 
 import bmesh
@@ -20,6 +21,7 @@ from ..core.records import (
     LEAN_ATTRIBUTES,
     POINT_ATTRIBUTES,
     REST_ATTRIBUTES,
+    REST_TRIANGLE_ATTRIBUTES,
     ROW_ATTRIBUTES,
     SCHEMA,
     SCHEMA_KEY,
@@ -32,6 +34,7 @@ from ..core.records import (
     repeated,
     unbound,
 )
+from ..core.rest import AtRest
 from ..core.solve import Report, Scattered, with_own_ids
 from ..core.stale import settings_text
 from ..core.surface import Floats, SurfaceArrays
@@ -100,11 +103,12 @@ def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifie
     set_input(modifier, "Surface", obj.dapple.surface)
     set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
     set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
+    set_input(modifier, "Rest Parts", obj.dapple.bound_parts)
     set_input(modifier, "Spacing", obj.dapple.report.spacing)
 
 
 def write_scattered(
-    obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: Columns | None = None
+    obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: AtRest | None = None
 ) -> None:
     """Store a result: points, bindings, figures. Keys of an older result go."""
     places = to_local(obj, solved.positions)
@@ -122,13 +126,14 @@ def write_scattered(
 
 
 def write_binding(
-    obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, rest: Columns | None = None
+    obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, rest: AtRest | None = None
 ) -> None:
     """Store where the points sit on a surface, or on its rest shape. Keys of an older one go."""
     clear_keys(obj)
     write_columns(own_mesh(obj), binding.rows(), ROW_ATTRIBUTES)
     if rest is not None:
-        write_columns(obj.data, rest, REST_ATTRIBUTES)
+        write_columns(obj.data, rest.columns, REST_ATTRIBUTES)
+        obj.dapple.bound_parts = rest.parts
     obj.dapple.bound_to = "FACES" if rest is None else "REST"
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
@@ -143,6 +148,13 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
     columns = point_columns_of(obj)
     check_ids(columns["id"], obj.name)
     return binding, columns
+
+
+def read_at_rest(obj: bpy.types.Object) -> AtRest:
+    """Where the points are on the rest shape; older files know no parts of it."""
+    types = {name: kind for name, kind in REST_ATTRIBUTES.items() if name in obj.data.attributes}
+    columns = {"dapple_part": np.zeros(int(own_points(obj).sum()), np.int32)}
+    return AtRest({**columns, **own_columns(obj, types)}, obj.dapple.bound_parts)
 
 
 def columns_with_own_ids(obj: bpy.types.Object) -> Columns:
@@ -240,7 +252,7 @@ def write_baked(
         types = {**types, **LEAN_ATTRIBUTES}
     set_input(modifier, "Keys", _stored(obj, "Keys", baked.keys, types, places))
     for name, columns, types in (
-        ("Triangles", baked.triangles, TRIANGLE_ATTRIBUTES),
+        ("Triangles", baked.triangles, _triangle_types(baked.triangles)),
         ("Frames", baked.frames, FRAME_ATTRIBUTES),
     ):
         set_input(modifier, name, _stored(obj, name, columns, types))
@@ -252,6 +264,11 @@ def write_baked(
     write_report(obj, report)
     write_stale_input(obj)
     obj.update_tag()
+
+
+def _triangle_types(there: Container[str]) -> dict[str, str]:
+    types = {**TRIANGLE_ATTRIBUTES, **REST_TRIANGLE_ATTRIBUTES}
+    return {name: kind for name, kind in types.items() if name in there}
 
 
 def _stored(
@@ -284,7 +301,7 @@ def read_baked(obj: bpy.types.Object) -> Baked:
     keys, triangles, frames = (stored_object(obj, name).data for name in _STORES)
     return Baked(
         read_columns(keys, {**KEY_ATTRIBUTES, "position": "FLOAT_VECTOR"}),
-        read_columns(triangles, TRIANGLE_ATTRIBUTES),
+        read_columns(triangles, _triangle_types(triangles.attributes)),
         read_columns(frames, FRAME_ATTRIBUTES),
     )
 

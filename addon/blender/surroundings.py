@@ -48,13 +48,7 @@ def read_with(
 def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
     """Texture coordinates (m, 3, 2) of the triangles' corners."""
     with evaluated_mesh(obj, depsgraph) as mesh:
-        layers = mesh.uv_layers
-        layer = (
-            layers.get(name) if name else next((one for one in layers if one.active_render), None)
-        )
-        if layer is None:
-            wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
-            raise ScatterError(f"Surface '{obj.name}' has {wanted}")
+        layer = uv_layer(obj, mesh, name)
         places = np.empty(2 * len(mesh.loops), dtype=np.float32)
         layer.uv.foreach_get("vector", places)
         mesh.calc_loop_triangles()
@@ -65,6 +59,16 @@ def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Flo
     if np.linalg.det(matrix[:3, :3]) < 0.0:  # as read_surface turns the faces
         found = found[:, ::-1]
     return np.ascontiguousarray(found)
+
+
+def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
+    """The UV map of that name of an object's evaluated mesh; none: the one that renders use."""
+    layers = mesh.uv_layers
+    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    if layer is None:
+        wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
+        raise ScatterError(f"Surface '{obj.name}' has {wanted}")
+    return layer
 
 
 def _picture(name: str) -> Floats:
@@ -93,11 +97,16 @@ def _picture(name: str) -> Floats:
     return values
 
 
+def check_camera(scene: bpy.types.Scene) -> None:
+    """ScatterError if a scene has none."""
+    if scene.camera is None:
+        raise ScatterError(f"Scene '{scene.name}' has no camera: the density asks what it sees")
+
+
 def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     """World space to clip space of the scene's camera."""
     scene = depsgraph.scene
-    if scene.camera is None:
-        raise ScatterError(f"Scene '{scene.name}' has no camera: the density asks what it sees")
+    check_camera(scene)
     render, camera = scene.render, scene.camera.evaluated_get(depsgraph)
     frame = camera.calc_matrix_camera(
         depsgraph,

@@ -31,19 +31,26 @@ _RESOLUTIONS = (("resolution_u", "render_resolution_u"), ("resolution_v", "rende
 
 def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> None:
     """ScatterError unless viewport and render evaluate obj to the same faces."""
+    mismatch = render_mismatch(obj, context)
+    if mismatch:
+        raise ScatterError(mismatch)
+
+
+def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """How viewport and render evaluate obj to different faces, and what to do; empty if not."""
     causes = differences(obj, context.scene)
     if not causes:
-        return
+        return ""
     with evaluated_mesh(obj, context.evaluated_depsgraph_get()) as mesh:
         seen, count = topology(mesh), len(mesh.vertices)
     with _render_mesh(obj, context) as mesh:
         if topology(mesh) == seen:
-            return
+            return ""
         rendered = len(mesh.vertices)
-    raise ScatterError(
+    return (
         f"Surface '{obj.name}' has {count} vertices in the viewport and {rendered} in the render "
         f"({'; '.join(causes)}): use Match Subdivision to make both equal, or "
-        "set Bind To to Rest Position"
+        "set Bind To to Automatic or Rest Position"
     )
 
 

@@ -20,7 +20,7 @@ from .operators import (
 )
 from .presets import DAPPLE_MT_presets
 from .results import DAPPLE_PT_details, baked_line, result_lines
-from .scatter import active_surface, is_scatter, settings_of
+from .scatter import active_surface, is_scatter, rest_note, settings_of
 from .tools import (
     DAPPLE_OT_edit_classes,
     DAPPLE_OT_lock,
@@ -68,8 +68,10 @@ class DAPPLE_PT_main(_Panel, bpy.types.Panel):
         elif is_scatter(context.object):
             _draw_scatter(layout, context)
         else:
-            layout.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
-            _draw_mismatch(layout, context)
+            row = layout.row()
+            row.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
+            row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
+            _draw_mismatch(layout, context, "INFO")
 
 
 def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -81,8 +83,10 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
     layout.prop(settings, "seed")
     layout.prop(settings, "bind_to")
-    if settings.bind_to == "FACES":
-        _draw_mismatch(layout, context)
+    if rest_note(context.object):
+        lines_of(layout, rest_note(context.object), "INFO")
+    elif settings.bound_to == "FACES":
+        _draw_mismatch(layout, context, "ERROR")
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
@@ -105,12 +109,12 @@ def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         layout.label(text=text, icon="LOCKED")
 
 
-def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon: str) -> None:
     surface = active_surface(context)
     causes = differences(surface, context.scene, told) if surface else []
     if causes:
         text = told("Viewport and render differ: {causes}", causes="; ".join(causes))
-        lines_of(layout, text, "ERROR")
+        lines_of(layout, text, icon)
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
 
 

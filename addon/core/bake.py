@@ -17,6 +17,7 @@ from .kinds import tracked
 from .lean import leaning
 from .native import package
 from .records import Binding
+from .rest import bound_at_rest, rest_columns
 from .settings import Settings
 from .sidecar import Fingerprint, Sidecar, Solved
 from .solve import Report, named, report_of
@@ -53,9 +54,10 @@ class Baker:
 
     def __post_init__(self) -> None:
         start = self.start
-        read = (*self.bound.weights.values(), *self.bound.around.arrays())
+        read = [*self.bound.weights.values(), *self.bound.around.arrays()]
         self._chain = Fingerprint(start.settings, start.binding, (start.ids, start.classes, *read))
         self._now = self.bound
+        self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
         self.topologies = [self.bound.topology]
         self.last = start.binding
         self.lean: Floats | None = None  # of the last frame
@@ -77,15 +79,28 @@ class Baker:
         return frame.topology != self.bound.topology
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
-        """Bind to the nearest places of a new topology: surfaces just before and after it came."""
-        with named(after.name):
-            self.last = rebound(self.last, before.vertices, self.bound.faces, after)
+        """Bind to the places of a new topology that are nearest, or the same on the rest shape.
+
+        Both are the surface just before and after it came; with a rest shape, of any moments.
+        """
+        if after.rest is None:
+            with named(after.name):
+                self.last = rebound(self.last, before.vertices, self.bound.faces, after)
+        else:
+            after = replace(after, rest_parts=self.bound.rest_parts)
+            before = replace(self.bound, vertices=before.vertices)
+            self.last = bound_at_rest(rest_columns(self.last, before), after)
         self._chain.add(before)
         self._chain.add(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker = after, self.done, None
         self.lean = None
         self.topologies.append(after.topology)
+
+    @property
+    def now(self) -> SurfaceArrays:
+        """The surface of the last frame that was entered."""
+        return self._now
 
     def enter(self, frame: SurfaceArrays) -> None:
         """The surface of the next frame."""

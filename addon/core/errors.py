@@ -10,5 +10,9 @@ class MissingPackageError(ScatterError):
     """The native package is not installed."""
 
 
+class ChangedError(ScatterError):
+    """What was read is not what is there any more."""
+
+
 class StoppedError(RuntimeError):
     """The artist cancelled the work."""

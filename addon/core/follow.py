@@ -31,6 +31,11 @@ class Follower:
             samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
             self._tracker = tracked(self._ground, self._ground.there(samples), start.settings)
 
+    @property
+    def topology(self) -> str:
+        """Of the surface that is followed."""
+        return self._first.topology
+
     def follow(self, surface: SurfaceArrays, budget: float) -> Binding | None:
         """The binding for this shape, found within so many seconds.
 

@@ -4,13 +4,15 @@
 A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
 (32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
 each), 16 bytes for a point; 12 more where some things lean. A second table says for every frame
-which key is played, and how far it is to the next one: docs/bake.md.
+which key is played, and how far it is to the next one: docs/bake.md. Where points are bound to the
+rest shape, the triangles tell where they lie on it.
 """
 
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .records import Binding, Columns
 from .stale import SKETCH_SUMS, sketch
@@ -33,7 +35,8 @@ class Baked:
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
     # dapple_gone where points appear or vanish, dapple_lean where some lean
-    triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle
+    triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle, and where it is on the
+    # rest shape: REST_TRIANGLE_ATTRIBUTES
     frames: Columns  # FRAME_ATTRIBUTES of each frame
 
     @property
@@ -91,7 +94,7 @@ class Keyframes:
     """Collects solved frames: every so many of them become keys, and the last of all.
 
     Where the topology changes, a key ends what was and a key begins what comes; nothing is
-    mixed across.
+    mixed across, but for places of a rest shape, which both have.
     """
 
     count: int  # frames in all
@@ -100,10 +103,12 @@ class Keyframes:
     _next: int = 0
     _start: int = 0  # first frame of this topology
     _offset: int = 0  # of its triangles in the table of all
+    _first_row: int = 0  # its first key
     _topology: str = ""
     _last: tuple[int, Binding] | None = None
     _waiting: list[_Waiting] = field(default_factory=list)
     _triangles: list[Ints] = field(default_factory=list)
+    _rest: list[Columns] = field(default_factory=list)  # of the triangles; empty: none is known
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
     _gone: list[Floats | None] = field(default_factory=list)
     _lean: list[Floats | None] = field(default_factory=list)
@@ -145,17 +150,23 @@ class Keyframes:
             keys["dapple_gone"] = np.concatenate(self._gone, dtype=np.float32)  # type: ignore[arg-type]
         if any(lean is not None for lean in self._lean):
             keys["dapple_lean"] = self._all_leans()
-        corners = triangles[used]
         names = ("key", "since", "span", "vertices")
         sketches = np.array(self._sketches, dtype=np.float32)
         return Baked(
             keys,
-            {f"dapple_v{k}": np.ascontiguousarray(corners[:, k]) for k in range(3)},
+            self._packed_triangles(triangles, used),
             {
                 **{f"dapple_{name}": self._table[:, k].copy() for k, name in enumerate(names)},
                 **{f"dapple_sketch{k}": sketches[:, k] for k in range(SKETCH_SUMS)},
             },
         )
+
+    def _packed_triangles(self, triangles: Ints, used: NDArray[np.bool_]) -> Columns:
+        corners = triangles[used]
+        columns: Columns = {f"dapple_v{k}": np.ascontiguousarray(corners[:, k]) for k in range(3)}
+        for name in self._rest[0] if self._rest else ():
+            columns[name] = np.concatenate([rest[name] for rest in self._rest])[used]
+        return columns
 
     def _all_leans(self) -> Floats:
         """Of the rows of all keys, 0 where none leans."""
@@ -184,9 +195,31 @@ class Keyframes:
         if self._waiting:
             last = self._waiting.pop()
             self._add_key(last.frame, last.placed)
+        self._drop_unused()
         self._offset = sum(map(len, self._triangles))
+        self._first_row = len(self._rows)
         self._triangles.append(bound.faces)
-        self._topology, self._start, self._last = bound.topology, self._next, None
+        self._topology, self._start = bound.topology, self._next
+        if bound.rest is None:
+            self._last = None
+        else:
+            self._rest.append(_rest_of(bound))
+
+    def _drop_unused(self) -> None:
+        """Keep those triangles of the topology that ends which its keys use."""
+        rows = self._rows[self._first_row :]
+        if not rows:
+            return
+        used = np.zeros(len(self._triangles[-1]), dtype=bool)
+        for faces, _ in rows:
+            used[faces - self._offset] = True
+        place = np.cumsum(used, dtype=np.int32) - 1 + np.int32(self._offset)
+        self._rows[self._first_row :] = [
+            (place[faces - self._offset], places) for faces, places in rows
+        ]
+        self._triangles[-1] = self._triangles[-1][used]
+        for name, values in (self._rest[-1] if self._rest else {}).items():
+            self._rest[-1][name] = values[used]
 
     def _add_key(self, frame: int, placed: Placed) -> None:
         key = len(self._rows)
@@ -204,6 +237,15 @@ class Keyframes:
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
         self._gone.append(placed.gone)
         self._lean.append(placed.lean)
+
+
+def _rest_of(bound: SurfaceArrays) -> Columns:
+    """Columns named as in REST_TRIANGLE_ATTRIBUTES, of all triangles."""
+    assert bound.rest is not None
+    corners: Columns = {
+        f"dapple_r{k}": bound.rest[bound.faces[:, k]].astype(np.float32) for k in range(3)
+    }
+    return {**corners, "dapple_part": bound.parts}
 
 
 def padded(leans: Floats, count: int) -> Floats:

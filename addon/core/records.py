@@ -26,14 +26,23 @@ ROW_ATTRIBUTES = {
     "dapple_carry": "FLOAT",
 }
 KEY_ATTRIBUTES = {"dapple_face": "INT"}  # its position: barycentrics 1 and 2, angle carried
-# Places of the rest shape, where points are bound to it: rest.py.
-REST_ATTRIBUTES = {"dapple_rest": "FLOAT_VECTOR", "dapple_ahead": "FLOAT_VECTOR"}
+# Places of the rest shape, where points are bound to it, and in which of its parts: rest.py.
+REST_ATTRIBUTES = {
+    "dapple_rest": "FLOAT_VECTOR",
+    "dapple_ahead": "FLOAT_VECTOR",
+    "dapple_part": "INT",
+}
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
 # How far things lean off the normal, on each key, where some do (lean.py).
 LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
 TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
+# Where the triangles' corners are on the rest shape, where points are bound to it.
+REST_TRIANGLE_ATTRIBUTES = {
+    **{f"dapple_r{k}": "FLOAT_VECTOR" for k in range(3)},
+    "dapple_part": "INT",
+}
 FRAME_ATTRIBUTES = {
     "dapple_key": "INT",  # the key at or before the frame
     "dapple_since": "INT",  # frames since that key

@@ -51,6 +51,8 @@ class Fingerprint:
         """The fingerprint with one more frame."""
         self._digest.update(frame.topology.encode())
         self._add(frame.vertices)
+        if frame.rest is not None:
+            self._add(frame.rest)
         return self._digest.copy().hexdigest()
 
     def _add(self, array: Any) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ScatterError
+from .errors import ChangedError, ScatterError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -44,6 +44,15 @@ class SurfaceArrays:
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
     weights: dict[str, Floats] = field(default_factory=dict)  # (v,) values of the vertices, by name
     around: Surroundings = field(default_factory=Surroundings)
+    rest: Floats | None = None  # (v, 3) the vertices on the rest shape, if points are bound to it
+    rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
+
+    @property
+    def parts(self) -> Ints:
+        """Part (m,) of the rest shape that each face is in."""
+        count = len(self.faces)
+        found = np.arange(count, dtype=np.int64) * self.rest_parts // max(count, 1)
+        return found.astype(np.int32)
 
     @cached_property
     def fingerprint(self) -> str:
@@ -80,8 +89,8 @@ def check_same_topology(first: SurfaceArrays, later: SurfaceArrays, when: str) -
 
 
 def check_unchanged(read: SurfaceArrays, now: SurfaceArrays) -> None:
-    """ScatterError unless the surface is still the one that was read."""
+    """ChangedError unless the surface is still the one that was read."""
     if read.fingerprint != now.fingerprint:
-        raise ScatterError(
+        raise ChangedError(
             f"Surface '{read.name}' changed while it was being optimised: nothing was written"
         )

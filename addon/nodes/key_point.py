@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import bound_point
+from . import bound_point, rest_place
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -24,6 +24,7 @@ class _Bound:
     weights: list[Socket]
     carry: Socket
     gone: Socket  # 1 - fade
+    face: Socket | None = None  # of the triangles that keys name
 
     def sockets(self) -> list[Socket]:
         return [*self.corners, *self.weights, self.carry, self.gone]
@@ -36,7 +37,9 @@ def build() -> bpy.types.NodeTree:
         [
             *((name, "NodeSocketGeometry") for name in ("Surface", "Keys", "Triangles", "Preview")),
             *((name, "NodeSocketInt") for name in ("Points", "Key")),
-            *((name, "NodeSocketBool") for name in ("Baked", "Live")),
+            *((name, "NodeSocketBool") for name in ("Baked", "Live", "Resting")),
+            ("Shape", "NodeSocketGeometry"),
+            ("Parts", "NodeSocketInt"),
             *((name, "NodeSocketFloat") for name in ("Turn", "Side")),
         ],
         [
@@ -46,13 +49,18 @@ def build() -> bpy.types.NodeTree:
         ],
     )
     b = Builder(tree)
-    bound = _chosen(b, b.input("Baked"), _own(b), _of_key(b))
+    of_key = _of_key(b)
+    bound = _chosen(b, b.input("Baked"), _own(b), of_key)
     bound = _chosen(b, b.input("Live"), bound, _previewed(b))
     turn = b.number("ADD", bound.carry, b.input("Turn"))
     feeds = (b.input("Surface"), *bound.corners, *bound.weights, turn, b.input("Side"))
-    placed = inner(b, bound_point, *feeds)
-    b.output("Position", placed.outputs["Position"])
-    b.output("Rotation", _leaning(b, placed.outputs["Rotation"]))
+    on_faces, at_rest = inner(b, bound_point, *feeds), _at_rest(b, of_key)
+    position, rotation = (
+        b.switch(kind, b.input("Resting"), on_faces.outputs[name], at_rest.outputs[name])
+        for kind, name in (("VECTOR", "Position"), ("ROTATION", "Rotation"))
+    )
+    b.output("Position", position)
+    b.output("Rotation", _leaning(b, rotation))
     b.output("Gone", bound.gone)
     b.arrange()
     return tree
@@ -95,7 +103,28 @@ def _of_key(b: Builder) -> _Bound:
         [first, second, third],
         carry,
         _gone(b, rows, row),
+        face,
     )
+
+
+def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
+    """The same by places on the rest shape: the points' own, or those that the key's tell."""
+    triangles, baked = b.input("Triangles"), b.input("Baked")
+
+    def of_face(name: str, kind: str) -> Socket:
+        return b.sample(triangles, b.attribute(name, kind), key.face, kind)
+
+    corners = [of_face(f"dapple_r{k}", "FLOAT_VECTOR") for k in range(3)]
+    parts = [b.scaled(at, weight) for at, weight in zip(corners, key.weights, strict=True)]
+    place = b.vector("ADD", b.vector("ADD", parts[0], parts[1]), parts[2])
+    rest, ahead = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
+    pairs = ((rest, place), (rest, corners[0]), (ahead, corners[1]))
+    places = [b.switch("VECTOR", baked, own, other) for own, other in pairs]
+    part = b.switch("INT", baked, b.attribute("dapple_part", "INT"), of_face("dapple_part", "INT"))
+    # What points ahead of a point itself is turned already.
+    turn = b.number("ADD", b.switch("FLOAT", baked, 0.0, key.carry), b.input("Turn"))
+    feeds = (*places, part, b.input("Parts"), turn, b.input("Side"))
+    return inner(b, rest_place, b.input("Shape"), *feeds)
 
 
 def _row(b: Builder) -> Socket:

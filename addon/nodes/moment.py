@@ -16,7 +16,7 @@ def build() -> bpy.types.NodeTree:
 
     Fraction is the share of the second key. Where the topology changes between two frames, the
     surface has one of two numbers of vertices at a time between them: then that frame is played
-    whose number it is.
+    whose number it is. Bound to the rest position, points are on any surface, and are mixed.
     """
     tree = new_group(
         NAME,
@@ -24,6 +24,7 @@ def build() -> bpy.types.NodeTree:
             ("Frames", "NodeSocketGeometry"),
             ("First Frame", "NodeSocketInt"),
             ("Vertices", "NodeSocketInt"),
+            ("Rest Binding", "NodeSocketBool"),
         ],
         [
             ("First", "NodeSocketInt"),
@@ -36,6 +37,7 @@ def build() -> bpy.types.NodeTree:
     frame, part = _frame(b)
     late = b.compare("NOT_EQUAL", _at(b, "vertices", frame), b.input("Vertices"))
     late = b.boolean("AND", late, b.compare("GREATER_THAN", part, 0.0, "FLOAT"))
+    late = b.boolean("AND", late, b.boolean("NOT", b.input("Rest Binding")))
     frame = b.integer("ADD", frame, late)
     part = b.switch("FLOAT", late, part, 0.0)
     key, since, span = (_at(b, name, frame) for name in ("key", "since", "span"))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import fit, key_point, moment, posture, rest_point
+from . import fit, key_point, moment, posture, rest_shape
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -15,6 +15,7 @@ INPUTS = [
     ("Surface", "NodeSocketObject"),
     ("Surface Vertices", "NodeSocketInt"),
     ("Rest Binding", "NodeSocketBool"),
+    ("Rest Parts", "NodeSocketInt"),
     ("Keys", "NodeSocketObject"),
     ("Triangles", "NodeSocketObject"),
     ("Frames", "NodeSocketObject"),
@@ -37,17 +38,13 @@ def build() -> bpy.types.NodeTree:
     info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
     surface = info.outputs["Geometry"]
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
-    played = _played(b, surface)
+    played = _played(b, surface, _shape(b, info))
     # Things that stand on the surface are turned once, by their own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
     turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
     aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
     early = b.switch("FLOAT", aligned, 0.0, turn)
-    position, rotation, gone = _on_faces(b, surface, played, early, side)
-    places = (b.attribute(name, "FLOAT_VECTOR") for name in ("dapple_rest", "dapple_ahead"))
-    rest = inner(b, rest_point, surface, *places, early, side)
-    position = b.switch("VECTOR", b.input("Rest Binding"), position, rest.outputs["Position"])
-    rotation = b.switch("ROTATION", b.input("Rest Binding"), rotation, rest.outputs["Rotation"])
+    position, rotation, gone = _placed(b, surface, played, early, side)
     stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -65,22 +62,33 @@ class _Played:
     count: Socket  # of points
     baked: Socket
     live: Socket
+    resting: Socket  # whether points are found on the rest shape
+    shape: Socket
     moment: bpy.types.Node
     fits: Socket
 
 
-def _played(b: Builder, surface: Socket) -> _Played:
+def _shape(b: Builder, info: bpy.types.Node) -> Socket:
+    """The rest shape of the surface; places in its own space where it has no rest position."""
+    back = b.node("FunctionNodeInvertMatrix", info.outputs[0]).outputs[0]
+    own = b.out("FunctionNodeTransformPoint", b.out("GeometryNodeInputPosition"), back)
+    return inner(b, rest_shape, info.outputs["Geometry"], own).outputs["Shape"]
+
+
+def _played(b: Builder, surface: Socket, shape: Socket) -> _Played:
     names = ("Keys", "Triangles", "Frames", "Preview")
     keys, triangles, frames, preview = (_stored(b, name) for name in names)
     count, vertices = b.count_points(b.input("Geometry")), b.count(surface)
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
-    now = inner(b, moment, frames, b.input("First Frame"), vertices)
+    rest, stale = b.input("Rest Binding"), b.input("Stale")
+    now = inner(b, moment, frames, b.input("First Frame"), vertices, rest)
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     bound = (vertices, b.input("Surface Vertices"), now.outputs["Vertices"])
-    rest, stale = b.input("Rest Binding"), b.input("Stale")
     fits = inner(b, fit, *bound, count, b.input("Key Points"), bake, rest, stale)
-    return _Played(keys, triangles, preview, count, baked, live, now, fits.outputs["Fits"])
+    resting = b.boolean("AND", rest, b.boolean("NOT", live))
+    stored = (keys, triangles, preview, count, baked, live)
+    return _Played(*stored, resting, shape, now, fits.outputs["Fits"])
 
 
 def _stored(b: Builder, name: str) -> Socket:
@@ -96,17 +104,18 @@ def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
     return b.boolean("AND", b.boolean("AND", fits, some), b.out("GeometryNodeIsViewport"))
 
 
-def _on_faces(
+def _placed(
     b: Builder, surface: Socket, played: _Played, turn: Socket, side: Socket
 ) -> list[Socket]:
-    """Position, rotation and gone of what is bound to faces.
+    """Position, rotation and gone.
 
     On whole frames of keys, and without any, the second key is not looked at.
     """
     stored = (played.keys, played.triangles, played.preview, played.count)
     now = played.moment.outputs
+    way = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     first, second = (
-        inner(b, key_point, surface, *stored, key, played.baked, played.live, turn, side)
+        inner(b, key_point, surface, *stored, key, *way, turn, side)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]

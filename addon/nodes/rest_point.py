@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a place of the rest shape -> position and rotation on the surface as it is now.
-
-The attribute rest_position goes with the surface through its modifiers. So the faces that they make
-may be others in every frame, or in the render: a point is where its rest position is found.
-"""
+"""Node group: rest shape and place in one, for trees of one's own."""
 
 import bpy
 
-from .builder import Builder, Socket, new_group
+from . import rest_place, rest_shape
+from .builder import Builder, new_group
+from .groups import inner
 
 NAME = "Dapple Rest Point"
-_PLACE, _NORMAL = "dapple_place", "dapple_normal"
 
 
 def build() -> bpy.types.NodeTree:
@@ -23,28 +20,17 @@ def build() -> bpy.types.NodeTree:
             ("Ahead", "NodeSocketVector"),
             ("Turn", "NodeSocketFloat"),
             ("Side", "NodeSocketFloat"),
+            ("Part", "NodeSocketInt"),
+            ("Parts", "NodeSocketInt"),
         ],
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    surface = b.store(
-        b.input("Surface"), _PLACE, b.out("GeometryNodeInputPosition"), "FLOAT_VECTOR"
-    )
-    surface = b.store(surface, _NORMAL, b.out("GeometryNodeInputNormal"), "FLOAT_VECTOR")
-    rest = b.attribute("rest_position", "FLOAT_VECTOR")
-    shape = b.out("GeometryNodeSetPosition", surface, True, rest)
-    position = _found(b, shape, _PLACE, "Rest")
-    edge = b.vector("SUBTRACT", _found(b, shape, _PLACE, "Ahead"), position)
-    outward = b.scaled(_found(b, shape, _NORMAL, "Rest"), b.input("Side"))
-    b.output("Position", position)
-    axes = {"primary_axis": "Z", "secondary_axis": "X"}
-    frame = b.out("FunctionNodeAxesToRotation", outward, edge, **axes)
-    b.output("Rotation", b.turned(frame, b.input("Turn")))
+    own = b.out("GeometryNodeInputPosition")
+    shape = inner(b, rest_shape, b.input("Surface"), own).outputs["Shape"]
+    names = ("Rest", "Rest", "Ahead", "Part", "Parts", "Turn", "Side")
+    placed = inner(b, rest_place, shape, *(b.input(name) for name in names))
+    for name in ("Position", "Rotation"):
+        b.output(name, placed.outputs[name])
     b.arrange()
     return tree
-
-
-def _found(b: Builder, shape: Socket, name: str, where: str) -> Socket:
-    field = b.attribute(name, "FLOAT_VECTOR")
-    kind = "GeometryNodeSampleNearestSurface"
-    return b.out(kind, shape, field, None, b.input(where), data_type="FLOAT_VECTOR")

@@ -7,6 +7,8 @@ DEFAULTS = {
     "Align": 1.0,
     "Class": -1,
     "First Frame": 1,
+    "Parts": 1,
+    "Rest Parts": 1,
     "Scale": 1.0,
     "Side": 1.0,
     "Spacing": 0.1,
@@ -20,6 +22,8 @@ INPUTS = {
     "Surface Vertices": "Vertices that the surface must have for the points to be shown. 0: any "
     "number",
     "Rest Binding": "The points are bound to the surface's rest position, not to its faces",
+    "Rest Parts": "Equal runs of the surface's faces that may lie on one another in the rest "
+    "position, as Mirror makes them",
     "Keys": "Of a bake: the object with a row for each key and point",
     "Triangles": "Of a bake: the object with the triangles that the keys name",
     "Frames": "Of a bake: the object with a row for each frame",
@@ -45,6 +49,8 @@ INPUTS = {
     "Turn": "Angle about the normal, in radians",
     "Side": "1; -1 where the surface is mirrored and its normals point the other way",
     "Rest": "The point's place on the surface's rest_position",
+    "Part": "In which of the parts the place is looked for, from 0",
+    "Parts": "Equal runs of the surface's faces that may lie on one another in the rest position",
     "Ahead": "A place near it on the surface's rest_position, where X points",
 }
 

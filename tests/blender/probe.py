@@ -13,6 +13,7 @@ class ProbeEngine(bpy.types.RenderEngine):
     bl_label = "Probe"
     watched = ""  # name of a scatter object
     seen = ()
+    read = None  # what else to take from the surface and the render's depsgraph
 
     def render(self, depsgraph):
         obj = bpy.data.objects[ProbeEngine.watched]
@@ -24,6 +25,7 @@ class ProbeEngine(bpy.types.RenderEngine):
                 "frame": depsgraph.scene.frame_current + depsgraph.scene.frame_subframe,
                 "positions": scenes.positions(obj, depsgraph),
                 "surface_vertices": len(evaluated.to_mesh().vertices),
+                "surface": ProbeEngine.read(surface, depsgraph) if ProbeEngine.read else None,
             },
         )
         self._empty_picture(depsgraph.scene)
@@ -44,7 +46,7 @@ def registered():
         bpy.utils.unregister_class(ProbeEngine)
 
 
-def render(obj, frame, subframe=0.0):
+def render(obj, frame, subframe=0.0, read=None):
     """What a render of this frame sees of a scatter object and its surface."""
     scene = bpy.context.scene
     scene.render.engine = ProbeEngine.bl_idname
@@ -53,7 +55,7 @@ def render(obj, frame, subframe=0.0):
     if scene.camera is None:
         scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         scene.collection.objects.link(scene.camera)
-    ProbeEngine.watched, ProbeEngine.seen = obj.name, ()
+    ProbeEngine.watched, ProbeEngine.seen, ProbeEngine.read = obj.name, (), read
     scene.frame_set(frame, subframe=subframe)
     bpy.ops.render.render()
     return ProbeEngine.seen[-1]

@@ -124,7 +124,8 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Moment",
             "Points",
             "Posture",
-            "Rest Point",
+            "Rest Place",
+            "Rest Shape",
             "Things",
             "Viewport",
         )

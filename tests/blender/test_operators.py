@@ -118,9 +118,11 @@ def refused(call, words):
 
 def test_unequal_levels_are_refused():
     surface = scenes.tail(levels=1, render_levels=2)
-    refused(bpy.ops.dapple.add, "410 vertices in the viewport and 1634 in the render")
+    words = "410 vertices in the viewport and 1634 in the render"
+    refused(lambda: bpy.ops.dapple.add(bind_to="FACES"), words)
     assert bpy.ops.dapple.match_subdivision() == {"FINISHED"}
     obj = scenes.scattered(surface)
+    obj.dapple.bind_to = "FACES"
     surface.modifiers["Subdivision"].render_levels = 1
     refused(bpy.ops.dapple.optimise, "Match Subdivision")
     refused(bpy.ops.dapple.bake, "Match Subdivision")
@@ -176,10 +178,10 @@ def test_operators_need_object_mode_and_the_right_object():
 
 
 def test_a_mesh_that_changed_meanwhile_is_not_written_to():
-    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    adding, steps = addon_host.part("blender.adding"), addon_host.part("core.steps")
     errors = addon_host.part("core.errors")
     surface = scenes.sphere()
-    running = work.add_steps(bpy.context, count=30)
+    running = adding.add_steps(bpy.context, count=30)
     task = next(running)
     solved = task.call(addon_host.part("core.native").package().Context())
     surface.data.vertices[0].co.z += 0.1

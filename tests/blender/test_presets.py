@@ -2,12 +2,15 @@
 """Presets as JSON files, and the one that new scatters begin with."""
 
 import json
+import re
+import types
 
 import addon_host
 import bpy
 import numpy as np
 import pytest
 import scenes
+from test_panels import Layout
 
 
 @pytest.fixture
@@ -108,3 +111,96 @@ def test_a_preset_that_is_gone_is_told(folder):
     for operator in (bpy.ops.dapple.load_preset, bpy.ops.dapple.remove_preset):
         with pytest.raises(RuntimeError, match="no preset 'Gone'"):
             operator(name="Gone")
+
+
+def default(folder, text):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "Default.json").write_text(text)
+
+
+def of(density=None, **own):
+    settings = {"": {"count": 40, **own}, "density": density or {}}
+    return json.dumps({"schema": 1, "settings": settings})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (of({"attribute": "Grass", "curvature": 0.5}), "no attribute or vertex group 'Grass'"),
+        (of({"use_camera": True, "curvature": 0.5}), "has no camera"),
+        (of({"uv_map": "Painted", "curvature": 0.5}), "no UV map 'Painted'"),
+        (of({"curvature": 0.5}, tilt="steep"), r"tilt \('steep'\)"),
+        (of({"curvature": 0.5}, seed=-3), r"seed \(-3\)"),
+        (of({"curvature": 0.5}, align="UPRIGHT"), "align"),
+    ],
+)
+def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, capfd):
+    default(folder, text)
+    scenes.sphere()
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    new = bpy.context.object
+    assert len(scenes.positions(new)) == 40, "what fits is taken"
+    assert new.dapple.density.curvature == 0.5
+    told = capfd.readouterr().out
+    assert re.search(f"Warning: Preset 'Default' does not fit here, left out: .*{said}", told)
+    assert addon_host.part("blender.scatter").settings_reason(new) == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (of({"use_height": True, "height_from": 50.0, "height_to": 60.0}), "density"),
+        (of(amount="PER_AREA", points_per_area=1e12), "all settings"),
+        ("{", "cannot be read"),
+        ('{"schema": 99, "settings": {}}', "schema 99 is not known"),
+    ],
+)
+def test_a_default_that_leaves_no_point_does_not_block_add(folder, text, said, capfd):
+    default(folder, text)
+    scenes.sphere()
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert len(scenes.positions(bpy.context.object)) in (40, 1000)
+    told = capfd.readouterr().out
+    assert re.search(f"Warning: Preset 'Default'.*{said}", told)
+
+
+def test_a_default_with_a_binding_that_cannot_be_gives_way(folder, capfd):
+    default(folder, of(bind_to="FACES"))
+    scenes.tail(levels=1, render_levels=2)
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    new = bpy.context.object
+    assert (new.dapple.bind_to, new.dapple.bound_to, new.dapple.count) == ("AUTO", "REST", 40)
+    assert "left out: binding (" in capfd.readouterr().out
+
+
+def test_what_is_chosen_by_hand_is_refused_with_its_own_reason(folder):
+    default(folder, of({"curvature": 0.5}))
+    scenes.tail(levels=1, render_levels=2)
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match="410 vertices in the viewport and 1634"):
+        bpy.ops.dapple.add(bind_to="FACES")
+    assert scenes.snapshot() == before
+
+
+def test_a_preset_is_removed_without_a_scatter(folder):
+    default(folder, of())
+    assert bpy.context.object is None
+    assert bpy.ops.dapple.remove_preset(name="Default") == {"FINISHED"}
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("where", ["panel", "preferences"])
+def test_presets_can_be_removed_where_no_scatter_is_selected(folder, where):
+    default(folder, of())
+    scenes.sphere()
+    shown = []
+    if where == "panel":
+        panel = types.SimpleNamespace(layout=Layout(shown))
+        bpy.types.DAPPLE_PT_main.draw(panel, bpy.context)
+    else:
+        preferences = types.SimpleNamespace(layout=Layout(shown), remove_library=False)
+        preferences.layout.prop = lambda *_, **__: None
+        library = addon_host.part("blender.asset_library")
+        library.DAPPLE_AP_preferences.draw(preferences, bpy.context)
+    assert "dapple.remove_preset" in shown
+    assert "dapple.load_preset" not in shown

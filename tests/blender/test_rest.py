@@ -75,8 +75,8 @@ def test_things_are_turned_each_by_its_own_angle(align):
 
 def test_viewport_and_render_may_have_other_faces():
     surface = scenes.tail(levels=1, render_levels=2, frames=6)
-    with pytest.raises(RuntimeError, match="set Bind To to Rest Position"):
-        bpy.ops.dapple.add(count=60)
+    with pytest.raises(RuntimeError, match="set Bind To to Automatic or Rest Position"):
+        bpy.ops.dapple.add(count=60, bind_to="FACES")
     assert len(scenes.positions(bound(surface))) == 60
 
 
@@ -91,22 +91,22 @@ def test_things_turn_with_the_surface():
     assert np.abs(scenes.rotations(obj) - turn @ before).max() < 1e-3
 
 
-def test_copies_of_the_rest_shape_are_refused_and_nothing_is_written():
+def test_copies_of_the_rest_shape_are_told_apart():
     surface = scenes.sphere()
     array = surface.modifiers.new("Array", "ARRAY")
-    array.relative_offset_displace = (2.0, 0.0, 0.0)
+    array.count, array.relative_offset_displace = 3, (2.0, 0.0, 0.0)
+    shown = scenes.positions(bound(surface))
+    assert nearest(surface, shown).max() < 1e-5
+    assert [(np.abs(shown[:, 0] - x) < 1.01).sum() for x in (0, 4, 8)] == [20, 20, 20]
+
+
+def test_a_thickness_without_width_at_rest_is_refused_and_nothing_is_written():
+    bpy.ops.mesh.primitive_grid_add()
+    bpy.context.object.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
     before = sorted(bpy.data.objects.keys())
     with pytest.raises(RuntimeError, match=r"point \d+ has the rest position of another place"):
         bpy.ops.dapple.add(count=60, bind_to="REST")
     assert sorted(bpy.data.objects.keys()) == before
-
-
-@pytest.mark.parametrize("operator", ["bake", "preview"])
-def test_what_needs_faces_says_so(operator):
-    surface = scenes.tail(frames=6)
-    bound(surface)
-    with pytest.raises(RuntimeError, match="set Bind To to Faces and optimise"):
-        getattr(bpy.ops.dapple, operator)()
 
 
 def test_back_to_faces():
