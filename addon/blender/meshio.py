@@ -42,13 +42,19 @@ def evaluated_mesh(
 
 
 def read_surface(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, names: Iterable[str] = ()
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    names: Iterable[str] = (),
+    cut: bool = True,
 ) -> SurfaceArrays:
-    """The evaluated surface in world space, triangulated, with values of its vertices by name."""
+    """The evaluated surface in world space, with values of its vertices by name.
+
+    Triangulated, which takes most of the time, or without faces.
+    """
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = _matrix(obj.evaluated_get(depsgraph))
         vertices = _vertices(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
-        faces = triangles(mesh)
+        faces = triangles(mesh) if cut else np.empty((0, 3), dtype=np.int32)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             faces = faces[:, ::-1]
         return SurfaceArrays(
@@ -58,6 +64,7 @@ def read_surface(
             _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
             matrix,
             {name: read_weights(obj, mesh, name) for name in names},
+            time=float(depsgraph.scene.frame_current_final),
         )
 
 

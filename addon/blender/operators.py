@@ -175,6 +175,10 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         return bake_steps(context, scene.frame_start, scene.frame_end)
 
     def done(self, context: bpy.types.Context, result: Any) -> None:
+        if result.anew:
+            preview.solved_anew(context.object)
+            text = reported("The points were optimised anew first: {reason}", reason=result.anew)
+            self.report({"INFO"}, text)
         if result.trouble:
             self.report({"WARNING"}, result.trouble)
         if result.taken:

@@ -58,6 +58,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     """Settings of a scatter object."""
 
     surface: PointerProperty(
+        update=settings_changed,
         name="Surface",
         description="Object to scatter over: a mesh, curve, text or metaball",
         type=bpy.types.Object,
@@ -163,6 +164,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     class_index: IntProperty(name="Class", description="The class that is shown", options=STILL)
     key_every: IntProperty(
         options=STILL,
+        update=settings_changed,
         name="Key Every",
         description="Frames from one key to the next; more of them make a smaller file, "
         "the points of the frames between are mixed from the keys around",
@@ -182,6 +184,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     )
     bake_smoothing: EnumProperty(
         options=STILL,
+        update=settings_changed,
         name="Smoothing",
         description="In which order a bake solves the frames",
         items=[
@@ -208,6 +211,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     )
     count_over_time: EnumProperty(
         options=STILL,
+        update=settings_changed,
         name="Count Over Time",
         description="What a bake keeps while the surface grows and shrinks",
         items=[
@@ -222,6 +226,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     )
     fade_frames: IntProperty(
         options=STILL,
+        update=settings_changed,
         name="Fade",
         description="Frames that a point takes to appear or to vanish",
         default=12,
@@ -251,6 +256,11 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     density: PointerProperty(type=DAPPLE_PG_density)
     tiles: PointerProperty(type=DAPPLE_PG_tiles)
     report: PointerProperty(type=DAPPLE_PG_report)
+    solved: PointerProperty(
+        name="Solved",
+        description="Figures of the solution that a bake began with",
+        type=DAPPLE_PG_report,
+    )
     surface_vertices: IntProperty(
         options=STILL,
         name="Surface Vertices",
@@ -277,6 +287,20 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     )
     solved_settings: StringProperty(
         name="Solved Settings", description="Settings that the result was solved with, as JSON"
+    )
+    solved_from: StringProperty(
+        name="Solved From",
+        description="Digests of what the points were solved from, as JSON",
+    )
+    solved_points: StringProperty(
+        name="Solved Points", description="Digest of the points as they were stored"
+    )
+    baked_settings: StringProperty(
+        name="Baked Settings", description="Settings of the bake alone, as JSON"
+    )
+    baked_from: StringProperty(
+        name="Baked From",
+        description="Digests of what the first baked frame was solved from, as JSON",
     )
     baked_frames: IntProperty(name="Baked Frames", description="Number of them, 0 if none")
     baked_keys: IntProperty(name="Baked Keys", description="Number of keys, 0 if none")

@@ -7,9 +7,9 @@ import bpy
 
 from ..core.errors import ScatterError
 from ..core.records import SCHEMA_KEY
-from ..core.settings import ClassSettings, DensitySettings, Settings
+from ..core.settings import BakeSettings, ClassSettings, DensitySettings, Settings
 from ..core.solve import Report
-from ..core.stale import changed_settings
+from ..core.stale import changed_baking, changed_settings
 from ..core.tiles import TileSettings
 from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
 from .translation import Say, english, told
@@ -76,12 +76,22 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
     if not obj.dapple.solved_settings:
         return ""
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if obj.dapple.baked_keys:
+        names += changed_baking(_baked_settings(obj), bake_settings_of(obj))
     if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
         names.append("bind to")
-    if not names:
-        return ""
+    return solve_again(obj, settings_changed(names, say), say) if names else ""
+
+
+def _baked_settings(obj: bpy.types.Object) -> str:
+    """Older bakes have kept the settings of the solution only, and stickiness with them."""
+    return str(obj.dapple.baked_settings or obj.dapple.solved_settings)
+
+
+def settings_changed(names: list[str], say: Say = told) -> str:
+    """That settings of these names were changed."""
     listed = ", ".join(say(name) for name in names)
-    return solve_again(obj, say("Settings were changed ({names})", names=listed), say)
+    return say("Settings were changed ({names})", names=listed)
 
 
 def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
@@ -141,6 +151,15 @@ def settings_of(obj: bpy.types.Object) -> Settings:
     )
 
 
+def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
+    """What a bake takes beside them."""
+    own = obj.dapple
+    fade = own.fade_frames if own.count_over_time == "KEEP_DENSITY" else 0
+    return BakeSettings(
+        own.stickiness, own.key_every, own.bake_smoothing, own.count_over_time, fade
+    )
+
+
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
     """Data-blocks by their full names: two files may have one of the same name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
@@ -164,3 +183,10 @@ def write_report(obj: bpy.types.Object, report: Report) -> None:
     """Show these figures."""
     for field in fields(Report):
         setattr(obj.dapple.report, field.name, getattr(report, field.name))
+
+
+def copy_report(source: bpy.types.PropertyGroup, target: bpy.types.PropertyGroup) -> None:
+    """Figures of one result, kept or shown again."""
+    for prop in source.bl_rna.properties:
+        if not prop.is_readonly and prop.identifier != "name":
+            setattr(target, prop.identifier, getattr(source, prop.identifier))

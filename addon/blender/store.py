@@ -36,8 +36,9 @@ from ..core.records import (
 )
 from ..core.rest import AtRest
 from ..core.solve import Report, Scattered, with_own_ids
+from ..core.sources import Sources, digest_of, on_other_faces, sources_from, sources_of
 from ..core.stale import settings_text
-from ..core.surface import Floats, SurfaceArrays
+from ..core.surface import Floats, Ints, SurfaceArrays
 from ..nodes import (
     GROUP_NAME,
     INPUTS,
@@ -52,8 +53,9 @@ from ..nodes import (
 from .library import own_mesh
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .scatter import (
+    bake_settings_of,
+    copy_report,
     scatter_modifier,
-    settings_of,
     write_instance_inputs,
     write_report,
     write_stale_input,
@@ -117,7 +119,8 @@ def write_scattered(
     write_points(mesh, places)
     write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
     mesh[SCHEMA_KEY] = SCHEMA
-    obj.dapple.solved_settings = settings_text(settings_of(obj))
+    obj.dapple.solved_settings = settings_text(solved.settings)
+    obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.mass).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
     write_report(obj, solved.report)
     obj.dapple.report.details = solved.details.text()
@@ -137,8 +140,24 @@ def write_binding(
     obj.dapple.bound_to = "FACES" if rest is None else "REST"
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
+    obj.dapple.solved_from = _on_faces(obj.dapple.solved_from, arrays)
+    obj.dapple.solved_points = points_digest(obj)
     write_surface_inputs(obj, ensure_modifier(obj))
     write_instance_inputs(obj)
+
+
+def _on_faces(stored: str, arrays: SurfaceArrays) -> str:
+    """What a solution was solved from; once it is bound to other faces, in their shape."""
+    before = sources_from(stored)
+    if before is None or before.exact.get("faces") == arrays.topology:
+        return stored
+    return on_other_faces(before, arrays).text()
+
+
+def points_digest(obj: bpy.types.Object) -> str:
+    """Digest of the points as they are stored and bound, without added points."""
+    types = {"position": "FLOAT_VECTOR", **ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
+    return digest_of(own_columns(obj, types).values())
 
 
 def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Columns]:
@@ -171,6 +190,7 @@ def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
     types = {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES}
     write_columns(own_mesh(obj), columns, {name: types[name] for name in columns})
     obj.dapple.report.count = len(columns["id"])
+    obj.dapple.solved_points = points_digest(obj)
 
 
 def point_columns_of(obj: bpy.types.Object) -> Columns:
@@ -234,12 +254,27 @@ def _drop_added(obj: bpy.types.Object) -> None:
     bmesh.ops.delete(edited, geom=added, context="VERTS")
     edited.to_mesh(own_mesh(obj))
     edited.free()
+    obj.dapple.locked_count = _count_locked(obj)
+
+
+def _count_locked(obj: bpy.types.Object) -> int:
+    if "dapple_locked" not in obj.data.attributes:
+        return 0
+    return int(read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"].sum())
 
 
 def write_baked(
-    obj: bpy.types.Object, baked: Baked, start: int, report: Report, born: Born | None = None
+    obj: bpy.types.Object,
+    baked: Baked,
+    start: int,
+    report: Report,
+    born: Born | None = None,
+    begun: Sources | None = None,
 ) -> None:
-    """Store baked keys, the first frame of the bake being start, and the points they add."""
+    """Store baked keys, the first frame of the bake being start, and the points they add.
+
+    Begun is what the first frame was solved from.
+    """
     clear_keys(obj)
     if born is not None:
         _add_points(obj, born)
@@ -260,7 +295,10 @@ def write_baked(
     set_input(modifier, "First Frame", start)
     obj.dapple.baked_start, obj.dapple.baked_frames = start, baked.frame_count
     obj.dapple.baked_keys = len(places) // max(len(obj.data.vertices), 1)
-    obj.dapple.solved_settings = settings_text(settings_of(obj))
+    obj.dapple.baked_settings = settings_text(bake_settings_of(obj))
+    obj.dapple.baked_from = begun.text() if begun else ""
+    write_surface_inputs(obj, modifier)
+    copy_report(obj.dapple.report, obj.dapple.solved)
     write_report(obj, report)
     write_stale_input(obj)
     obj.update_tag()
@@ -296,6 +334,17 @@ def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     return found
 
 
+def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
+    """Of a bake: the triangle of each row, the triangles, the frames; and the points of a key."""
+    keys, triangles, frames = (stored_object(obj, name).data for name in _STORES)
+    return (
+        read_columns(keys, KEY_ATTRIBUTES)["dapple_face"],
+        read_columns(triangles, TRIANGLE_ATTRIBUTES),
+        read_columns(frames, FRAME_ATTRIBUTES),
+        get_input(scatter_modifier(obj), "Key Points"),
+    )
+
+
 def read_baked(obj: bpy.types.Object) -> Baked:
     """The keys of a baked scatter."""
     keys, triangles, frames = (stored_object(obj, name).data for name in _STORES)
@@ -307,8 +356,12 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Forget baked keys and the points they added; the others ride as they were optimised."""
+    """Forget baked keys and the points they added; the others ride as they were optimised, with
+    the figures that they had.
+    """
     _drop_added(obj)
+    if obj.dapple.baked_keys:
+        _write_solved_report(obj)
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
@@ -317,10 +370,18 @@ def clear_keys(obj: bpy.types.Object) -> None:
         if has_input(modifier, name):
             set_input(modifier, name, None)
     obj.dapple.baked_keys = obj.dapple.baked_frames = 0
-    obj.dapple.bake_fingerprint = ""
+    obj.dapple.bake_fingerprint = obj.dapple.baked_settings = obj.dapple.baked_from = ""
     obj.update_tag()
     for store in stores:
         if store is not None and store.users == 0 and store.library is None:
             mesh = store.data
             bpy.data.objects.remove(store)
             bpy.data.meshes.remove(mesh)
+
+
+def _write_solved_report(obj: bpy.types.Object) -> None:
+    """Show the figures of the solution again; older bakes have not kept more than the points."""
+    if obj.dapple.solved.count:
+        copy_report(obj.dapple.solved, obj.dapple.report)
+    else:
+        obj.dapple.report.count = len(obj.data.vertices)

@@ -29,12 +29,22 @@ def read_with(
     own is the scatter that they are for: nothing that it makes or places is its obstacle.
     """
     arrays = read_surface(obj, depsgraph, names_of(settings))
+    return replace(arrays, around=read_around(settings, obj, depsgraph, own))
+
+
+def read_around(
+    settings: Settings,
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    own: bpy.types.Object | None,
+) -> Surroundings:
+    """What these settings take from beside a surface, for this scatter."""
     density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
     if density.obstacles:
-        others = list(_obstacles(density.obstacles, {obj, *_own_objects(own)}))
+        others = list(_obstacles(density.obstacles, {obj, *own_objects(own)}))
         points, radii = _balls(others, density.obstacle_margin)
         meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
-    around = Surroundings(
+    return Surroundings(
         uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
         image=_picture(density.image) if density.image else None,
         camera=_camera(depsgraph) if density.use_camera else None,
@@ -42,7 +52,6 @@ def read_with(
         points=points,
         radii=radii,
     )
-    return replace(arrays, around=around)
 
 
 def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
@@ -115,10 +124,12 @@ def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
         scale_x=render.pixel_aspect_x,
         scale_y=render.pixel_aspect_y,
     )
-    return np.array(frame @ camera.matrix_world.inverted(), dtype=np.float64)
+    there = np.array(camera.matrix_world, dtype=np.float64)
+    found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
+    return found
 
 
-def _own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
     """A scatter, its tiles and what it places: it would flee from its last result."""
     if scatter is None:
         return

@@ -6,7 +6,7 @@ Between two steps the artist may delete anything, so objects are found again by 
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import bpy
@@ -16,10 +16,11 @@ from ..core.binding import bound_nearest
 from ..core.errors import ScatterError, StoppedError
 from ..core.keys import Keyframes
 from ..core.population import PopulationBaker
-from ..core.records import Binding, Columns, check_ids
+from ..core.records import Binding, Columns, as_stored, check_ids
 from ..core.rest import at_rest, told_apart
 from ..core.settings import Settings
-from ..core.solve import named, scatter
+from ..core.solve import Scattered, named, scatter
+from ..core.sources import Sources, differing, sources_of
 from ..core.steps import Steps, Task
 from ..core.surface import Floats, SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
@@ -28,7 +29,7 @@ from .held import Held
 from .meshio import read_surface
 from .resting import current_binding, kind_of_binding, rest_of, rest_position, with_rest
 from .scatter import settings_of, surface_of, tile_settings_of
-from .staleness import other_faces
+from .staleness import other_faces, solution_reason
 from .store import (
     columns_with_own_ids,
     locked_points,
@@ -42,10 +43,12 @@ from .store import (
 )
 from .surroundings import read_with
 from .tiles import check_tile_object, write_tiles
+from .times import show_time, times_of
 from .translation import reported
 from .workfiles import work_files
 
 _SEAM_STEPS = 6
+_SOLVING = 0.1  # of the progress of a bake whose points are optimised anew first
 _READING = 0.2  # of the progress of a bake that solves all frames together
 
 
@@ -68,25 +71,39 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     """Keys of the frames from first to last, each re-optimised; returns the Baker."""
     held, surface = Held(context.object), Held(surface_of(context.object))
+    first, last = times_of(context.scene, first, last)
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
+    count = own_points(context.object).sum()
     with _frame_kept(context.scene):
-        context.scene.frame_set(first)
+        show_time(context.scene, first)
         kind = kind_of_binding(surface.get(), bpy.context, context.object.dapple.bind_to)
     with rest_position(surface, kind):
         with _frame_kept(context.scene):
-            baker = yield from _carry(held, surface, first, last, kind)
-        _write_bake(held.get(), baker, kind)
+            begun, baker = yield from _carry(held, surface, first, last, kind)
+        _check_points(held.get(), count)
+        _write_bake(held.get(), begun, baker, kind)
     return baker
 
 
-def _write_bake(obj: bpy.types.Object, baker: Baker, kind: str) -> None:
-    _check_points(obj, baker)
-    if "REST" in (kind, obj.dapple.bound_to):
-        rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
+@dataclass
+class _Begun:
+    """What a bake begins with, in its first frame."""
+
+    arrays: SurfaceArrays
+    sources: Sources
+    solved: Scattered | None = None  # the points anew; None: those that are stored
+    anew: str = ""  # why
+
+
+def _write_bake(obj: bpy.types.Object, begun: _Begun, baker: Baker, kind: str) -> None:
+    rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
+    if begun.solved is not None:
+        write_scattered(obj, baker.first_surface, begun.solved, rest)
+    elif "REST" in (kind, obj.dapple.bound_to):
         write_binding(obj, baker.first_surface, baker.begin, rest)
     born = baker.born() if isinstance(baker, PopulationBaker) else None
-    write_baked(obj, baker.baked(), baker.first, baker.report(), born)
+    write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
     obj.dapple.bake_fingerprint = baker.fingerprint
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)
@@ -95,18 +112,47 @@ def _write_bake(obj: bpy.types.Object, baker: Baker, kind: str) -> None:
 def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:
     count = last - first + 1
     settings = settings_of(held.get())
-    begin = arrays = _at_frame(surface, first, settings=settings, own=held, kind=kind)
-    baker = _baker(held.get(), surface.get(), arrays, first, count)
+    arrays = _at_frame(surface, first, settings=settings, own=held, kind=kind)
+    begun = yield from _begin(held, arrays, settings)
+    baker = _baker(held.get(), surface.get(), arrays, first, count, begun.solved)
+    baker.anew = begun.anew
+    begin = _SOLVING if begun.solved else 0.0
     end = _READING if isinstance(baker, TogetherBaker) else 1.0
     for step in range(count):
         if step:
             arrays = _at_frame(surface, first + step, kind=kind)
-        share = (end * step / count, end * (step + 1) / count)
-        yield from _solve(baker, held, surface, arrays, share)
+        if step in (count // 2, count - 1):
+            _note_moving(begun, held, surface, settings)
+        at = begin + (end - begin) * step / count
+        yield from _solve(baker, held, surface, arrays, (at, at + (end - begin) / count))
     if isinstance(baker, TogetherBaker):
         yield Task(baker.solve, end, 1.0)
-    check_unchanged(begin, _at_frame(surface, first, settings=settings, own=held))
-    return baker
+    check_unchanged(begun.arrays, _at_frame(surface, first, settings=settings, own=held))
+    return begun, baker
+
+
+def _begin(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
+    """The points of the first frame: those that are stored, where they are of these settings and
+    of what is there; else they are optimised anew.
+    """
+    obj, sources = held.get(), sources_of(arrays, settings)
+    _check_faces(obj, arrays)
+    reason = solution_reason(obj, sources)
+    if not reason:
+        return _Begun(arrays, sources)
+    locked = locked_points(obj)
+    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked), 0.0, _SOLVING)
+    return _Begun(arrays, sources, solved, reason)
+
+
+def _note_moving(begun: _Begun, held: Held, surface: Held, settings: Settings) -> None:
+    """Note what is not as in the first frame: later that is no sign of a change."""
+    try:
+        now = sources_of(read(surface.get(), settings, held.get()), settings)
+    except ScatterError:  # a density of the first frame only
+        now = replace(begun.sources, exact={}, near={})
+    moving = {*begun.sources.moving, *differing(begun.sources, now)}
+    begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))
 
 
 def _solve(
@@ -162,11 +208,18 @@ def _stopped(baker: Baker) -> str:
 
 
 def _baker(
-    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, first: int, count: int
+    obj: bpy.types.Object,
+    surface: bpy.types.Object,
+    arrays: SurfaceArrays,
+    first: int,
+    count: int,
+    solved: Scattered | None,
 ) -> Baker:
-    rebind = obj.dapple.on_topology_change == "REBIND"
-    binding, columns = _binding(obj, surface, arrays, rebind)
-    rebind = rebind or arrays.rest is not None
+    rebind = obj.dapple.on_topology_change == "REBIND" or arrays.rest is not None
+    if solved is not None:
+        binding, columns = as_stored(solved.binding), solved.columns
+    else:
+        binding, columns = _binding(obj, surface, arrays)
     if arrays.rest is not None:
         arrays = told_apart(binding, arrays)
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
@@ -180,20 +233,23 @@ def _baker(
 
 
 def _binding(
-    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays, rebind: bool
+    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
 ) -> tuple[Binding, Columns]:
     """The stored binding, or one to the places nearest to the points as they were optimised."""
-    reason = other_faces(obj, arrays)
-    if not reason or obj.dapple.bound_to == "REST":
+    if obj.dapple.bound_to == "REST" or not other_faces(obj, arrays):
         return current_binding(obj, surface, arrays)
-    if not rebind:
+    columns = point_columns_of(obj)
+    check_ids(columns["id"], obj.name)
+    return _nearest(places_of(obj), arrays), columns
+
+
+def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
+    reason = "" if obj.dapple.bound_to == "REST" else other_faces(obj, arrays)
+    if reason and obj.dapple.on_topology_change != "REBIND":
         raise ScatterError(
             f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
             "Topology Change to Re-bind"
         )
-    columns = point_columns_of(obj)
-    check_ids(columns["id"], obj.name)
-    return _nearest(places_of(obj), arrays), columns
 
 
 def tile_steps(context: bpy.types.Context) -> Steps:
@@ -229,8 +285,8 @@ def _nearest(points: Floats, arrays: SurfaceArrays) -> Binding:
         return bound_nearest(points, arrays)
 
 
-def _check_points(obj: bpy.types.Object, baker: Baker) -> None:
-    if own_points(obj).sum() != len(baker.start.ids):
+def _check_points(obj: bpy.types.Object, count: int) -> None:
+    if own_points(obj).sum() != count:
         raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")
 
 
@@ -242,7 +298,7 @@ def _at_frame(
     own: Held | None = None,
     kind: str = "FACES",
 ) -> SurfaceArrays:
-    bpy.context.scene.frame_set(frame, subframe=part)
+    show_time(bpy.context.scene, frame + part)
     arrays = read(surface.get(), settings, own.get() if own else None)
     return with_rest(arrays, surface.get()) if kind == "REST" else arrays
 

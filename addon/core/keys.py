@@ -63,6 +63,25 @@ class Baked:
         return Binding(corners, weights, places[:, 2])
 
 
+def wrong_index(faces: Ints, triangles: Columns, frames: Columns, count: int) -> str:
+    """The first index of stored keys, each of count points, that points to nothing; empty where
+    all are right.
+    """
+    keys = len(faces) // max(count, 1)
+    if keys * count != len(faces):
+        return f"{len(faces)} rows are no keys of {count} points"
+    last = frames["dapple_key"] + np.minimum(frames["dapple_span"], 1)
+    highest = int(np.max(frames["dapple_vertices"], initial=0))
+    limits: list[tuple[str, Any, int]] = [("dapple_face", faces, len(triangles["dapple_v0"]))]
+    limits += [(f"dapple_v{k}", triangles[f"dapple_v{k}"], highest) for k in range(3)]
+    limits += [("dapple_key", frames["dapple_key"], keys), ("dapple_key + 1", last, keys)]
+    for name, values, limit in limits:
+        if len(values) and not 0 <= values.min() <= values.max() < limit:
+            row = int(np.argmax((values < 0) | (values >= limit)))
+            return f"{name}[{row}] is {values[row]}, there are {limit}"
+    return ""
+
+
 @dataclass
 class KeyDistance:
     """Distances of the played from the solved points on frames without a key, in spacings."""

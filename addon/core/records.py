@@ -84,6 +84,15 @@ class Binding:
         return np.einsum("nk,nkd->nd", self.barycentric, vertices[self.corners])
 
 
+def as_stored(binding: Binding) -> Binding:
+    """A binding as it is read again after it was stored, in single precision."""
+    weights, carry = (
+        np.asarray(values, dtype=np.float32).astype(np.float64)
+        for values in (binding.barycentric, binding.carry)
+    )
+    return Binding(binding.corners, weights, carry)
+
+
 def binding_from(columns: Columns) -> Binding:
     """Binding of stored columns."""
     corners = np.column_stack([columns[f"dapple_v{k}"] for k in range(3)])

@@ -65,3 +65,14 @@ class Settings:
         classes."""
         names = ("capacity_weight", "gap_weight", "tolerance", "stickiness")
         return {name: getattr(self, name) for name in names}
+
+
+@dataclass(frozen=True)
+class BakeSettings:
+    """What only a bake takes; the solution that it begins with has no part in it."""
+
+    stickiness: float = 0.0
+    key_every: int = 1  # frames from one key to the next
+    smoothing: str = "FORWARDS"  # or BOTH_WAYS, LOOP
+    count_over_time: str = "KEEP_COUNT"  # or KEEP_DENSITY
+    fade: int = 0  # frames that a point takes to appear or to vanish, where some do

@@ -50,6 +50,8 @@ class Scattered:
     columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
     report: Report
     details: Details = field(default_factory=Details)
+    settings: Settings = field(default_factory=Settings)  # that it was solved with
+    mass: float = 0.0  # integral of the density over the surface
 
 
 def scatter(
@@ -71,7 +73,8 @@ def scatter(
     binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report), details_of(fine, density)
-    return Scattered(positions, binding, columns, report, details)
+    mass = float(ground.surface.mass)
+    return Scattered(positions, binding, columns, report, details, settings, mass)
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:

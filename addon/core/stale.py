@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Does what is stored still fit what is there? Settings by name, motion by sketches.
+"""Does what is stored still fit what is there? Settings by value, motion by sketches.
 
 A sketch of a surface is a few sums of its vertices with random signs: cheap to take, small to
 keep for each frame, and some sum changes by about 1 / sqrt(v) of what a vertex moves. It is taken
@@ -7,44 +7,114 @@ in the object's own axes, with its scale: a bake fits an object that was moved o
 """
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from .records import own_random
-from .settings import Settings
+from .settings import BakeSettings, Settings
 from .surface import Floats, SurfaceArrays
 
 SKETCH_SUMS = 3
 # Settings that older files do not have: they were solved without.
 _ADDED = ("classes", "density", "forward", "per_area")
+# Settings that only a bake takes.
+_BAKING = ("stickiness",)
+_NAMES = ("attribute", "image", "obstacles")
+# Terms of a density -> how settings begin that count only with them.
+_TERMS = {
+    "use_slope": "slope_",
+    "use_height": "height_",
+    "use_camera": "camera_",
+    "obstacles": "obstacle_",
+}
 _VERTICES = 4096  # so many are looked at, evenly spread over their indices
 _TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
 
 
-def settings_text(settings: Settings) -> str:
+def settings_text(settings: Settings | BakeSettings) -> str:
     """Settings as they are stored with a result."""
-    return json.dumps(asdict(settings), sort_keys=True)
+    return json.dumps(_plain(settings), sort_keys=True)
 
 
 def changed_settings(stored: str, now: Settings) -> list[str]:
-    """Names of the settings that are not as stored, in words."""
-    try:
-        before = json.loads(stored)
-    except ValueError:
-        before = {}
-    if not isinstance(before, dict):
-        before = {}
-    values, defaults = (json.loads(settings_text(one)) for one in (now, Settings()))
+    """Names of the settings of the solution that are not as stored, in words.
+
+    Those that name data of the file count only as given or not: core/sources.py compares what they
+    stand for. Those that another setting leaves without effect do not count.
+    """
+    before, defaults = _read(stored), _plain(Settings())
     for name in _ADDED:
         before.setdefault(name, defaults[name])
     if isinstance(before["density"], dict):
         before["density"] = defaults["density"] | before["density"]
+    wanted = {name: value for name, value in _plain(now).items() if name not in _BAKING}
     return [
         name.replace("_", " ")
-        for name in asdict(now)
-        if name not in before or before[name] != values[name]
+        for name, value in _of_effect(wanted).items()
+        if name not in before or _of_effect(before)[name] != value
     ]
+
+
+def changed_baking(stored: str, now: BakeSettings) -> list[str]:
+    """Names of the settings of the bake alone that are not as stored, in words."""
+    before = _read(stored)
+    return [
+        name.replace("_", " ")
+        for name, value in _plain(now).items()
+        if name in before and before[name] != value
+    ]
+
+
+def _read(stored: str) -> dict[str, Any]:
+    try:
+        values = json.loads(stored)
+    except ValueError:
+        return {}
+    return _rounded(values) if isinstance(values, dict) else {}
+
+
+def _plain(settings: Settings | BakeSettings) -> dict[str, Any]:
+    """Settings as JSON holds them."""
+    values: dict[str, Any] = _rounded(json.loads(json.dumps(asdict(settings))))
+    return values
+
+
+def _rounded(value: Any) -> Any:
+    """With numbers in the single precision in which properties keep them."""
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_rounded(one) for one in value]
+    return float(np.float32(value)) if isinstance(value, float) else value
+
+
+def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
+    """Without what does not change a solution: names, the count beside points per area, ..."""
+    found = dict(values)
+    if found.get("per_area"):
+        found["count"] = 0
+    if isinstance(found["density"], dict):
+        found["density"] = _terms(found["density"])
+    if isinstance(found["classes"], list):
+        found["classes"] = [_without_name(one) for one in found["classes"]]
+    return found
+
+
+def _terms(density: dict[str, Any]) -> dict[str, Any]:
+    found = {name: value for name, value in density.items() if name != "uv_map"}
+    for name in _NAMES:
+        found[name] = bool(found[name])
+    for term in _TERMS:
+        if not found[term]:
+            for name in [one for one in found if one.startswith(_TERMS[term])]:
+                found[name] = None
+    return found
+
+
+def _without_name(kind: Any) -> Any:
+    return {**kind, "density": bool(kind.get("density"))} if isinstance(kind, dict) else kind
 
 
 def sketch(surface: SurfaceArrays) -> Floats:
@@ -55,10 +125,25 @@ def sketch(surface: SurfaceArrays) -> Floats:
     return np.array(signs) @ seen / np.sqrt(max(len(seen), 1))
 
 
-def moved(stored: Floats, surface: SurfaceArrays) -> bool:
+@dataclass(frozen=True)
+class Sketched:
+    """A surface for moved(), without its arrays."""
+
+    sums: Floats
+    extent: float
+
+
+def sketched(surface: SurfaceArrays) -> Sketched:
+    """What moved() looks at."""
+    seen = _seen(surface)
+    extent = float(np.linalg.norm(np.ptp(seen, axis=0))) if len(seen) else 0.0
+    return Sketched(sketch(surface), extent)
+
+
+def moved(stored: Floats, surface: SurfaceArrays | Sketched) -> bool:
     """Whether a surface is not the one that was sketched."""
-    extent = float(np.linalg.norm(np.ptp(_seen(surface), axis=0)))
-    return not np.abs(sketch(surface) - stored).max() <= _TOLERANCE * extent
+    now = surface if isinstance(surface, Sketched) else sketched(surface)
+    return not np.abs(now.sums - stored).max() <= _TOLERANCE * now.extent
 
 
 def _seen(surface: SurfaceArrays) -> Floats:

@@ -46,6 +46,7 @@ class SurfaceArrays:
     around: Surroundings = field(default_factory=Surroundings)
     rest: Floats | None = None  # (v, 3) the vertices on the rest shape, if points are bound to it
     rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
+    time: float = 0.0  # frame of the animation, with its fraction
 
     @property
     def parts(self) -> Ints:

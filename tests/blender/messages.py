@@ -29,7 +29,8 @@ def _classes():
 
 def _of_settings():
     """Names that a changed setting is told by."""
-    for field in fields(addon_host.part("core.settings").Settings):
+    settings = addon_host.part("core.settings")
+    for field in (*fields(settings.Settings), *fields(settings.BakeSettings)):
         yield "*", field.name.replace("_", " ")
     yield "*", "bind to"
 

@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a result was solved from, by content: digests of values, numbers for shapes and places.
+
+Names are not in it: a picture that is renamed is the same picture. Places are told in the axes of
+the surface, so that a scene may be moved as a whole, and compared but for rounding, since another
+machine may evaluate a little otherwise.
+"""
+
+import base64
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from .settings import Settings
+from .surface import Floats, SurfaceArrays, Surroundings
+
+# Roles that depend on the frame for most scenes: shapes and places.
+PLACES = ("shape", "up", "camera", "obstacles", "others")
+UNKNOWN = "unknown"  # digest of what cannot be compared any more
+_BLOCKS = 256  # sums that tell a shape: each of neighbouring rows
+_TOLERANCE = 1e-5  # of the largest number of a role
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Contents by their roles: the same role is the same input of the solution."""
+
+    frame: float = 0.0  # of the animation
+    mass: float = 0.0  # integral of the density over the surface; 0: not known
+    exact: dict[str, str] = field(default_factory=dict)  # digests
+    near: dict[str, Floats] = field(default_factory=dict)  # (k, d) numbers
+    moving: tuple[str, ...] = ()  # roles that differ between the frames of a bake
+
+    def text(self) -> str:
+        """As it is stored with a result."""
+        near = {name: [_packed(one), one.shape[1]] for name, one in self.near.items()}
+        return json.dumps(
+            {
+                "frame": self.frame,
+                "mass": self.mass,
+                "exact": self.exact,
+                "near": near,
+                "moving": self.moving,
+            },
+            sort_keys=True,
+        )
+
+
+def sources_from(text: str) -> Sources | None:
+    """What was stored; None where there is nothing that can be read."""
+    try:
+        stored = json.loads(text)
+        exact = {str(name): str(digest) for name, digest in stored["exact"].items()}
+        near = {str(name): _unpacked(*packed) for name, packed in stored["near"].items()}
+        moving = tuple(map(str, stored["moving"]))
+        return Sources(float(stored["frame"]), float(stored["mass"]), exact, near, moving)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def _packed(values: Floats) -> str:
+    return base64.b64encode(values.astype("<f4").tobytes()).decode()
+
+
+def _unpacked(packed: str, width: int) -> Floats:
+    stored = np.frombuffer(base64.b64decode(packed), dtype="<f4")
+    found: Floats = stored.reshape(-1, width).astype(np.float64)
+    return found
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a surface is, how it is turned, how large it is."""
+
+    centre: Floats  # (3,)
+    turn: Floats  # (3, 3) its own axes, without scale, as columns
+    size: float
+
+    def local(self, points: Floats) -> Floats:
+        """Places (n, 3) in the axes of the surface, in its sizes."""
+        found: Floats = (points - self.centre) @ self.turn / self.size
+        return found
+
+
+def pose_of(arrays: SurfaceArrays) -> Pose:
+    """Of a surface as it was read."""
+    left, _, right = np.linalg.svd(arrays.matrix[:3, :3])
+    turn = left @ right
+    if not len(arrays.vertices):
+        return Pose(arrays.matrix[:3, 3], turn, 1.0)
+    size = float(np.linalg.norm(np.ptp(arrays.vertices @ turn, axis=0)))
+    return Pose(arrays.vertices.mean(axis=0), turn, max(size, 1e-30))
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What tells the shape of a surface, without its arrays."""
+
+    topology: str
+    pose: Pose
+    shape: Floats  # (k, 3) sums of its vertices, in its own axes and with its scale
+
+
+def outline_of(arrays: SurfaceArrays) -> Outline:
+    """Of a surface as it was read."""
+    pose = pose_of(arrays)
+    return Outline(arrays.topology, pose, _sums((arrays.vertices - pose.centre) @ pose.turn))
+
+
+def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> Sources:
+    """Of a surface that was read with all that these settings take."""
+    outline = outline_of(arrays)
+    values = {name: digest_of([one]) for name, one in arrays.weights.items()}
+    own = surface_sources(outline, values, settings)
+    beside = around_sources(outline.pose, arrays.around)
+    return replace(joined(own, beside), frame=arrays.time, mass=mass)
+
+
+def joined(own: Sources, beside: Sources) -> Sources:
+    """Of a surface and of what is around it."""
+    return replace(own, exact=own.exact | beside.exact, near=own.near | beside.near)
+
+
+def surface_sources(outline: Outline, values: dict[str, str], settings: Settings) -> Sources:
+    """Of the surface: its faces, digests of its values by their names, its shape, and how it
+    stands where that counts.
+    """
+    pose, density = outline.pose, settings.density
+    roles = {role: values[name] for role, name in value_roles(settings).items()}
+    near = {"shape": outline.shape}
+    if density.use_slope or density.use_height:
+        height = pose.centre[2] / pose.size if density.use_height else 0.0
+        near["up"] = np.array([[*pose.turn[2], height]])
+    return Sources(exact={"faces": outline.topology, **roles}, near=near)
+
+
+def on_other_faces(before: Sources, arrays: SurfaceArrays) -> Sources:
+    """Of a solution that was bound again: values at other vertices cannot be compared."""
+    outline = outline_of(arrays)
+    unknown = {role: UNKNOWN for role in before.exact if is_of_faces(role)}
+    exact = before.exact | unknown | {"faces": outline.topology}
+    return replace(before, exact=exact, near=before.near | {"shape": outline.shape})
+
+
+def is_of_faces(role: str) -> bool:
+    """Whether a role can be compared only on the same faces."""
+    return role in ("shape", "density", "uv") or role.startswith("class ")
+
+
+def value_roles(settings: Settings) -> dict[str, str]:
+    """Names of the surface's values by their roles."""
+    named = {"density": settings.density.attribute}
+    named |= {f"class {k}": kind.density for k, kind in enumerate(settings.classes)}
+    return {role: name for role, name in named.items() if name}
+
+
+def around_sources(pose: Pose, around: Surroundings) -> Sources:
+    """Of what a density takes from beside a surface that lies so."""
+    exact, near = {}, {}
+    if around.image is not None:
+        exact["image"] = digest_of([around.image])
+    if around.uv is not None:
+        exact["uv"] = digest_of([around.uv])
+    if around.camera is not None:
+        near["camera"] = _seen(pose, around.camera)
+    if around.obstacles:
+        exact["obstacles"] = digest_of(faces for _, faces in around.obstacles)
+        places = np.concatenate([vertices for vertices, _ in around.obstacles])
+        near["obstacles"] = _sums(pose.local(places))
+    if len(around.points):
+        near["others"] = _sums(np.column_stack([pose.local(around.points), around.radii]))
+    return Sources(exact=exact, near=near)
+
+
+def differing(before: Sources, now: Sources) -> list[str]:
+    """Roles whose contents are not the same."""
+    exact = [
+        role
+        for role in before.exact.keys() | now.exact.keys()
+        if before.exact.get(role) not in (UNKNOWN, now.exact.get(role))
+    ]
+    near = [role for role in before.near.keys() | now.near.keys() if not _same(role, before, now)]
+    return sorted({*exact, *near})
+
+
+def _same(role: str, before: Sources, now: Sources) -> bool:
+    one, other = before.near.get(role), now.near.get(role)
+    if one is None or other is None or one.shape != other.shape:
+        return False
+    largest = float(np.abs(one).max(initial=0.0))
+    return bool(np.abs(one - other).max(initial=0.0) <= _TOLERANCE * largest)
+
+
+def _seen(pose: Pose, camera: Floats) -> Floats:
+    """What of a camera's matrix tells where places of the surface are in the picture."""
+    there = np.eye(4)
+    there[:3, :3], there[:3, 3] = pose.turn * pose.size, pose.centre
+    found: Floats = (camera @ there)[[0, 1, 3]]
+    return found
+
+
+def _sums(rows: Floats) -> Floats:
+    """Sums (k, d) of neighbouring rows with fixed random signs: any row that changes is seen."""
+    count = len(rows)
+    blocks = min(count, _BLOCKS)
+    if not blocks:
+        return np.empty((0, rows.shape[1]))
+    mixed = np.arange(count, dtype=np.uint32) * np.uint32(2654435761)
+    signs = 1.0 - 2.0 * (mixed >> np.uint32(31))
+    starts = np.arange(blocks) * count // blocks
+    sums = np.add.reduceat(rows * signs[:, None], starts, axis=0)
+    found: Floats = sums / np.sqrt(np.diff(np.append(starts, count)))[:, None]
+    return found
+
+
+def digest_of(arrays: Iterable[Any]) -> str:
+    """Digest of arrays, their order and shapes."""
+    digest = hashlib.blake2b(digest_size=16)
+    for array in arrays:
+        digest.update(f"{array.shape}".encode())
+        digest.update(np.ascontiguousarray(array).data)
+    return digest.hexdigest()
