@@ -10,6 +10,7 @@ import bpy
 from . import (
     asset_library,
     copies,
+    freshness,
     operators,
     overlay,
     pictures,
@@ -60,7 +61,7 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     rooms: Any = (translation, properties)
-    later: Any = (pictures, workfiles, preview, overlay)
+    later: Any = (pictures, workfiles, freshness, preview, overlay)
     return [
         *((room.register, room.unregister) for room in rooms),
         (_add_classes, _remove_classes),

@@ -3,6 +3,7 @@
 
 import time
 from collections.abc import Callable
+from typing import ClassVar
 
 import bpy
 
@@ -16,6 +17,11 @@ Answer = set[str]
 OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
+def is_under_way() -> bool:
+    """Whether some work goes on under a timer."""
+    return bool(StepsOperator.under_way)
+
+
 class StepsOperator:
     """Mixin for operators: write steps(context), perhaps done(context, result)."""
 
@@ -23,6 +29,7 @@ class StepsOperator:
     report: Callable[[set[str], str], None]
     _stepper: Stepper
     _timer: bpy.types.Timer
+    under_way: ClassVar[set[int]] = set()  # ids of operators that have begun
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The work."""
@@ -44,6 +51,7 @@ class StepsOperator:
         if bpy.app.background:
             return self.execute(context)
         self._stepper = Stepper(self.steps(context))
+        StepsOperator.under_way.add(id(self._stepper))
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
         context.window_manager.progress_begin(0.0, 1.0)
         context.window_manager.modal_handler_add(self)
@@ -71,6 +79,7 @@ class StepsOperator:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Clean up; Blender calls it too, when a file is opened meanwhile."""
+        StepsOperator.under_way.discard(id(self._stepper))
         self._stepper.close()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()

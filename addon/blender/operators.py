@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty
 from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
-from . import preview
+from . import freshness, preview
 from .adding import add_steps
 from .job import OPTIONS, Answer, StepsOperator
 from .library import writable
@@ -262,7 +262,7 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and bool(all_work_files(context.object))
+        return is_scatter(context.object) and freshness.has_work_files(context.object, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
         if bpy.app.background:
@@ -284,6 +284,7 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Answer:
         for files in all_work_files(context.object):
             files.clear()
+        freshness.touch(context.object)
         return {"FINISHED"}
 
 

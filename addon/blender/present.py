@@ -27,7 +27,7 @@ from ..core.stale import Sketched, sketched
 from ..core.surface import SurfaceArrays, topology_digest
 from .meshio import evaluated_mesh, read_surface
 from .scatter import settings_of
-from .store import key_tables, points_digest
+from .store import key_tables, points_digest, stores_of
 from .surroundings import own_objects, read_around
 from .weights import read_weights
 
@@ -53,8 +53,8 @@ class Present:
     parts: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # what it was asked with, found
 
     def forget(self, *names: str) -> None:
-        """Have these parts be read again; all without any."""
-        for name in names or tuple(self.parts):
+        """Have these parts be read again."""
+        for name in names:
             self.parts.pop(name, None)
 
     def surface(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
@@ -121,3 +121,36 @@ def _trouble(arrays: SurfaceArrays) -> str:
         return ""
     vertex = int(np.argmin(finite))
     return f"vertices[{vertex}] is not finite: {arrays.vertices[vertex].tolist()}"
+
+
+def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple[str, ...]]:
+    """What a result depends on, by session_uid, and the parts that are read of it."""
+    density, surface = obj.dapple.density, obj.dapple.surface
+    found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
+    around = [scene, density.image, *_obstacles(density.obstacles)]
+    if density.use_camera:
+        around += _with_data(scene.camera)
+    parts = [(_with_data(surface), (SURFACE, VALUES, AROUND)), (around, (AROUND,))]
+    parts += [([obj.data], (POINTS,)), (_stores(obj), (KEYS,))]
+    for blocks, names in parts:
+        for block in filter(None, blocks):
+            known = found.get(block.session_uid, ())
+            found[block.session_uid] = (*known, *names)
+    return found
+
+
+def _with_data(obj: bpy.types.Object | None) -> list[Any]:
+    return [] if obj is None else [obj, obj.data]
+
+
+def _obstacles(collection: bpy.types.Collection | None) -> list[Any]:
+    if collection is None:
+        return []
+    objects = [block for obj in collection.all_objects for block in _with_data(obj)]
+    return [collection, *collection.children_recursive, *objects]
+
+
+def _stores(obj: bpy.types.Object) -> list[Any]:
+    if not obj.dapple.baked_keys:
+        return []
+    return [block for store in stores_of(obj) for block in _with_data(store)]

@@ -16,7 +16,7 @@ from bpy.props import (
 
 from ..core.settings import DensitySettings
 from ..core.tiles import TileSettings
-from . import overlay
+from . import freshness, overlay
 from .scatter import write_instance_inputs, write_stale_input
 from .translation import OWN
 from .weights import weight_names
@@ -35,6 +35,7 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     """Update function of what a result was solved with."""
     write_stale_input(settings.id_data)
     overlay.touch(settings.id_data)
+    freshness.touch(settings.id_data)
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):

@@ -4,11 +4,9 @@
 import bpy
 
 from ..core.details import FARTHEST, Details, details_from
-from ..core.errors import ScatterError
-from . import pictures
+from . import freshness, pictures
 from .labels import at_right
-from .scatter import is_scatter, settings_reason
-from .staleness import stale_reason
+from .scatter import is_scatter
 from .translation import counted, told
 
 
@@ -24,12 +22,18 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     ]
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
-    stale = _stale_reason(obj, context)
-    if stale:
-        lines.append((told("Stale: {reason}", reason=stale), "ERROR"))
-    else:
-        lines.append((told("Fresh: fits the surface"), "CHECKMARK"))
-    return lines
+    return [*lines, _fit(freshness.answer(obj, context))]
+
+
+def _fit(answer: freshness.Answer | None) -> tuple[str, str]:
+    """Whether a result fits, as far as that is known."""
+    if answer is None:
+        return told("Not compared with the scene yet"), "TIME"
+    if answer.verdict.reason:
+        return told("Stale: {reason}", reason=answer.verdict.reason), "ERROR"
+    if answer.verdict.note:
+        return answer.verdict.note, "INFO"
+    return told("Fresh: fits the surface"), "CHECKMARK"
 
 
 def _effort(obj: bpy.types.Object) -> str:
@@ -41,16 +45,6 @@ def _effort(obj: bpy.types.Object) -> str:
 
 def _time(milliseconds: float) -> str:
     return f"{milliseconds:.0f} ms" if milliseconds < 1000.0 else f"{milliseconds / 1000.0:.1f} s"
-
-
-def _stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
-    """stale_reason, but while the animation plays: then nobody waits for the panel."""
-    if context.screen is not None and context.screen.is_animation_playing:
-        return settings_reason(obj)
-    try:
-        return stale_reason(obj, context)
-    except ScatterError as error:
-        return str(error)
 
 
 def baked_line(obj: bpy.types.Object) -> str:

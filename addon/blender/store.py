@@ -345,6 +345,15 @@ def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
     )
 
 
+def stores_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that hold a bake, as far as they are there."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return []
+    found = (get_input(modifier, name) for name in _STORES if has_input(modifier, name))
+    return [store for store in found if store is not None]
+
+
 def read_baked(obj: bpy.types.Object) -> Baked:
     """The keys of a baked scatter."""
     keys, triangles, frames = (stored_object(obj, name).data for name in _STORES)
@@ -365,7 +374,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    stores = [get_input(modifier, name) for name in _STORES if has_input(modifier, name)]
+    stores = stores_of(obj)
     for name in _STORES:
         if has_input(modifier, name):
             set_input(modifier, name, None)
@@ -373,7 +382,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
     obj.dapple.bake_fingerprint = obj.dapple.baked_settings = obj.dapple.baked_from = ""
     obj.update_tag()
     for store in stores:
-        if store is not None and store.users == 0 and store.library is None:
+        if store.users == 0 and store.library is None:
             mesh = store.data
             bpy.data.objects.remove(store)
             bpy.data.meshes.remove(mesh)

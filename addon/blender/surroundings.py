@@ -11,6 +11,7 @@ import numpy as np
 from ..core.density import names_of
 from ..core.errors import ScatterError
 from ..core.settings import Settings
+from ..core.sources import digest_of
 from ..core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from .meshio import evaluated_mesh, read_points, read_surface, to_world
 from .scatter import is_scatter
@@ -110,6 +111,15 @@ def check_camera(scene: bpy.types.Scene) -> None:
     """ScatterError if a scene has none."""
     if scene.camera is None:
         raise ScatterError(f"Scene '{scene.name}' has no camera: the density asks what it sees")
+
+
+def picture_digest(image: bpy.types.Image) -> str:
+    """Digest of all that an image holds."""
+    width, height = image.size
+    stored = np.empty(width * height * image.channels, dtype=np.float32)
+    if len(stored):
+        image.pixels.foreach_get(stored)
+    return digest_of([stored])
 
 
 def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:

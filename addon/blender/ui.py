@@ -6,7 +6,7 @@ from typing import ClassVar
 import bpy
 
 from ..core.native import missing
-from . import overlay, pictures, preview
+from . import freshness, overlay, pictures, preview
 from .classes import count_labels
 from .labels import lines_of
 from .operators import (
@@ -32,7 +32,7 @@ from .tools import (
 )
 from .topology import differences
 from .translation import counted, told
-from .workfiles import left_over, unfinished, unsaved_note
+from .workfiles import unsaved_note
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
 _DIRECTION = ("align", "turn_randomness", "tilt")
@@ -281,27 +281,29 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         row.prop(settings, "preview_budget", text="ms", translate=False)
         if preview.note(context.object):
             lines_of(layout, preview.note(context.object), "INFO")
-        _draw_work_files(layout, context.object)
+        _draw_work_files(layout, freshness.answer(context.object, context))
         if unsaved_note():
             lines_of(layout, unsaved_note(), "INFO")
 
 
-def _draw_work_files(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    if unfinished(obj):
+def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Answer | None) -> None:
+    if known is None:
+        return
+    if known.unfinished:
         text = counted(
-            unfinished(obj),
+            known.unfinished,
             "Unfinished bake: {count} frame is solved, Bake goes on",
             "Unfinished bake: {count} frames are solved, Bake goes on",
         )
         lines_of(layout, text, "INFO")
-    if left_over(obj):
+    if known.left_over:
         text = counted(
-            left_over(obj),
+            known.left_over,
             "{count} frame is kept that was solved from other settings or points",
             "{count} frames are kept that were solved from other settings or points",
         )
         lines_of(layout, text, "INFO")
-    if unfinished(obj) or left_over(obj):
+    if known.unfinished or known.left_over:
         layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")
 
 

@@ -28,11 +28,17 @@ def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
 
 
 def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
-    """Set the input called name; value has the socket's own type."""
+    """Set the input called name; value has the socket's own type.
+
+    A data-block is set only where it is another one: that has the whole scene's relations built.
+    """
+    block = value is None or isinstance(value, bpy.types.ID)
+    if block and get_input(modifier, name) == value:
+        return
     identifier = _identifier(modifier.node_group, name)
     if hasattr(modifier, "properties"):
         getattr(modifier.properties.inputs, identifier).value = value
     else:
         modifier[identifier] = value
-    if value is None or isinstance(value, bpy.types.ID):
+    if block:
         modifier.node_group = modifier.node_group  # has the depsgraph ask for its relations anew

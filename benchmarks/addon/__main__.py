@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long the add-on takes: a frame of playback, node groups, reading a surface, enabling.
+"""How long the add-on takes: playback, a redraw, node groups, reading a surface, enabling.
 
 What is compared is measured in turns, so that a busy machine slows all of it alike.
 """
@@ -20,8 +20,9 @@ import addon
 from addon.blender.meshio import read_surface
 from addon.nodes import ensure_group
 from benchmarks.addon.playback import measure_playback
+from benchmarks.addon.redraw import measure_redraw
 
-PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL = 0.008, 0.1, 0.5  # seconds
+PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
 _MOST_CLASSES = 8
 _ENABLE = """
 import os, time, bpy
@@ -37,6 +38,7 @@ def main() -> None:
     options = _options()
     parts: dict[str, Callable[[argparse.Namespace], None]] = {
         "playback": _playback,
+        "redraw": _redraw,
         "groups": _groups,
         "reading": _reading,
         "enabling": _enabling,
@@ -56,7 +58,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--sites", type=int, default=100_000)
     parser.add_argument("--faces", type=int, default=1_000_000, help="triangles that are read")
     parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
-    parser.add_argument("--only", choices=["playback", "groups", "reading", "enabling"])
+    parser.add_argument("--only", choices=["playback", "redraw", "groups", "reading", "enabling"])
     return parser.parse_args()
 
 
@@ -77,6 +79,14 @@ def _playback(options: argparse.Namespace) -> None:
             f"  {name}: {_ms(more)} more, {_ms(time_taken - shaded)} over the surface with its "
             f"normals; {_judged(more, PLAYBACK_GOAL)}"
         )
+
+
+def _redraw(options: argparse.Namespace) -> None:
+    taken = measure_redraw(options.sites, options.faces, options.rounds)
+    print(f"the panels of {options.sites} points on {options.faces} triangles")
+    for name, time_taken in taken.items():
+        goal = f", {_judged(time_taken, REDRAW_GOAL)}" if name.endswith("redraw") else ""
+        print(f"  {name}: {1000.0 * time_taken:.3f} ms{goal}")
 
 
 def _groups(options: argparse.Namespace) -> None:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up what is missing, then measures the add-on: playback, node groups, reading, enabling.
-#   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|groups|reading|enabling]
+# Sets up what is missing, then measures the add-on: playback, redraw, node groups, reading, enabling.
+#   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|redraw|groups|reading|enabling]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
 scripts/setup.sh >&2

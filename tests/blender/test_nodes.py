@@ -222,3 +222,28 @@ def test_things_are_smaller_where_the_density_is_less():
     obj.dapple.density_scale = 0.5
     sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
     assert np.allclose(sizes, 1.0 - 0.5 * (1.0 - density), atol=1e-5)
+
+
+def test_a_tick_of_a_slider_does_not_build_the_relations_of_the_scene():
+    """That takes longer the more objects there are; the scene is told of only then."""
+    obj = scenes.scattered(scenes.sphere())
+    bpy.ops.dapple.edit_classes(action="ADD")
+    bpy.ops.dapple.edit_classes(action="ADD")
+    bpy.context.view_layer.update()
+    told = []
+
+    def updated(_scene, depsgraph):
+        told.extend(type(one.id).__name__ for one in depsgraph.updates)
+
+    bpy.app.handlers.depsgraph_update_post.append(updated)
+    try:
+        obj.dapple.classes[1].scale = 2.0
+        bpy.context.view_layer.update()
+        assert "Object" in told
+        assert "Scene" not in told
+        told.clear()
+        obj.dapple.classes[1].instance = obj.dapple.surface
+        bpy.context.view_layer.update()
+        assert "Scene" in told
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(updated)
