@@ -69,8 +69,13 @@ def read_surface(
 
 
 def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
-    """Rest positions (v, 3) of the evaluated surface's vertices."""
+    """Rest positions (v, 3) of the evaluated surface's vertices; ScatterError if they are lost."""
     with evaluated_mesh(obj, depsgraph) as mesh:
+        if "rest_position" not in mesh.attributes:
+            raise ScatterError(
+                f"Surface '{obj.name}': its modifiers make a mesh without rest positions: use "
+                "Match Subdivision and set Bind To to Faces, or apply them"
+            )
         return _column(mesh, "rest_position", "FLOAT_VECTOR").astype(np.float64)
 
 

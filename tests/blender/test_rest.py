@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points bound to the rest position ride on whatever faces the modifiers make."""
 
+import addon_host
 import bpy
 import mathutils
 import numpy as np
@@ -18,6 +19,10 @@ def nearest(surface, points):
         assert hit
         found.append((evaluated.matrix_world @ where - _vector(point)).length)
     return np.array(found)
+
+
+def reason(obj):
+    return addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
 
 
 def _vector(point):
@@ -78,6 +83,44 @@ def test_viewport_and_render_may_have_other_faces():
     with pytest.raises(RuntimeError, match="set Bind To to Automatic or Rest Position"):
         bpy.ops.dapple.add(count=60, bind_to="FACES")
     assert len(scenes.positions(bound(surface))) == 60
+
+
+def test_other_levels_after_a_bake_are_no_other_motion():
+    surface = scenes.tail(frames=3)
+    obj = bound(surface)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for levels in (0, 2, 1):
+        surface.modifiers["Subdivision"].levels = levels
+        bpy.context.view_layer.update()
+        assert len(scenes.positions(obj)) == 60
+        assert reason(obj) == ""
+    surface.scale.x = 2.0
+    bpy.context.view_layer.update()
+    assert "another shape or scale" in reason(obj)
+
+
+def test_a_rest_position_that_was_turned_off_is_said():
+    surface = scenes.tail(frames=3)
+    obj = bound(surface)
+    assert reason(obj) == ""
+    surface.add_rest_position_attribute = False
+    assert reason(obj) == "Rest Position of 'Tail' is off: optimise again"
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert reason(obj) == ""
+
+
+def test_modifiers_that_lose_the_rest_position_are_said():
+    surface = scenes.sphere()
+    tree = bpy.data.node_groups.new("Anew", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    cube, out = (tree.nodes.new(kind) for kind in ("GeometryNodeMeshCube", "NodeGroupOutput"))
+    tree.links.new(cube.outputs[0], out.inputs[0])
+    surface.modifiers.new("Nodes", "NODES").node_group = tree
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match="'Sphere': its modifiers make a mesh without rest pos"):
+        bpy.ops.dapple.add(count=60, bind_to="REST")
+    assert scenes.snapshot() == before
+    assert not surface.add_rest_position_attribute
 
 
 def test_things_turn_with_the_surface():
