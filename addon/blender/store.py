@@ -53,6 +53,7 @@ from ..nodes import (
 from .library import own_mesh
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .scatter import (
+    is_fluid,
     bake_settings_of,
     copy_report,
     scatter_modifier,
@@ -106,7 +107,18 @@ def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifie
     set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
     set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
     set_input(modifier, "Rest Parts", obj.dapple.bound_parts)
+    set_input(modifier, "Rest Vertices", _rest_vertices(obj))
     set_input(modifier, "Spacing", obj.dapple.report.spacing)
+
+
+def _rest_vertices(obj: bpy.types.Object) -> int:
+    """Vertices of the surface on which faces are played, which is faster, and the same; 0: none.
+
+    Where the artist chose the rest position, modifiers may make other faces of as many vertices.
+    """
+    surface, topologies = obj.dapple.surface, obj.dapple.surface_topology.split()
+    by_itself = obj.dapple.bind_to == "AUTO" and surface is not None and not is_fluid(surface)
+    return obj.dapple.surface_vertices if by_itself and len(topologies) == 1 else 0
 
 
 def write_scattered(

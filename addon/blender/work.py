@@ -32,6 +32,7 @@ from .scatter import settings_of, surface_of, tile_settings_of
 from .staleness import other_faces, solution_reason
 from .store import (
     columns_with_own_ids,
+    ensure_modifier,
     locked_points,
     own_points,
     places_of,
@@ -40,6 +41,7 @@ from .store import (
     write_binding,
     write_own_ids,
     write_scattered,
+    write_surface_inputs,
 )
 from .surroundings import read_with
 from .tiles import check_tile_object, write_tiles
@@ -107,6 +109,7 @@ def _write_bake(obj: bpy.types.Object, begun: _Begun, baker: Baker, kind: str) -
     obj.dapple.bake_fingerprint = baker.fingerprint
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)
+    write_surface_inputs(obj, ensure_modifier(obj))
 
 
 def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:

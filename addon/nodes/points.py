@@ -16,6 +16,7 @@ INPUTS = [
     ("Surface Vertices", "NodeSocketInt"),
     ("Rest Binding", "NodeSocketBool"),
     ("Rest Parts", "NodeSocketInt"),
+    ("Rest Vertices", "NodeSocketInt"),
     ("Keys", "NodeSocketObject"),
     ("Triangles", "NodeSocketObject"),
     ("Frames", "NodeSocketObject"),
@@ -86,7 +87,8 @@ def _played(b: Builder, surface: Socket, shape: Socket) -> _Played:
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     bound = (vertices, b.input("Surface Vertices"), now.outputs["Vertices"])
     fits = inner(b, fit, *bound, count, b.input("Key Points"), bake, rest, stale)
-    resting = b.boolean("AND", rest, b.boolean("NOT", live))
+    faces = b.compare("EQUAL", vertices, b.input("Rest Vertices"))
+    resting = b.boolean("AND", rest, b.boolean("NOR", live, faces))
     stored = (keys, triangles, preview, count, baked, live)
     return _Played(*stored, resting, shape, now, fits.outputs["Fits"])
 

@@ -24,6 +24,8 @@ INPUTS = {
     "Rest Binding": "The points are bound to the surface's rest position, not to its faces",
     "Rest Parts": "Equal runs of the surface's faces that may lie on one another in the rest "
     "position, as Mirror makes them",
+    "Rest Vertices": "Bound to the rest position, points are yet played by the faces of a surface "
+    "with so many vertices, which is faster. 0: never",
     "Keys": "Of a bake: the object with a row for each key and point",
     "Triangles": "Of a bake: the object with the triangles that the keys name",
     "Frames": "Of a bake: the object with a row for each frame",

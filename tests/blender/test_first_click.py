@@ -136,6 +136,21 @@ def test_things_are_turned_as_they_are_on_faces():
         assert apart < NEAR * at_rest.dapple.report.spacing
 
 
+def test_the_viewport_looks_at_faces_and_not_at_the_rest_shape():
+    surface = body()
+    obj = scenes.scattered(surface)
+    for bind_to, faces in (("AUTO", True), ("REST", False)):
+        obj.dapple.bind_to = bind_to
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        bpy.context.scene.frame_set(3)
+        before = scenes.positions(obj)
+        surface.add_rest_position_attribute = False
+        bpy.context.view_layer.update()
+        assert (np.abs(scenes.positions(obj) - before).max() < 1e-6) == faces
+        surface.add_rest_position_attribute = True
+        bpy.context.scene.frame_set(1)
+
+
 def test_the_panel_says_why_points_hold_on_to_the_rest_position():
     surface = body()
     note = addon_host.part("blender.scatter").rest_note
