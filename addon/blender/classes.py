@@ -6,11 +6,14 @@ import numpy as np
 from mathutils import Vector
 
 from ..core.errors import ScatterError
-from ..core.kinds import class_counts
+from ..core.kinds import class_counts, with_area
+from ..core.sources import sources_from
+from ..core.surface import Floats, Ints
 from ..nodes import INSTANCE_INPUTS
-from .meshio import read_points, to_world
+from .played import places_now
 from .scatter import property_name, settings_of, write_instance_inputs, write_stale_input
-from .store import ensure_modifier
+from .store import ensure_modifier, point_columns_of
+from .times import show_time
 
 
 def change_classes(obj: bpy.types.Object, action: str) -> None:
@@ -45,18 +48,61 @@ def _add(obj: bpy.types.Object) -> None:
 
 
 def count_labels(obj: bpy.types.Object) -> list[str]:
-    """The number of points that each class will get, for the list; the trouble if they cannot."""
+    """The number of points that each class will get, for the list; the trouble if they cannot.
+
+    Points per area are as many as the density of the last solution makes them.
+    """
+    settings = settings_of(obj)
     try:
-        return [f"{count:,}" for count in class_counts(settings_of(obj))]
+        if settings.per_area:
+            mass = _solved_mass(obj)
+            settings = with_area(settings, mass)
+        return [f"{count:,}" for count in class_counts(settings)]
     except ScatterError:
         return ["?"] * len(obj.dapple.classes)
 
 
-def select_overlap(obj: bpy.types.Object) -> Vector:
-    """Select the two points whose things overlap most; the place between them, in the world."""
-    pair = [obj.dapple.report.overlap_first, obj.dapple.report.overlap_second]
+def _solved_mass(obj: bpy.types.Object) -> float:
+    sources = sources_from(obj.dapple.solved_from)
+    if sources is None or not sources.mass:
+        raise ScatterError(f"Scatter '{obj.name}' was not solved by this version")
+    return sources.mass
+
+
+def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
+    """Select the two points whose things overlap most; the place between them, in the world.
+
+    A bake goes to the frame in which they do.
+
+    Raises:
+        ScatterError: one of them is no more, or cannot be found on the surface as it is.
+    """
+    report = obj.dapple.report
+    ids = point_columns_of(obj)["id"]
+    pair = [_row(ids, one, obj.name) for one in (report.overlap_first, report.overlap_second)]
+    between = _places_of(obj, pair, context).mean(axis=0)
     chosen = np.zeros(len(obj.data.vertices), dtype=bool)
     chosen[pair] = True
     obj.data.vertices.foreach_set("select", chosen)
     obj.data.update()
-    return Vector(to_world(obj, read_points(obj.data)[pair]).mean(axis=0))
+    return Vector(between)
+
+
+def _places_of(obj: bpy.types.Object, rows: list[int], context: bpy.types.Context) -> Floats:
+    scene, report = context.scene, obj.dapple.report
+    if not obj.dapple.baked_keys or not report.overlap_frame:
+        return places_now(obj, rows, context)
+    before = scene.frame_current, scene.frame_subframe
+    show_time(scene, report.overlap_frame)
+    try:
+        return places_now(obj, rows, context)
+    except ScatterError:
+        scene.frame_set(before[0], subframe=before[1])
+        raise
+
+
+def _row(ids: Ints, one: int, name: str) -> int:
+    found = np.flatnonzero(ids == one)
+    if not len(found):
+        raise ScatterError(f"Scatter '{name}': point {one} was removed: optimise the scatter")
+    return int(found[0])

@@ -82,6 +82,9 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     )
     overlap_first: IntProperty(name="First Overlapping Point", default=-1)
     overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
+    overlap_frame: IntProperty(
+        name="Frame of Overlap", description="Baked frame in which they overlap most"
+    )
 
 
 def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[str]:

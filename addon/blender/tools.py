@@ -173,7 +173,8 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
 
 
 class DAPPLE_OT_select_overlap(bpy.types.Operator):
-    """Select the two points whose things overlap most, and put the 3D cursor between them"""
+    """Select the two points whose things overlap most, and put the 3D cursor between them; a bake
+    goes to the frame in which they do"""
 
     bl_idname = "dapple.select_overlap"
     bl_label = "Select Overlap"
@@ -185,7 +186,11 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
         return there and context.object.dapple.report.worst_overlap > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
-        context.scene.cursor.location = select_overlap(context.object)
+        try:
+            context.scene.cursor.location = select_overlap(context.object, context)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

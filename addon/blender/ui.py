@@ -205,9 +205,17 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
         layout.prop(settings, "viewport_share")
         if settings.report.worst_overlap > 0:
             row = layout.row()
-            share = 100 * settings.report.worst_overlap
-            row.label(text=told("Worst overlap {share:.0f} %", share=share))
+            row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _overlap(settings: bpy.types.AnyType) -> str:
+    report = settings.report
+    share = 100 * report.worst_overlap
+    if not settings.baked_keys:
+        return told("Worst overlap {share:.0f} %", share=share)
+    frame = report.overlap_frame
+    return told("Worst overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
 
 
 def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:

@@ -134,10 +134,16 @@ class Baker:
         self._add(solved)
 
     def report(self) -> Report:
-        """The worst spacing and spread of all frames, the mean cost of one."""
+        """The worst spacing, spread and overlap of all frames, the mean cost of one."""
         reports, count = self.reports, max(len(self.reports), 1)
+        worst = max(range(len(reports)), key=lambda frame: reports[frame].worst_overlap)
+        found = reports[worst].of_ids(self.start.ids)
         return replace(
             reports[-1],
+            worst_overlap=found.worst_overlap,
+            overlap_first=found.overlap_first,
+            overlap_second=found.overlap_second,
+            overlap_frame=self.first + worst,
             alpha_min=min(report.alpha_min for report in reports),
             alpha_mean=sum(report.alpha_mean for report in reports) / count,
             capacity_spread=max(report.capacity_spread for report in reports),

@@ -50,9 +50,16 @@ def counted(surface: Any, settings: Settings) -> Settings:
     Raises:
         ScatterError: they make more points than anyone can want.
     """
-    if settings.per_area == 0.0:
-        return settings
-    count = round(settings.per_area * surface.mass)
+    return with_area(settings, surface.mass) if settings.per_area else settings
+
+
+def with_area(settings: Settings, mass: float) -> Settings:
+    """The settings with the count that points per area make on a surface of such a mass.
+
+    Raises:
+        ScatterError: they make more points than anyone can want.
+    """
+    count = round(settings.per_area * mass)
     if count > MOST_POINTS:
         raise ScatterError(
             f"{settings.per_area:g} points per area are {count:,} points on this surface: "

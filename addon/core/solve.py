@@ -3,7 +3,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -37,8 +37,15 @@ class Report:
     key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
     key_error_mean: float = 0.0
     worst_overlap: float = 0.0  # of things with radii; 0: none overlap
-    overlap_first: int = -1  # the two points that do most
+    overlap_first: int = -1  # ids of the two points that do most
     overlap_second: int = -1
+    overlap_frame: int = 0  # of a bake, in which they do
+
+    def of_ids(self, ids: Ints) -> "Report":
+        """With ids in place of the rows that the native package tells."""
+        rows = (self.overlap_first, self.overlap_second)
+        first, second = (int(ids[row]) if 0 <= row < len(ids) else -1 for row in rows)
+        return replace(self, overlap_first=first, overlap_second=second)
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,7 @@ def scatter(
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
-    report, details = report_of(samples.report), details_of(fine, density)
+    report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)
     mass = float(ground.surface.mass)
     return Scattered(positions, binding, columns, report, details, settings, mass)
 

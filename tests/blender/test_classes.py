@@ -2,6 +2,7 @@
 """Several classes: their counts, what is placed, and what a bake makes of them."""
 
 import addon_host
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -231,3 +232,97 @@ def test_bakes_that_cannot_keep_classes_say_so(name, value, said):
         bpy.ops.dapple.bake()
     assert np.allclose(scenes.positions(obj), before)
     assert obj.dapple.baked_keys == 0
+
+
+def overlapping(surface, count=60):
+    """A scatter whose things are nearly the largest that do not overlap."""
+    obj = with_classes(surface, {"share": 1.0}, {"share": 1.0}, count=count)
+    for kind in obj.dapple.classes:
+        kind.radius = 0.24
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert obj.dapple.report.worst_overlap > 0.0
+    return obj
+
+
+def worst_overlap(obj):
+    points = scenes.positions(obj)
+    distance = np.linalg.norm(points[:, None] - points[None], axis=2)
+    np.fill_diagonal(distance, np.inf)
+    return 1.0 - distance.min() / (2.0 * obj.dapple.classes[0].radius)
+
+
+def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
+    surface = scenes.tail(frames=4)
+    for frame, size in ((1, 1.0), (2, 0.97), (4, 1.0)):  # the worst is in the middle
+        surface.scale = (size, size, size)
+        surface.keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_set(1)
+    obj = overlapping(surface)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    found = []
+    for frame in range(1, 5):
+        bpy.context.scene.frame_set(frame)
+        found.append(worst_overlap(obj))
+    report = obj.dapple.report
+    assert report.worst_overlap == pytest.approx(max(found), abs=1e-4)
+    assert report.overlap_frame == 1 + int(np.argmax(found)) == 2
+    assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
+    assert bpy.context.scene.frame_current == 2
+    chosen = [vertex.index for vertex in obj.data.vertices if vertex.select]
+    pair = scenes.positions(obj)[chosen]
+    assert 1.0 - np.linalg.norm(pair[0] - pair[1]) / 0.48 == pytest.approx(max(found), abs=1e-4)
+    assert np.allclose(bpy.context.scene.cursor.location, pair.mean(axis=0), atol=1e-4)
+
+
+@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
+def test_an_overlap_is_selected_where_it_is_played(bind_to):
+    surface = scenes.tail(frames=4)
+    obj = overlapping(surface)
+    obj.dapple.bind_to = bind_to
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    surface.location.x = 7.0
+    bpy.context.scene.frame_set(4)
+    assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
+    chosen = [vertex.index for vertex in obj.data.vertices if vertex.select]
+    between = scenes.positions(obj)[chosen].mean(axis=0)
+    assert np.allclose(bpy.context.scene.cursor.location, between, atol=1e-4)
+
+
+def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
+    obj = overlapping(scenes.sphere())
+    report = obj.dapple.report
+    pair = [report.overlap_first, report.overlap_second]
+    ids = [one.value for one in obj.data.attributes["id"].data]
+
+    def remove(id_):
+        mesh = bmesh.new()
+        mesh.from_mesh(obj.data)
+        mesh.verts.ensure_lookup_table()
+        layer = mesh.verts.layers.int["id"]
+        mesh.verts.remove(next(vertex for vertex in mesh.verts if vertex[layer] == id_))
+        mesh.to_mesh(obj.data)
+        mesh.free()
+
+    remove(next(one for one in ids if one not in pair))
+    assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
+    chosen = [obj.data.attributes["id"].data[v.index].value for v in obj.data.vertices if v.select]
+    assert sorted(chosen) == sorted(pair)
+    remove(pair[1])
+    with pytest.raises(RuntimeError, match=f"point {pair[1]} was removed: optimise the scatter"):
+        bpy.ops.dapple.select_overlap()
+
+
+def test_counts_of_classes_are_told_for_points_per_area():
+    labels = addon_host.part("blender.classes").count_labels
+    obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
+    obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    found = np.bincount(classes_of(obj))
+    assert found.sum() > 200
+    assert labels(obj) == [f"{count:,}" for count in found]
+    obj.dapple.points_per_area = 7.3
+    told = labels(obj)
+    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert told == labels(obj) == [f"{count:,}" for count in np.bincount(classes_of(obj))]
+    obj.dapple.solved_from = ""
+    assert labels(obj) == ["?", "?"]

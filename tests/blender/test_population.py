@@ -131,3 +131,25 @@ def test_the_preview_says_why_it_does_not_start(breathing):
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     with pytest.raises(RuntimeError, match="clear the bake to preview"):
         bpy.ops.dapple.preview()
+
+
+def test_a_cleared_bake_leaves_the_figures_and_locks_of_the_solution(breathing):
+    _, obj = breathing
+    names = ("count", "spacing", "alpha_min", "capacity_spread", "evaluations", "converged")
+    before = [getattr(obj.dapple.report, name) for name in names]
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert len(obj.data.vertices) > obj.dapple.solved.count == 80
+    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert obj.dapple.locked_count == len(obj.data.vertices)
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert [getattr(obj.dapple.report, name) for name in names] == before
+    assert obj.dapple.locked_count == len(obj.data.vertices) == 80
+    assert obj.dapple.baked_settings == obj.dapple.baked_from == ""
+
+
+def test_a_cleared_bake_of_an_older_version_leaves_its_points(breathing):
+    _, obj = breathing
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    obj.dapple.solved.count = 0
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert obj.dapple.report.count == 80
