@@ -212,8 +212,8 @@ def _contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
 def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
     """Reasons, and a note of what differs from the frame of before as what moves does."""
     roles = [role for role in differing(before, now) if role != "faces"]
-    if before.exact.get("faces") != now.exact.get("faces"):
-        roles = [role for role in roles if not is_of_faces(role)]
+    same = before.exact.get("faces") == now.exact.get("faces")
+    roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
     if before.frame == now.frame:
         return [_said(obj, role) for role in roles], _unknown(before)
     if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
@@ -233,6 +233,7 @@ def _unknown(before: Sources) -> str:
 def _note(frame: float, roles: list[str]) -> str:
     labels = {
         "shape": told("shape of the surface"),
+        "scale": told("shape of the surface"),
         "up": told("direction and height of the surface"),
         "camera": told("camera"),
         "obstacles": told("obstacles"),

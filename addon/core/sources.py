@@ -19,7 +19,7 @@ from .settings import Settings
 from .surface import Floats, SurfaceArrays, Surroundings
 
 # Roles that depend on the frame for most scenes: shapes and places.
-PLACES = ("shape", "up", "camera", "obstacles", "others")
+PLACES = ("shape", "scale", "up", "camera", "obstacles", "others")
 UNKNOWN = "unknown"  # digest of what cannot be compared any more
 _BLOCKS = 256  # sums that tell a shape: each of neighbouring rows
 _TOLERANCE = 1e-5  # of the largest number of a role
@@ -103,12 +103,14 @@ class Outline:
     topology: str
     pose: Pose
     shape: Floats  # (k, 3) sums of its vertices, in its own axes and with its scale
+    scale: Floats  # (3, 3) what the object stretches its mesh by, in the mesh's axes
 
 
 def outline_of(arrays: SurfaceArrays) -> Outline:
     """Of a surface as it was read."""
-    pose = pose_of(arrays)
-    return Outline(arrays.topology, pose, _sums((arrays.vertices - pose.centre) @ pose.turn))
+    pose, linear = pose_of(arrays), arrays.matrix[:3, :3]
+    shape = _sums((arrays.vertices - pose.centre) @ pose.turn)
+    return Outline(arrays.topology, pose, shape, pose.turn.T @ linear)
 
 
 def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> Sources:
@@ -131,7 +133,7 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
     """
     pose, density = outline.pose, settings.density
     roles = {role: values[name] for role, name in value_roles(settings).items()}
-    near = {"shape": outline.shape}
+    near = {"shape": outline.shape, "scale": outline.scale}
     if density.use_slope or density.use_height:
         height = pose.centre[2] / pose.size if density.use_height else 0.0
         near["up"] = np.array([[*pose.turn[2], height]])

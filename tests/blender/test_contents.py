@@ -197,6 +197,17 @@ def sculpted():
     yield "Surface 'Sphere' has another shape or scale than before"
 
 
+def scaled_at_rest_with_other_levels():
+    surface = scenes.tail(levels=1, render_levels=2)
+    scenes._activate(surface)
+    assert bpy.ops.dapple.add(count=60) == {"FINISHED"}
+    yield bpy.context.object
+    surface.modifiers["Subdivision"].levels = 2
+    assert reason(bpy.context.object) == ""
+    surface.scale.x = 2.0
+    yield "Surface 'Tail' has another shape or scale than before"
+
+
 def tipped_over():
     surface = scenes.sphere()
     yield solved(surface, use_slope=True)
@@ -290,6 +301,7 @@ CHANGES = [
     scaled,
     sheared,
     sculpted,
+    scaled_at_rest_with_other_levels,
     tipped_over,
     lifted,
     not_a_number,
@@ -382,6 +394,16 @@ def test_a_scene_that_is_moved_as_a_whole_fits(scale):
     assert reason(obj) == ""
     stone.location.x = 1e-3
     assert "Obstacles" in reason(obj)
+
+
+def test_a_scale_that_is_applied_fits():
+    surface = scenes.sphere(scale=(1.0, 2.0, 0.5), rotation=(0.3, 0.4, 0.5))
+    obj = solved(surface)
+    scenes._activate(surface)
+    assert bpy.ops.object.transform_apply(location=False, rotation=False) == {"FINISHED"}
+    assert reason(obj) == note(obj) == ""
+    bpy.ops.object.origin_set(type="GEOMETRY_ORIGIN", center="BOUNDS")
+    assert reason(obj) == note(obj) == ""
 
 
 def test_another_scatter_to_keep_off_is_solved_anew():
