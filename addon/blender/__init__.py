@@ -17,6 +17,7 @@ from . import (
     presets,
     preview,
     properties,
+    renders,
     tools,
     translation,
     ui,
@@ -61,7 +62,7 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     rooms: Any = (translation, properties)
-    later: Any = (pictures, workfiles, freshness, preview, overlay)
+    later: Any = (pictures, workfiles, freshness, renders, preview, overlay)
     return [
         *((room.register, room.unregister) for room in rooms),
         (_add_classes, _remove_classes),

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The density as colours over the surface, in the viewport only.
 
-Handlers and property updates only note that something changed; an app timer computes the colours
-anew once nothing has changed for a moment, and drawing shows what was computed last.
+Handlers and property updates only note that something changed. Once nothing has changed for a
+moment, an app timer reads the surface part by part and a worker computes the colours; until they
+are there, drawing shows what was computed last. Nothing is computed while Blender renders.
 """
 
 import time
@@ -13,22 +14,41 @@ import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
 
-from ..core.errors import ScatterError
+from ..core.errors import ScatterError, StoppedError
 from ..core.frames import vertex_normals
 from ..core.ground import Ground
+from ..core.settings import Settings
 from ..core.solve import named
-from ..core.surface import Floats
+from ..core.steps import Stepper, Steps, Task
+from ..core.surface import Floats, SurfaceArrays
 from .held import Held
+from .parts import read_parts
+from .renders import busy, when_one_begins
 from .scatter import settings_of, surface_of
-from .surroundings import read_with
+from .surroundings import obstacles_of, read_camera
 from .translation import told
 
 _PAUSE = 0.2  # seconds without a change before the colours are computed
+_POLL = 0.01  # seconds between two looks at the worker
+_LONG = 3600.0  # seconds that a Blender without windows waits for it
+_PART = 300_000  # corners that are handed to the graphics card at a time
 _LIFT = 2e-3  # above the surface, of its size
 _ALPHA = 0.75
 # From nothing to the most: dark, teal, yellow.
 _COLOURS = np.array([[0.10, 0.06, 0.25], [0.13, 0.55, 0.55], [0.99, 0.90, 0.15]])
+Singles = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the colours are of, as far as it can be looked up quickly."""
+
+    surface: int  # session_uid
+    settings: Settings
+    density: str  # values of the class that is shown
+    camera: bytes = b""
 
 
 @dataclass
@@ -36,10 +56,13 @@ class _Shown:
     """The scatter whose density is shown, and its triangles."""
 
     scatter: Held | None = None
-    surface: int = 0  # session_uid
-    positions: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    colours: Floats = field(default_factory=lambda: np.empty((0, 4)))
-    batch: Any = None
+    asked: _Asked | None = None
+    watched: frozenset[int] = frozenset()  # session_uids of what else the colours depend on
+    positions: Singles = field(default_factory=lambda: np.empty((0, 3), dtype=np.float32))
+    colours: Singles = field(default_factory=lambda: np.empty((0, 4), dtype=np.float32))
+    batches: list[Any] = field(default_factory=list)  # that are drawn
+    coming: list[Any] = field(default_factory=list)  # of the newest colours, until all are there
+    job: Stepper | None = None  # what goes on
     changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
     said: str = ""  # why it ended
     handle: Any = None
@@ -54,29 +77,41 @@ def is_on(obj: bpy.types.Object) -> bool:
 
 
 def note() -> str:
-    """Why the density is shown no more; empty when nothing is to be said."""
+    """Why the density is shown no more, or not yet; empty when nothing is to be said."""
+    if _shown.scatter is not None and not len(_shown.positions):
+        return told("The density is being computed")
     return _shown.said
 
 
 def start(obj: bpy.types.Object) -> None:
-    """Show the density of a scatter; ScatterError if it has none that can be computed."""
+    """Show the density of a scatter; ScatterError if it has none that can be computed.
+
+    Blender with windows finds that out while the artist goes on, and the panel says it.
+    """
     stop()
-    _compute(obj)
     _shown.scatter, _shown.said = Held(obj), ""
+    try:
+        _begin()
+    except ScatterError:
+        stop()
+        raise
     if not bpy.app.background:
         space = bpy.types.SpaceView3D
         _shown.handle = space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
     if not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=_PAUSE)
+        bpy.app.timers.register(_tick, first_interval=_POLL)
     _redraw()
 
 
 def stop() -> None:
     """Show no density."""
+    _give_up()
     if _shown.handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_shown.handle, "WINDOW")
-    _shown.handle, _shown.scatter, _shown.batch = None, None, None
-    _redraw()
+        _redraw()
+    _shown.handle, _shown.scatter, _shown.asked = None, None, None
+    _shown.positions, _shown.colours = np.empty((0, 3), np.float32), np.empty((0, 4), np.float32)
+    _shown.batches, _shown.coming, _shown.changed = [], [], 0.0
 
 
 def touch(obj: bpy.types.Object) -> None:
@@ -85,58 +120,135 @@ def touch(obj: bpy.types.Object) -> None:
         _shown.changed = time.monotonic()
 
 
-def triangles() -> tuple[Floats, Floats]:
+def triangles() -> tuple[Singles, Singles]:
     """What is drawn: corners (3 m, 3) in world space and their colours (3 m, 4)."""
     return _shown.positions, _shown.colours
 
 
-def _compute(obj: bpy.types.Object) -> None:
-    surface, settings = surface_of(obj), settings_of(obj)
-    arrays = read_with(settings, surface, bpy.context.evaluated_depsgraph_get(), obj)
-    kinds, at = settings.classes, obj.dapple.class_index
+def _asked(obj: bpy.types.Object) -> _Asked:
+    surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.class_index
+    density = settings.classes[at].density if 0 <= at < len(settings.classes) else ""
+    camera = b""
+    if settings.density.use_camera:
+        camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()
+    return _Asked(surface.session_uid, settings, density, camera)
+
+
+def _begin() -> None:
+    """Compute the colours anew."""
+    _give_up()
+    assert _shown.scatter is not None
+    obj = _shown.scatter.get()
+    _shown.asked, _shown.changed = _asked(obj), 0.0
+    _shown.watched = frozenset(_watched(obj, _shown.asked.settings))
+    _shown.job = Stepper(_steps(_shown.scatter, Held(surface_of(obj)), _shown.asked))
+    while bpy.app.background and not _shown.job.poll(wait=_LONG):
+        pass  # a Blender without windows has no timers
+    _poll()
+
+
+def _watched(obj: bpy.types.Object, settings: Settings) -> list[int]:
+    """What tells by an update of its own that the colours may be others."""
+    surface, density = surface_of(obj), obj.dapple.density
+    found = [surface, surface.data, density.image]
+    if settings.density.obstacles:
+        found += obstacles_of(settings.density.obstacles, surface, obj)
+    return [one.session_uid for one in found if one is not None]
+
+
+def _steps(scatter: Held, surface: Held, asked: _Asked) -> Steps:
+    read = yield from read_parts(asked.settings, surface, scatter)
+    return (yield Task(lambda context: _computed(read.arrays(), asked, context)))
+
+
+def _computed(arrays: SurfaceArrays, asked: _Asked, context: Any) -> tuple[Singles, Singles]:
+    """Corners of the triangles and their colours; for a worker."""
     with named(arrays.name):
-        ground = Ground(arrays, settings)
-        density = ground.at_corners(kinds[at].density if at < len(kinds) else "")
+        ground = Ground(arrays, asked.settings, context)
+        density = ground.at_corners(asked.density)
     vertices, faces = ground.surface.vertices, ground.surface.faces
     lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
-    lifted = vertices + lift * vertex_normals(vertices, faces)
-    _shown.positions = lifted[faces].reshape(-1, 3)
-    _shown.colours = coloured(density.ravel() / max(float(density.max()), 1e-300))
-    _shown.surface, _shown.batch, _shown.changed = surface.session_uid, None, 0.0
+    lifted = (vertices + lift * vertex_normals(vertices, faces)).astype(np.float32)
+    shares = density.ravel() / max(float(density.max()), 1e-300)
+    return lifted[faces].reshape(-1, 3), coloured(shares)
 
 
-def coloured(shares: Floats) -> Floats:
+def _poll() -> None:
+    """One step of what goes on; shows what was computed."""
+    if _shown.job is None or not _shown.job.poll():
+        return
+    if _shown.job.result is not None:
+        _shown.positions, _shown.colours = _shown.job.result
+        _shown.coming = []
+    _shown.job = None
+    _redraw()
+
+
+def _give_up() -> None:
+    if _shown.job is not None:
+        _shown.job.abandon()
+    _shown.job = None
+
+
+def coloured(shares: Floats) -> Singles:
     """Colours (n, 4) of shares (n,) of the largest density."""
     steps = np.linspace(0.0, 1.0, len(_COLOURS))
-    channels = [np.interp(shares, steps, _COLOURS[:, k]) for k in range(3)]
-    return np.column_stack([*channels, np.full(len(shares), _ALPHA)])
+    found = np.full((len(shares), 4), _ALPHA, dtype=np.float32)
+    for k in range(3):
+        found[:, k] = np.interp(shares, steps, _COLOURS[:, k])
+    return found
 
 
 def _tick() -> float | None:
     if _shown.scatter is None:
         return None
+    if busy():
+        return _PAUSE
+    try:
+        _look(_shown.scatter.get())
+        _poll()
+    except ScatterError as error:
+        stop()
+        _shown.said = told("Density is not shown: {error}", error=error)
+        return None
+    except StoppedError:  # a render took its place
+        _shown.job, _shown.changed = None, time.monotonic()
+    return _POLL if _shown.job is not None else _PAUSE
+
+
+def _look(obj: bpy.types.Object) -> None:
+    """Begin anew once something has changed and nothing more does."""
+    if _asked(obj) != _shown.asked and not _shown.changed:
+        _shown.changed = time.monotonic()
     if _shown.changed and time.monotonic() - _shown.changed > _PAUSE:
-        try:
-            _compute(_shown.scatter.get())
-        except ScatterError as error:
-            _shown.said = told("Density is not shown: {error}", error=error)
-            stop()
-            return None
-        _redraw()
-    return _PAUSE
+        _begin()
 
 
 def _draw() -> None:
-    if _shown.batch is None:
-        shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-        content = {"pos": _shown.positions.astype("f4"), "color": _shown.colours.astype("f4")}
-        _shown.batch = batch_for_shader(shader, "TRIS", content)
+    """Draw what is there; hand some of what is new to the graphics card."""
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    _take_over(shader)
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
-    _shown.batch.draw(shader)
+    for _, batch in _shown.batches:
+        batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
+
+
+def _take_over(shader: Any) -> None:
+    """One more part of the newest colours; drawn in place of the old ones when all are there."""
+    known = bool(_shown.batches) and _shown.batches[0][0] is _shown.positions
+    if known or not len(_shown.positions):
+        return
+    first = len(_shown.coming) * _PART
+    part = slice(first, first + _PART)
+    content = {"pos": _shown.positions[part], "color": _shown.colours[part]}
+    batch = batch_for_shader(shader, "TRIS", content)
+    _shown.coming.append((_shown.positions, batch))
+    if part.stop >= len(_shown.positions):
+        _shown.batches, _shown.coming = _shown.coming, []
+    _redraw()
 
 
 def _redraw() -> None:
@@ -150,8 +262,19 @@ def _redraw() -> None:
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if _shown.scatter is None:
         return
-    if any(one.id.original.session_uid == _shown.surface for one in depsgraph.updates):
+    seen = {one.id.original.session_uid for one in depsgraph.updates}
+    if not seen or seen & _shown.watched:  # pixels that were changed by a script name nothing
         _shown.changed = time.monotonic()
+
+
+def _undone(*_arguments: Any) -> None:
+    if _shown.scatter is not None:
+        _shown.changed = time.monotonic()
+
+
+def _render_begins() -> None:
+    if _shown.job is not None:
+        _shown.job.cancel()
 
 
 def _leaving(*_arguments: Any) -> None:
@@ -160,7 +283,8 @@ def _leaving(*_arguments: Any) -> None:
 
 
 def register() -> None:
-    """Watch the surface, and files being opened."""
+    """Watch what colours depend on, and files being opened."""
+    when_one_begins(_render_begins)
     for handlers, handler in _handlers():
         bpy.app.handlers.persistent(handler)
         handlers.append(handler)
@@ -168,16 +292,20 @@ def register() -> None:
 
 def unregister() -> None:
     """Show nothing and watch nothing."""
-    stop()
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
     for handlers, handler in _handlers():
         if handler in handlers:
             handlers.remove(handler)
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+    stop()
 
 
 def _handlers() -> list[tuple[Any, Any]]:
+    handlers = bpy.app.handlers
     return [
-        (bpy.app.handlers.depsgraph_update_post, _updated),
-        (bpy.app.handlers.load_pre, _leaving),
+        (handlers.depsgraph_update_post, _updated),
+        (handlers.frame_change_post, _updated),
+        (handlers.undo_post, _undone),
+        (handlers.redo_post, _undone),
+        (handlers.load_pre, _leaving),
     ]

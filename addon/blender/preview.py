@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live preview: while the artist scrubs or poses, points are kept even within a time budget.
 
-An app timer reads the surface after Blender has evaluated it and writes a binding of its own,
-which the node group plays in the viewport only. Renders play the bake or the stored binding, so
-nothing here runs in one or changes one. Handlers only note that something happened.
+An app timer reads the surface after Blender has evaluated it, a worker finds the points' places,
+and the timer writes a binding of its own, which the node group plays in the viewport only. Renders
+play the bake or the stored binding, so nothing here runs in one or changes one. Handlers only note
+that something happened. What is written is runtime data: no file has it, however it is saved.
 """
 
 from collections.abc import Callable, Container
@@ -14,29 +15,35 @@ import bpy
 import numpy as np
 
 from ..core.bake import Start
-from ..core.errors import ScatterError
+from ..core.errors import ScatterError, StoppedError
 from ..core.follow import Follower
+from ..core.raw import RawMesh, surface_of_raw
 from ..core.records import ROW_ATTRIBUTES, Binding
-from ..core.surface import SurfaceArrays
+from ..core.steps import Stepper, Steps, Task
 from ..nodes import get_input, has_input, set_input
 from .held import Held
-from .meshio import read_surface, write_columns, write_points
-from .resting import current_binding
+from .meshio import write_columns, write_points
+from .parts import mesh_parts, read_parts
+from .renders import busy, when_one_begins
+from .resting import current_steps
 from .scatter import is_scatter, scatter_modifier, settings_of, surface_of
 from .staleness import other_faces
 from .store import ensure_modifier, own_points
-from .surroundings import read_with
 from .translation import told
 
 _INPUT = "Preview"
 _TICK = 0.05  # seconds between two looks at the surface
+_POLL = 0.005  # seconds between two looks at a worker
+_LONG = 3600.0  # seconds that a Blender without windows waits for one
 
 
 @dataclass
 class _Preview:
     scatter: Held
     surface: Held
-    follower: Follower
+    follower: Follower | None = None  # once the worker has made it
+    mesh: RawMesh | None = None  # that the follower began with or has seen last
+    job: Stepper | None = None  # what goes on
 
 
 @dataclass
@@ -46,7 +53,6 @@ class _State:
     previews: dict[int, _Preview]  # by the scatter's session_uid
     dirty: bool = False
     undone: bool = False  # an undo may have brought back a preview that is off
-    rendering: bool = False
     said: str = ""  # why a preview ended by itself
 
 
@@ -62,34 +68,48 @@ def note(obj: bpy.types.Object) -> str:
     """What the panel says about a scatter's preview."""
     if not is_on(obj):
         return _state.said
-    riding = _state.previews[obj.session_uid].follower.riding
-    if riding:
+    follower = _state.previews[obj.session_uid].follower
+    if follower is None:
+        return told("The preview is being prepared")
+    if follower.riding:
         return told("Over budget: points ride on the surface")
     return told("Points follow the surface")
 
 
 def start(obj: bpy.types.Object) -> None:
-    """Preview a scatter; ScatterError if it does not fit its surface."""
-    surface = surface_of(obj)
-    arrays = read_with(settings_of(obj), surface, bpy.context.evaluated_depsgraph_get(), obj)
-    if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):
-        raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
+    """Preview a scatter; ScatterError if it does not fit its surface.
+
+    Blender with windows finds that out while the artist goes on, and the panel says it.
+    """
+    preview = _Preview(Held(obj), Held(surface_of(obj)))
     if not own_points(obj).all():
         raise ScatterError(
             f"Scatter '{obj.name}' has points that its bake added: clear the bake to preview"
         )
-    follower = _follower(obj, surface, arrays)
+    _give_up(obj.session_uid)
     _clear_all(keep=_state.previews)  # a copy of a scatter that is previewed has its preview
-    _write(obj, follower.binding)
-    _state.previews[obj.session_uid] = _Preview(Held(obj), Held(surface), follower)
+    preview.job = Stepper(_begin_steps(preview))
+    _wait_in_background(preview.job)
+    _poll(preview)
+    _state.previews[obj.session_uid] = preview
     _state.said, _state.dirty = "", True
     _ensure_timer()
 
 
-def _follower(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Follower:
-    binding, columns = current_binding(obj, surface, arrays)
-    begin = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
-    return Follower(arrays, begin)
+def _begin_steps(preview: _Preview) -> Steps:
+    """Read all that the density asks for, have a worker prepare, show what is stored."""
+    obj, surface = preview.scatter.get(), preview.surface.get()
+    settings = settings_of(obj)
+    read = yield from read_parts(settings, preview.surface, preview.scatter)
+    arrays = yield Task(lambda _: read.arrays())
+    obj, surface = preview.scatter.get(), preview.surface.get()
+    if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):
+        raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
+    binding, columns = yield from current_steps(obj, surface, arrays)
+    begin = Start(binding, columns["id"], columns["dapple_class"], settings)
+    follower = yield Task(lambda context: Follower(arrays, begin, context))
+    preview.follower, preview.mesh = follower, read.mesh
+    _write(preview.scatter.get(), follower.binding)
 
 
 def _ensure_timer() -> None:
@@ -99,7 +119,7 @@ def _ensure_timer() -> None:
 
 def stop(obj: bpy.types.Object) -> None:
     """End a scatter's preview: it shows its bake or its stored binding again."""
-    _state.previews.pop(obj.session_uid, None)
+    _give_up(obj.session_uid)
     _clear_all(keep=_state.previews)
 
 
@@ -107,54 +127,112 @@ def solved_anew(obj: bpy.types.Object) -> None:
     """Have a scatter's preview, if there is one, begin from the points that it has now."""
     preview = _state.previews.get(obj.session_uid)
     _clear_all(keep=_state.previews)
-    if preview is None:
-        return
+    if preview is not None:
+        _begin_anew(preview)
+
+
+def _begin_anew(preview: _Preview) -> None:
     try:
-        start(obj)
+        start(preview.scatter.get())
     except ScatterError as error:
         _end(preview, str(error))
 
 
 def tick() -> float | None:
     """Look at the surfaces that are previewed; seconds until the next look, None to end."""
-    if _state.undone and not _busy():
+    if _state.undone and not busy():
         _state.undone = False
         _clear_all(keep=_state.previews)
     if not _state.previews and not _state.undone:
         return None
-    if _state.dirty and not _busy():
-        _state.dirty = False
-        for preview in list(_state.previews.values()):
-            try:
-                _follow(preview)
-            except ScatterError as error:
-                _end(preview, str(error))
-    return _TICK
+    if busy():
+        return _TICK
+    dirty, _state.dirty = _state.dirty, False
+    for preview in list(_state.previews.values()):
+        if preview.job is None and (dirty or _has_other_surface(preview)):
+            _try(preview, _follow)
+        elif preview.job is not None:
+            _state.dirty |= dirty  # to be looked at when that is done
+            _try(preview, _poll)
+    goes_on = any(one.job is not None for one in _state.previews.values())
+    return _POLL if goes_on else _TICK
 
 
-def _busy() -> bool:
-    """Whether Blender renders, or has locked its interface to do so."""
-    locked = any(manager.is_interface_locked for manager in bpy.data.window_managers)
-    return _state.rendering or locked or bpy.app.is_job_running("RENDER")
+def _try(preview: _Preview, step: Callable[[_Preview], None]) -> None:
+    try:
+        step(preview)
+    except ScatterError as error:
+        _end(preview, str(error))
+    except StoppedError:  # a render took its place
+        preview.job = None
+
+
+def _poll(preview: _Preview) -> None:
+    """One step of what goes on."""
+    if preview.job is not None and preview.job.poll():
+        preview.job = None
 
 
 def _follow(preview: _Preview) -> None:
+    """Begin to look at a surface."""
+    if _has_other_surface(preview):
+        _begin_anew(preview)
+        return
+    preview.job = Stepper(_follow_steps(preview))
+    _wait_in_background(preview.job)
+    _poll(preview)
+
+
+def _wait_in_background(job: Stepper) -> None:
+    """A Blender without windows has no timers."""
+    while bpy.app.background and not job.poll(wait=_LONG):
+        pass
+
+
+def _has_other_surface(preview: _Preview) -> bool:
+    """Whether the artist has chosen another surface, or deleted one of both."""
+    try:
+        surface = preview.scatter.get().dapple.surface
+    except ScatterError:
+        return True
+    return surface is None or surface.session_uid != preview.surface.uid
+
+
+def _follow_steps(preview: _Preview) -> Steps:
+    """Read the surface, have a worker find the places for its shape, show them."""
     obj, surface = preview.scatter.get(), preview.surface.get()
     if bpy.context.view_layer.objects.get(surface.name) is None:
         raise ScatterError(f"Surface '{surface.name}' is not in the view layer")
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    arrays = read_surface(surface, depsgraph)
-    if obj.dapple.bound_to == "REST" and arrays.topology != preview.follower.topology:
-        begun = _follower(obj, surface, read_with(settings_of(obj), surface, depsgraph, obj))
-        preview.follower = begun
-        _write(obj, begun.binding)
-    binding = preview.follower.follow(arrays, obj.dapple.preview_budget / 1000.0)
+    if preview.follower is None or preview.mesh is None:
+        return (yield from _begin_steps(preview))
+    mesh, follower = (yield from mesh_parts(preview.surface, preview.mesh)), preview.follower
+    if not mesh.same_faces(preview.mesh):
+        if obj.dapple.bound_to == "REST":
+            return (yield from _begin_steps(preview))
+        follower.check((yield Task(lambda _: surface_of_raw(mesh))))
+    if mesh.same_place(preview.mesh) and get_input(ensure_modifier(obj), _INPUT) is not None:
+        return None
+    budget = obj.dapple.preview_budget / 1000.0
+    binding = yield Task(lambda context: follower.follow(mesh.vertices(), budget, context))
+    obj, preview.mesh = preview.scatter.get(), mesh
     if binding is not None or get_input(ensure_modifier(obj), _INPUT) is None:
-        _write(obj, preview.follower.binding)
+        _write(obj, follower.binding)
+
+
+def _give_up(uid: int) -> None:
+    """Forget a preview, and what its worker still finds."""
+    preview = _state.previews.pop(uid, None)
+    if preview is not None and preview.job is not None:
+        preview.job.abandon()
+
+
+def _give_all_up() -> None:
+    for uid in list(_state.previews):
+        _give_up(uid)
 
 
 def _end(preview: _Preview, why: str) -> None:
-    _state.previews.pop(preview.scatter.uid, None)
+    _give_up(preview.scatter.uid)
     _state.said = told("Preview ended: {why}", why=why)
     _clear_all(keep=_state.previews)
 
@@ -166,12 +244,15 @@ def _write(obj: bpy.types.Object, binding: Binding) -> None:
         label = f"{obj.name} {_INPUT}"
         store = bpy.data.objects.new(label, bpy.data.meshes.new(label))
         store[_INPUT] = True
+        store.is_runtime_data = store.data.is_runtime_data = True
     if len(store.data.vertices) != len(binding.carry):
         write_points(store.data, np.zeros((len(binding.carry), 3)))
     write_columns(store.data, binding.rows(), ROW_ATTRIBUTES)
     store.data.update_tag()
     if get_input(modifier, _INPUT) is None:
         set_input(modifier, _INPUT, store)
+    if get_input(modifier, "Surface") != obj.dapple.surface:
+        set_input(modifier, "Surface", obj.dapple.surface)
     obj.update_tag()
 
 
@@ -203,12 +284,12 @@ def _touched(*_arguments: Any) -> None:
     _state.dirty = True
 
 
-def _render_begins(*_arguments: Any) -> None:
-    _state.rendering = True
-
-
-def _render_ends(*_arguments: Any) -> None:
-    _state.rendering, _state.dirty = False, True
+def _render_begins() -> None:
+    """Workers stop; the surfaces are looked at again afterwards."""
+    _state.dirty = True
+    for preview in _state.previews.values():
+        if preview.job is not None:
+            preview.job.cancel()
 
 
 def _undone(*_arguments: Any) -> None:
@@ -217,31 +298,37 @@ def _undone(*_arguments: Any) -> None:
 
 
 def _leaving(*_arguments: Any) -> None:
-    _state.previews.clear()
-    _state.rendering, _state.undone, _state.said = False, False, ""
+    _give_all_up()
+    _state.undone, _state.said = False, ""
+
+
+def _loaded(*_arguments: Any) -> None:
+    """Files that were saved while they recovered, or by older versions, may show a preview."""
+    _clear_all()
 
 
 def _saving(*_arguments: Any) -> None:
     """What is saved shows the bake or the stored binding."""
-    _state.previews.clear()
+    _give_all_up()
     _clear_all()
 
 
 _HANDLERS: dict[str, Callable[..., None]] = {
     "depsgraph_update_post": _touched,
     "frame_change_post": _touched,
-    "render_init": _render_begins,
-    "render_complete": _render_ends,
-    "render_cancel": _render_ends,
+    "render_complete": _touched,
+    "render_cancel": _touched,
     "undo_post": _undone,
     "redo_post": _undone,
     "load_pre": _leaving,
+    "load_post": _loaded,
     "save_pre": _saving,
 }
 
 
 def register() -> None:
     """Watch what happens to the file."""
+    when_one_begins(_render_begins)
     for name, handler in _HANDLERS.items():
         bpy.app.handlers.persistent(handler)
         getattr(bpy.app.handlers, name).append(handler)
@@ -249,11 +336,12 @@ def register() -> None:
 
 def unregister() -> None:
     """Stop all previews and watching."""
-    _state.previews.clear()
-    _clear_all()
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
     for name, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    _give_all_up()
+    if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
+        _clear_all()

@@ -14,6 +14,7 @@ import bpy
 from ..core.errors import ScatterError
 from ..core.records import Binding, Columns
 from ..core.rest import AtRest, at_rest, bound_at_rest
+from ..core.steps import Steps, Task, run_now
 from ..core.surface import SurfaceArrays
 from .held import Held
 from .library import read_only
@@ -104,10 +105,17 @@ def current_binding(
 
     Those bound to the rest position are found again on other faces.
     """
+    found: tuple[Binding, Columns] = run_now(current_steps(obj, surface, arrays))
+    return found
+
+
+def current_steps(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Steps:
+    """The same in steps."""
     if obj.dapple.bound_to != "REST" or not other_faces(obj, arrays):
         return read_binding(obj, len(arrays.vertices))
-    stored = read_at_rest(obj)
+    stored, columns = read_at_rest(obj), point_columns_of(obj)
     if arrays.rest is None:
         arrays = with_rest(arrays, surface)
-    found = bound_at_rest(stored.columns, replace(arrays, rest_parts=stored.parts))
-    return found, point_columns_of(obj)
+    at_rest_now = replace(arrays, rest_parts=stored.parts)
+    found = yield Task(lambda _: bound_at_rest(stored.columns, at_rest_now))
+    return found, columns

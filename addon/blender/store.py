@@ -53,9 +53,9 @@ from ..nodes import (
 from .library import own_mesh
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
 from .scatter import (
-    is_fluid,
     bake_settings_of,
     copy_report,
+    is_fluid,
     scatter_modifier,
     write_instance_inputs,
     write_report,

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.density import names_of
 from ..core.errors import ScatterError
+from ..core.raw import RawImage, brightness
 from ..core.settings import Settings
 from ..core.sources import digest_of
 from ..core.surface import Floats, Ints, SurfaceArrays, Surroundings
@@ -42,13 +43,13 @@ def read_around(
     """What these settings take from beside a surface, for this scatter."""
     density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
     if density.obstacles:
-        others = list(_obstacles(density.obstacles, {obj, *own_objects(own)}))
-        points, radii = _balls(others, density.obstacle_margin)
+        others = obstacles_of(density.obstacles, obj, own)
+        points, radii = balls(others, density.obstacle_margin)
         meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
     return Surroundings(
         uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
         image=_picture(density.image) if density.image else None,
-        camera=_camera(depsgraph) if density.use_camera else None,
+        camera=read_camera(depsgraph) if density.use_camera else None,
         obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
         points=points,
         radii=radii,
@@ -82,7 +83,11 @@ def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.type
 
 
 def _picture(name: str) -> Floats:
-    """Brightness (rows, columns) of an image times its opacity, row 0 at the bottom."""
+    return brightness(read_image(name))
+
+
+def read_image(name: str) -> RawImage:
+    """The pixels of an image; ScatterError if there are none."""
     image = _by_full_name(bpy.data.images, name)
     if image is None:
         raise ScatterError(f"There is no image '{name}'")
@@ -91,20 +96,7 @@ def _picture(name: str) -> Floats:
         raise ScatterError(f"Image '{name}' has no pixels: its file may be missing")
     stored = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(stored)
-    pixels: Floats = stored.reshape(height, width, image.channels).astype(np.float64)
-    values: Floats = pixels[:, :, :3].mean(axis=2) if image.channels >= 3 else pixels[:, :, 0]
-    if image.channels in (2, 4):
-        values = values * pixels[:, :, -1]
-    wrong = ~(np.isfinite(values) & (values >= 0.0))
-    if wrong.any():
-        row, column = np.argwhere(wrong)[0]
-        raise ScatterError(
-            f"Image '{name}' is {values[row, column]:.6g} at pixel ({column}, {row}); a density "
-            "must be finite and not negative"
-        )
-    if not values.any():
-        raise ScatterError(f"Image '{name}' is black everywhere: no point can be placed")
-    return values
+    return RawImage(name, stored.reshape(height, width, image.channels))
 
 
 def check_camera(scene: bpy.types.Scene) -> None:
@@ -122,7 +114,7 @@ def picture_digest(image: bpy.types.Image) -> str:
     return digest_of([stored])
 
 
-def _camera(depsgraph: bpy.types.Depsgraph) -> Floats:
+def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     """World space to clip space of the scene's camera."""
     scene = depsgraph.scene
     check_camera(scene)
@@ -159,6 +151,13 @@ def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
         yield from (one for one in bpy.data.objects if one.data == made.data)
 
 
+def obstacles_of(
+    name: str, surface: bpy.types.Object, scatter: bpy.types.Object | None
+) -> list[bpy.types.Object]:
+    """Objects of a collection that a scatter on a surface keeps off."""
+    return list(_obstacles(name, {surface, *own_objects(scatter)}))
+
+
 def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
     """Objects of a collection and those inside it with something to keep off."""
     collection = _by_full_name(bpy.data.collections, name)
@@ -180,7 +179,7 @@ def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats
     return arrays.vertices, arrays.faces
 
 
-def _balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
+def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
     """Points of other scatters as they were optimised, and how far to keep away from each."""
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:

@@ -4,10 +4,14 @@
 import bmesh
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import ScatterError
-from ..core.surface import Floats
+from ..core.raw import RawValues, at_vertices, checked_density
+from ..core.surface import Floats, Ints
 from .corners import corner_vertices
+
+GROUP_PART = 20_000  # vertices
 
 _FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
 _COLOURS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
@@ -31,55 +35,62 @@ def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> Floa
     Raises:
         ScatterError: there is no such attribute or vertex group, or a value is below 0.
     """
-    group = obj.vertex_groups.get(name)
+    raw = raw_values(obj, mesh, name)
+    if raw is None:
+        values = _all_group_weights(mesh, obj.vertex_groups[name].index)
+    else:
+        values = at_vertices(raw, len(mesh.vertices), corner_vertices(mesh), _totals(mesh, raw))
+    return checked_density(obj.name, name, values)
+
+
+def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues | None:
+    """Values of an attribute as they are stored; None if a vertex group has that name.
+
+    Raises:
+        ScatterError: there is neither.
+    """
     attribute = mesh.attributes.get(name)
     if attribute is not None and attribute.domain in _DOMAINS:
-        values = _at_vertices(mesh, attribute.domain, _values(obj, attribute))
-    elif group is not None:
-        values = _group_weights(mesh, group.index)
-    else:
+        return RawValues(name, attribute.domain, _values(obj, attribute))
+    if obj.vertex_groups.get(name) is None:
         raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
-    wrong = ~(np.isfinite(values) & (values >= 0.0))
-    if wrong.any():
-        vertex = int(np.argmax(wrong))
-        raise ScatterError(
-            f"Surface '{obj.name}': '{name}' is {values[vertex]:.6g} at vertex {vertex}; a density "
-            "must be finite and not negative"
-        )
-    return values
+    return None
 
 
-def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> Floats:
+def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: slice) -> Floats:
+    """Weights of some of the vertices in a vertex group, at most GROUP_PART to be quick."""
+    group = obj.vertex_groups.get(name)
+    if group is None:
+        raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
+    own = (
+        next((one.weight for one in vertex.groups if one.group == group.index), 0.0)
+        for vertex in mesh.vertices[part]
+    )
+    return np.fromiter(own, float)
+
+
+def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[np.float32]:
+    """Numbers (k,) or colours (k, 4)."""
     kind, count = attribute.data_type, len(attribute.data)
-    if kind in _FIELDS:
-        values = np.empty(count, dtype=np.float32)
-        attribute.data.foreach_get(_FIELDS[kind], values)
-        return values.astype(np.float64)
-    if kind not in _COLOURS:
+    if kind not in _FIELDS | _COLOURS:
         raise ScatterError(
             f"Surface '{obj.name}': attribute '{attribute.name}' is of the type {kind}: numbers or "
             "colours are needed"
         )
-    colours = np.empty(4 * count, dtype=np.float32)
-    attribute.data.foreach_get(_COLOURS[kind], colours)
-    mean: Floats = colours.reshape(-1, 4)[:, :3].mean(axis=1, dtype=np.float64)
-    return mean
+    values = np.empty((count, 4) if kind in _COLOURS else count, dtype=np.float32)
+    if count:
+        attribute.data.foreach_get((_FIELDS | _COLOURS)[kind], values.ravel())
+    return values
 
 
-def _at_vertices(mesh: bpy.types.Mesh, domain: str, values: Floats) -> Floats:
-    if domain == "POINT":
-        return values
-    corners = corner_vertices(mesh)
-    if domain == "FACE":
-        totals = np.empty(len(mesh.polygons), dtype=np.int32)
+def _totals(mesh: bpy.types.Mesh, raw: RawValues) -> Ints:
+    totals = np.empty(len(mesh.polygons) if raw.domain == "FACE" else 0, dtype=np.int32)
+    if len(totals):
         mesh.polygons.foreach_get("loop_total", totals)
-        values = np.repeat(values, totals)
-    count = len(mesh.vertices)
-    sums = np.bincount(corners, values, minlength=count)
-    return sums / np.maximum(np.bincount(corners, minlength=count), 1)
+    return totals
 
 
-def _group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
+def _all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
     """Blender gives weights vertex by vertex only; bmesh does so in half the time of the mesh."""
     edited = bmesh.new()
     edited.from_mesh(mesh, face_normals=False, vertex_normals=False)

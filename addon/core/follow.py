@@ -12,7 +12,6 @@ from .errors import StoppedError
 from .frames import carried
 from .ground import Ground
 from .kinds import tracked
-from .native import package
 from .records import Binding
 from .solve import named
 from .surface import Floats, SurfaceArrays, check_same_topology
@@ -21,13 +20,13 @@ from .surface import Floats, SurfaceArrays, check_same_topology
 class Follower:
     """Re-optimises points for one shape of a surface after another, none of it kept."""
 
-    def __init__(self, surface: SurfaceArrays, start: Start) -> None:
+    def __init__(self, surface: SurfaceArrays, start: Start, context: Any = None) -> None:
         self.binding = start.binding
         self.riding = False  # the last shape took longer than its budget
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
-            self._ground = Ground(surface, start.settings)
+            self._ground = Ground(surface, start.settings, context)
             samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
             self._tracker = tracked(self._ground, self._ground.there(samples), start.settings)
 
@@ -36,34 +35,55 @@ class Follower:
         """Of the surface that is followed."""
         return self._first.topology
 
-    def follow(self, surface: SurfaceArrays, budget: float) -> Binding | None:
+    def check(self, surface: SurfaceArrays) -> None:
+        """ScatterError if a surface has another topology."""
+        check_same_topology(self._first, surface, "this moment")
+
+    def follow(self, vertices: Floats, budget: float, context: Any) -> Binding | None:
         """The binding for this shape, found within so many seconds.
 
         None if the shape is the last one or the time was not enough: then the points ride on
-        the binding that they have. ScatterError if the topology is another one.
+        the binding that they have. StoppedError if it was cancelled before.
         """
-        check_same_topology(self._first, surface, "this moment")
-        if np.array_equal(surface.vertices, self._seen):
+        if np.array_equal(vertices, self._seen):
             return None
-        self._seen = surface.vertices
-        samples = self._advanced(surface.vertices, budget)
+        samples = self._advanced(vertices, budget, context)
+        self._seen = vertices
         self.riding = samples is None
         if samples is None:
             return None
         after = placed_of(samples, self._first.faces).binding
-        self.binding = carried(self.binding, after, surface.vertices, self._first.faces)
+        self.binding = carried(self.binding, after, vertices, self._first.faces)
         return self.binding
 
-    def _advanced(self, vertices: Floats, budget: float) -> Any:
+    def _advanced(self, vertices: Floats, budget: float, context: Any) -> Any:
         """The tracker's samples; None, and the tracker as it was, if the time is over."""
-        context = package().Context()
-        alarm = threading.Timer(budget, context.cancel)
-        alarm.start()
+        alarm = _Alarm(budget, context)
         try:
             with named(self._first.name):
                 fine = self._ground.vertices(vertices)
                 return self._ground.back(self._tracker.advance(fine, context=context))
         except StoppedError:
+            if not alarm.rang:
+                raise
             return None
         finally:
-            alarm.cancel()
+            alarm.stop()
+
+
+class _Alarm:
+    """Cancels a context after so many seconds."""
+
+    def __init__(self, seconds: float, context: Any) -> None:
+        self.rang, self._context = False, context
+        self._timer = threading.Timer(seconds, self._ring)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _ring(self) -> None:
+        self.rang = True
+        self._context.cancel()
+
+    def stop(self) -> None:
+        """It rings no more."""
+        self._timer.cancel()

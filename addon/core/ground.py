@@ -26,9 +26,9 @@ _PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are av
 class Ground:
     """What is sampled and tracked in place of the surface that was read."""
 
-    def __init__(self, arrays: SurfaceArrays, settings: Settings) -> None:
-        """Raises ValueError as dapple.Surface does."""
-        self._arrays = arrays
+    def __init__(self, arrays: SurfaceArrays, settings: Settings, context: Any = None) -> None:
+        """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting."""
+        self._arrays, self._context = arrays, context
         self._refined: Any = None
         density = vertex_terms(arrays, settings.density)
         self.surface = package().Surface(arrays.vertices, arrays.faces, density)
@@ -114,7 +114,9 @@ class Ground:
             if not long.any():
                 break
             limits = np.where(long, 0.51 * lengths, np.inf)
-            cut = package().refine_edges(self.surface, limits, max_faces=_MOST_FACES)
+            cut = package().refine_edges(
+                self.surface, limits, max_faces=_MOST_FACES, context=self._context
+            )
             self._extend(cut)
             if not cut.resolved:
                 break
@@ -130,6 +132,7 @@ class Ground:
                 around.radii,
                 areas=blocked(terms, surface),
                 max_faces=4 * _MOST_FACES,
+                context=self._context,
             )
         )
 
@@ -146,7 +149,7 @@ class Ground:
             uv = np.einsum("fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents])
         picture = reduced(image, int(_PIXELS * np.sqrt(count)))
         beyond = float(uv.min()) < -_ROUNDING or float(uv.max()) > 1.0 + _ROUNDING
-        options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES}
+        options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES, "context": self._context}
         self._extend(package().refine_image(self.surface, uv, picture, **options))
 
     def _extend(self, cut: Any) -> None:

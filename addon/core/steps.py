@@ -26,6 +26,7 @@ class Task:
 
 
 Steps = Generator[Task, Any, Any]
+PAUSE = Task(lambda _: None)  # nothing: lets the artist's events through
 
 
 def run_now(steps: Steps) -> Any:
@@ -62,7 +63,7 @@ class Stepper:
         self._context: Any = None
         self._value: Any = None
         self._error: Exception | None = None
-        self._stopped = False
+        self._stopped = self._done = False
 
     @property
     def progress(self) -> float:
@@ -79,6 +80,8 @@ class Stepper:
 
     def poll(self, wait: float = 0.0) -> bool:
         """Go on to the next task, waiting at most so many seconds; True when all is done."""
+        if self._done:
+            return True
         if self._thread is not None:
             self._thread.join(wait)
             if self._thread.is_alive():
@@ -86,15 +89,19 @@ class Stepper:
         try:
             self._start(self._next_task())
         except StopIteration as stop:
-            self.result = stop.value
-            return True
-        return False
+            self.result, self._done = stop.value, True
+        return self._done
 
     def close(self) -> None:
         """Stop the worker, wait for it, and let the generator put the scene back."""
         self.cancel()
         if self._thread is not None:
             self._thread.join()
+        self._steps.close()
+
+    def abandon(self) -> None:
+        """Stop without waiting for the worker: what it still finds is for nobody."""
+        self.cancel()
         self._steps.close()
 
     def _next_task(self) -> Task:

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+from mathutils import Vector
 
 FACES = {
     "triangles": [(0, 1, 2), (0, 2, 3), (0, 3, 4)],
@@ -53,3 +54,68 @@ def test_weights_of_a_group_are_those_of_each_vertex():
     empty.vertex_groups.new(name="unused")
     mesh = empty.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     assert not weights.read_weights(empty, mesh, "unused").any()
+
+
+@pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])
+def test_a_surface_read_in_parts_is_the_one_that_is_read_at_once(kind):
+    surface = of_kind(kind)
+    parts, held = addon_host.part("blender.parts"), addon_host.part("blender.held")
+    settings = addon_host.part("core.settings")
+    asked = settings.Settings(density=settings.DensitySettings(attribute="Grass"))
+    if kind == "meta":
+        asked = settings.Settings()
+    steps = addon_host.part("core.steps")
+    read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
+    found = read.arrays()
+    expected = addon_host.part("blender.surroundings").read_with(
+        asked, surface, bpy.context.evaluated_depsgraph_get()
+    )
+    for name in ("vertices", "faces", "matrix"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    assert found.topology == expected.topology
+    for name, values in expected.weights.items():
+        np.testing.assert_allclose(found.weights[name], values, rtol=1e-6)
+
+
+def of_kind(kind):
+    if kind == "meta":
+        bpy.ops.object.metaball_add()
+        return bpy.context.object
+    if kind == "ico":
+        bpy.ops.mesh.primitive_ico_sphere_add()
+    else:
+        scenes.sphere() if kind == "ngons" else bpy.ops.mesh.primitive_grid_add()
+    surface = bpy.context.object
+    random = np.random.Generator(np.random.PCG64(4))
+    if kind == "concave":
+        for vertex in surface.data.vertices:
+            vertex.co += Vector(random.normal(0.0, 0.3, 3).tolist())
+    if kind == "ngons":
+        surface.modifiers.new("Dual", "DECIMATE").decimate_type = "DISSOLVE"
+        surface.modifiers["Dual"].angle_limit = 0.4
+    if kind == "mirrored":
+        surface.scale = (-1.0, 2.0, 1.0)
+    group = surface.vertex_groups.new(name="Grass")
+    for vertex in surface.data.vertices:
+        group.add([vertex.index], float(random.random()), "REPLACE")
+    bpy.context.view_layer.update()
+    return surface
+
+
+@pytest.mark.parametrize("domain", ["POINT", "FACE", "CORNER"])
+@pytest.mark.parametrize("kind", ["FLOAT", "BYTE_COLOR"])
+def test_values_read_in_parts_are_those_that_are_read_at_once(domain, kind):
+    surface = of_kind("quads")
+    attribute = surface.data.attributes.new("Moss", kind, domain)
+    random = np.random.Generator(np.random.PCG64(5))
+    width = 4 if kind == "BYTE_COLOR" else 1
+    values = random.random(width * len(attribute.data)).astype(np.float32)
+    attribute.data.foreach_set("color" if width == 4 else "value", values)
+    settings, parts = addon_host.part("core.settings"), addon_host.part("blender.parts")
+    held, steps = addon_host.part("blender.held"), addon_host.part("core.steps")
+    asked = settings.Settings(density=settings.DensitySettings(attribute="Moss"))
+    read = steps.run_now(parts.read_parts(asked, held.Held(surface), held.Held(surface)))
+    expected = addon_host.part("blender.surroundings").read_with(
+        asked, surface, bpy.context.evaluated_depsgraph_get()
+    )
+    np.testing.assert_array_equal(read.arrays().weights["Moss"], expected.weights["Moss"])

@@ -4,8 +4,10 @@
 import addon_host
 import bpy
 import numpy as np
+import probe
 import pytest
 import scenes
+import windowed
 
 
 @pytest.fixture
@@ -89,3 +91,166 @@ def test_a_scatter_that_is_deleted_and_a_new_file_end_it(overlay):
     bpy.ops.dapple.show_density()
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     assert overlay._shown.scatter is None
+
+
+def looked(overlay):
+    """The timer, often enough for what changed without a word to be noticed."""
+    wait(overlay)
+    wait(overlay)
+    return overlay.triangles()
+
+
+def test_the_class_that_is_chosen_later_is_shown(overlay):
+    obj = sloped()
+    surface = obj.dapple.surface
+    for name, sign in (("Upper", 1), ("Lower", -1)):
+        group = surface.vertex_groups.new(name=name)
+        chosen = [v.index for v in surface.data.vertices if sign * v.co.z > 0]
+        group.add(chosen, 1.0, "REPLACE")
+        bpy.ops.dapple.edit_classes(action="ADD")
+        obj.dapple.classes[-1].density = name
+    obj.dapple.class_index = 0
+    bpy.ops.dapple.show_density()
+    positions, first = overlay.triangles()
+    obj.dapple.class_index = 1
+    _, second = looked(overlay)
+    most = overlay.coloured(np.array([1.0]))
+    assert (first[positions[:, 2] > 0.3] == most).all()
+    assert (second[positions[:, 2] < -0.3] == most).all()
+
+
+def seen_by_a_camera():
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    camera.location = (0.5, 0.0, 4.0)
+    bpy.context.view_layer.update()
+    return camera
+
+
+def moved(camera):
+    camera.location.x = -0.5
+
+
+def zoomed(camera):
+    camera.data.lens = 100.0
+
+
+def made_narrow(camera):
+    bpy.context.scene.render.resolution_x = 500
+
+
+def replaced(camera):
+    other = bpy.data.objects.new("Other", bpy.data.cameras.new("Other"))
+    bpy.context.collection.objects.link(other)
+    other.location = (-0.5, 0.0, 4.0)
+    bpy.context.scene.camera = other
+
+
+def gone_on(camera):
+    camera.keyframe_insert("location", frame=1)
+    camera.location.x = -0.5
+    camera.keyframe_insert("location", frame=5)
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene.frame_set(5)
+
+
+@pytest.mark.parametrize("change", [moved, zoomed, made_narrow, replaced, gone_on])
+def test_colours_follow_the_camera(overlay, change):
+    camera = seen_by_a_camera()
+    camera.data.lens = 80.0
+    obj = sloped(use_camera=True, camera_margin=0.0)
+    scenes._activate(obj)
+    bpy.ops.dapple.show_density()
+    before = overlay.triangles()
+    change(camera)
+    bpy.context.view_layer.update()
+    after = looked(overlay)
+    assert len(before[0]) != len(after[0]) or not np.array_equal(before[1], after[1])
+
+
+def test_colours_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
+    obj = scenes.scattered(scenes.tail(), count=40)
+    other = scenes.sphere(location=(5.0, 0.0, 0.0))
+    scenes._activate(obj)
+    bpy.ops.dapple.show_density()
+    before, _ = overlay.triangles()
+    bpy.context.scene.frame_set(6)
+    after, _ = looked(overlay)
+    assert not np.allclose(before, after, atol=0.1)
+    obj.dapple.surface = other
+    assert looked(overlay)[0][:, 0].min() > 3.9
+
+
+def test_nothing_is_computed_while_nothing_changes(overlay, monkeypatch):
+    seen_by_a_camera()
+    obj = sloped(use_camera=True)
+    scenes._activate(obj)
+    bpy.ops.dapple.show_density()
+    looked(overlay)
+    monkeypatch.setattr(overlay, "_begin", lambda: pytest.fail("it was computed"))
+    for _ in range(3):
+        wait(overlay)
+
+
+def test_colours_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
+    overlay, monkeypatch
+):
+    obj = sloped(use_height=True)
+    bpy.ops.dapple.show_density()
+    before, colours = overlay.triangles()
+    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    event, threads = windowed.held_back(monkeypatch, overlay, "_computed")
+    obj.dapple.density.height_from = 0.5
+    windowed.until(lambda: threads, lambda: wait(overlay))
+    for _ in range(3):
+        wait(overlay)
+        assert overlay.triangles()[0] is before
+    event.set()
+    windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
+    assert not np.array_equal(overlay.triangles()[1], colours)
+    assert not {thread.name for thread in threads} & {"MainThread"}
+
+
+def test_what_cannot_be_shown_is_told_by_the_panel_of_a_window(overlay, monkeypatch):
+    obj = sloped(attribute="Nowhere")
+    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    overlay.start(obj)
+    assert overlay.note() == "The density is being computed"
+    windowed.until(lambda: not overlay.is_on(obj), lambda: wait(overlay))
+    assert overlay.note().startswith("Density is not shown: Surface 'Sphere' has no attribute")
+
+
+def test_nothing_is_computed_while_blender_renders(overlay, monkeypatch):
+    obj = sloped(use_height=True)
+    bpy.ops.dapple.show_density()
+    ticked, draw = [], probe.ProbeEngine._empty_picture
+
+    def drawn(self, scene):
+        overlay.touch(obj)
+        wait(overlay)
+        draw(self, scene)
+
+    monkeypatch.setattr(overlay, "_begin", lambda: ticked.append(1))
+    monkeypatch.setattr(probe.ProbeEngine, "_empty_picture", drawn)
+    with probe.registered():
+        probe.render(obj, 1)
+    assert not ticked
+    wait(overlay)
+    assert ticked
+
+
+def test_a_render_stops_the_worker_and_colours_come_afterwards(overlay, monkeypatch):
+    obj = sloped(use_height=True)
+    bpy.ops.dapple.show_density()
+    before, _ = overlay.triangles()
+    monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
+    event, threads = windowed.held_back(monkeypatch, overlay, "_computed")
+    obj.dapple.density.height_from = 0.5
+    windowed.until(lambda: threads, lambda: wait(overlay))
+    with probe.registered():
+        probe.render(obj, 1)
+    event.set()
+    windowed.until(lambda: len(threads) == 2, lambda: wait(overlay))
+    windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
+    assert overlay.triangles()[0] is not before

@@ -3,10 +3,12 @@
 
 import addon_host
 import bpy
+import child
 import numpy as np
 import probe
 import pytest
 import scenes
+import windowed
 
 
 @pytest.fixture
@@ -181,3 +183,135 @@ def test_a_stale_scatter_is_not_previewed(patient):
         RuntimeError, match="is stale: bound to 410 vertices, surface 'Tail' has 1634"
     ):
         bpy.ops.dapple.preview()
+
+
+def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monkeypatch):
+    expected = riding(patient, 8)
+    bpy.context.scene.frame_set(1)
+    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    follower = addon_host.part("core.follow").Follower
+    made, makers = windowed.held_back(monkeypatch, preview, "Follower")
+    toggled()
+    windowed.until(lambda: makers, preview.tick)
+    assert preview.note(patient) == "The preview is being prepared"
+    made.set()
+    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    bpy.context.scene.frame_set(8)
+    windowed.until(lambda: finders, preview.tick)
+    assert np.abs(scenes.positions(patient) - expected).max() < 1e-5
+    held.set()
+    windowed.until(lambda: idle(preview), preview.tick)
+    assert np.abs(scenes.positions(patient) - expected).max() > 0.01
+    assert not {thread.name for thread in makers + finders} & {"MainThread"}
+
+
+def idle(preview):
+    jobs = [one.job for one in preview._state.previews.values()]
+    return not preview._state.dirty and jobs == [None]
+
+
+def test_a_render_stops_the_worker_and_the_points_are_found_afterwards(
+    preview, patient, monkeypatch
+):
+    toggled()
+    expected = riding(patient, 8)
+    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    follower = addon_host.part("core.follow").Follower
+    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    windowed.until(lambda: finders, preview.tick)
+    with probe.registered():
+        probe.render(patient, 8)
+    held.set()
+    windowed.until(lambda: len(finders) > 1, preview.tick)
+    windowed.until(lambda: idle(preview), preview.tick)
+    assert np.abs(scenes.positions(patient) - expected).max() > 0.01
+    assert preview.note(patient) == "Points follow the surface"
+
+
+def test_a_preview_that_ends_forgets_what_its_worker_still_finds(preview, patient, monkeypatch):
+    toggled()
+    expected = riding(patient, 8)
+    monkeypatch.setattr(preview, "bpy", windowed.Windowed())
+    follower = addon_host.part("core.follow").Follower
+    held, finders = windowed.held_back(monkeypatch, follower, "_advanced")
+    windowed.until(lambda: finders, preview.tick)
+    toggled()
+    held.set()
+    assert preview.tick() is None
+    assert (scenes.positions(patient) == expected).all()
+
+
+def test_the_surface_that_is_chosen_later_is_followed(preview, patient):
+    first = patient.dapple.surface
+    second = first.copy()
+    second.data = first.data.copy()
+    second.animation_data_clear()
+    bpy.context.collection.objects.link(second)
+    second.location.x = 5.0
+    bpy.context.view_layer.update()
+    scenes._activate(patient)
+    toggled()
+    patient.dapple.surface = second
+    preview.tick()
+    bpy.context.view_layer.update()
+    assert preview.is_on(patient)
+    second.scale.z = 2.0
+    bpy.context.view_layer.update()
+    riding_now = scenes.positions(patient)
+    assert riding_now[:, 0].min() > 4.0
+    preview.tick()
+    assert np.abs(scenes.positions(patient) - riding_now).max() > 0.01
+
+
+@pytest.mark.parametrize("other", ["sphere", "none"])
+def test_a_surface_that_does_not_fit_ends_the_preview_and_says_so(preview, patient, other):
+    toggled()
+    patient.dapple.surface = scenes.sphere() if other == "sphere" else None
+    preview.tick()
+    assert not preview.is_on(patient)
+    said = "is stale: bound to 410 vertices, surface 'Sphere' has 266"
+    assert ("has no surface" if other == "none" else said) in preview.note(patient)
+
+
+def test_an_auto_saved_file_has_no_trace_of_the_preview(preview, patient, tmp_path, monkeypatch):
+    """Auto-saving tells no add-on that it begins."""
+    expected = riding(patient, 8)
+    toggled()
+    bpy.context.scene.frame_set(8)
+    preview.tick()
+    bpy.ops.ed.undo_push(message="Before")
+    monkeypatch.setattr(preview, "_state", preview._State({}))
+    bpy.app.handlers.save_pre.remove(preview._saving)
+    path = tmp_path / "saved.blend"
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=False)
+    finally:
+        bpy.app.handlers.save_pre.append(preview._saving)
+    label = f"{patient.name} Preview".encode()
+    assert label not in path.read_bytes()
+    shown = child.run(RECOVERED, path)
+    np.testing.assert_allclose(np.array(eval(shown.splitlines()[-1])), expected, atol=1e-5)
+
+
+RECOVERED = """
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
+import scenes
+obj = next(one for one in bpy.data.objects if one.name.endswith("Scatter"))
+print([one.name for one in bpy.data.objects if one.name.endswith("Preview")])
+print(scenes.positions(obj).tolist())
+"""
+
+
+def test_a_file_of_an_older_version_that_was_saved_with_a_preview_opens_without(
+    preview, patient, tmp_path
+):
+    toggled()
+    store = next(one for one in bpy.data.objects if one.name.endswith("Preview"))
+    store.is_runtime_data = store.data.is_runtime_data = False
+    bpy.app.handlers.save_pre.remove(preview._saving)
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "old.blend"), copy=True)
+    finally:
+        bpy.app.handlers.save_pre.append(preview._saving)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "old.blend"))
+    assert not [one for one in bpy.data.objects if one.name.endswith("Preview")]

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh as it was read, and what a worker makes of that: nothing here needs Blender.
+
+Reading has to be done in the main thread, where the artist waits for it; the rest has not.
+"""
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ScatterError
+from .surface import Floats, Ints, SurfaceArrays, Surroundings, topology_digest
+
+Singles = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """A mesh in its own space."""
+
+    name: str  # of the object, for messages
+    positions: Singles  # (v, 3)
+    corners: Ints  # (c,) vertices of the polygons' corners, polygon after polygon
+    starts: Ints  # (p,) first corner of each polygon
+    cut: Ints | None = None  # (m, 3) corners of triangles; None: polygons have at most 4 corners
+    matrix: Floats = field(default_factory=lambda: np.eye(4))  # own space to world space
+    is_fluid: bool = False  # a metaball: a face is the same only as long as nothing moves
+
+    def same_place(self, other: "RawMesh") -> bool:
+        """Whether both have the same vertices at the same places."""
+        alike = np.array_equal(self.matrix, other.matrix)
+        return alike and np.array_equal(self.positions, other.positions)
+
+    def same_faces(self, other: "RawMesh") -> bool:
+        """Whether both have the same vertices at the polygons' corners."""
+        if self.is_fluid and not np.array_equal(self.positions, other.positions):
+            return False
+        alike = len(self.positions) == len(other.positions)
+        return alike and np.array_equal(self.corners, other.corners)
+
+    def topology(self) -> str:
+        """Digest of the polygons."""
+        found = topology_digest(len(self.positions), self.corners, self.starts)
+        if not self.is_fluid:
+            return found
+        digest = hashlib.blake2b(found.encode(), digest_size=16)
+        digest.update(self.positions.astype(np.float64).tobytes())
+        return digest.hexdigest()
+
+    def vertices(self) -> Floats:
+        """Positions (v, 3) in world space."""
+        found: Floats = self.positions @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+        return found
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether its faces look inwards in the world as they are stored."""
+        return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
+
+
+def sizes(starts: Ints, corner_count: int) -> Ints:
+    """Corners (p,) of each polygon."""
+    return np.diff(np.append(starts, np.int32(corner_count))).astype(np.int32)
+
+
+def triangle_corners(mesh: RawMesh) -> Ints:
+    """Corners (m, 3) of the triangles that Blender cuts the polygons into."""
+    if mesh.cut is not None:
+        return mesh.cut
+    extra = sizes(mesh.starts, len(mesh.corners)) - 3  # triangles beside the first
+    first = np.cumsum(extra + 1) - extra - 1
+    found = np.empty((len(mesh.starts) + int(extra.sum()), 3), dtype=np.int32)
+    found[first] = mesh.starts[:, None] + np.arange(3, dtype=np.int32)
+    quads, begins = first[extra > 0], mesh.starts[extra > 0, None]
+    other = _bent_inwards(mesh.positions[mesh.corners[begins + np.arange(4)]])
+    found[quads[other]] = begins[other] + np.array([0, 1, 3], dtype=np.int32)
+    rest = np.where(other[:, None], np.array([1, 2, 3]), np.array([0, 2, 3]))
+    found[quads + 1] = begins + rest
+    return found
+
+
+def _bent_inwards(corners: Singles) -> NDArray[np.bool_]:
+    """Which quads (q, 4, 3) do not have the line from their first to their third corner inside."""
+    second, third, fourth = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
+    sides = np.cross(second, third), np.cross(fourth, third)
+    found: NDArray[np.bool_] = np.einsum("qd,qd->q", *sides) > 0.0
+    return found
+
+
+def surface_of_raw(
+    mesh: RawMesh,
+    weights: dict[str, Floats] | None = None,
+    around: Surroundings | None = None,
+    uv: Singles | None = None,
+) -> SurfaceArrays:
+    """The surface in world space; uv (c, 2) are texture coordinates of the corners."""
+    cut = triangle_corners(mesh)
+    if mesh.is_mirrored:  # a mirrored surface still faces outwards
+        cut = cut[:, ::-1]
+    around = Surroundings() if around is None else around
+    if uv is not None:
+        around = Surroundings(
+            np.ascontiguousarray(uv[cut], dtype=np.float64),
+            around.image,
+            around.camera,
+            around.obstacles,
+            around.points,
+            around.radii,
+        )
+    return SurfaceArrays(
+        mesh.name,
+        mesh.vertices(),
+        np.ascontiguousarray(mesh.corners[cut]),
+        mesh.topology(),
+        mesh.matrix,
+        weights or {},
+        around,
+    )
+
+
+@dataclass(frozen=True)
+class RawValues:
+    """Numbers (k,) or colours (k, 4) of a mesh's points, faces or corners."""
+
+    name: str
+    domain: str  # POINT, FACE or CORNER
+    values: NDArray[np.float32]
+
+
+def at_vertices(raw: RawValues, count: int, corners: Ints, totals: Ints) -> Floats:
+    """Values (v,) of so many vertices: means where faces of totals corners, or these, have them."""
+    values = np.asarray(raw.values, dtype=np.float64)
+    if values.ndim == 2:
+        values = values[:, :3].mean(axis=1)
+    if raw.domain == "POINT":
+        return values
+    if raw.domain == "FACE":
+        values = np.repeat(values, totals)
+    sums = np.bincount(corners, values, minlength=count)
+    found: Floats = sums / np.maximum(np.bincount(corners, minlength=count), 1)
+    return found
+
+
+def density_at_vertices(mesh: RawMesh, raw: RawValues) -> Floats:
+    """The same of a mesh; ScatterError if they can be no density."""
+    totals = sizes(mesh.starts, len(mesh.corners))
+    values = at_vertices(raw, len(mesh.positions), mesh.corners, totals)
+    return checked_density(mesh.name, raw.name, values)
+
+
+def checked_density(surface: str, name: str, values: Floats) -> Floats:
+    """Values of a surface's vertices; ScatterError if they can be no density."""
+    wrong = ~(np.isfinite(values) & (values >= 0.0))
+    if wrong.any():
+        vertex = int(np.argmax(wrong))
+        raise ScatterError(
+            f"Surface '{surface}': '{name}' is {values[vertex]:.6g} at vertex {vertex}; a density "
+            "must be finite and not negative"
+        )
+    return values
+
+
+@dataclass(frozen=True)
+class RawImage:
+    """Pixels of an image as Blender gives them, row 0 at the bottom."""
+
+    name: str
+    pixels: NDArray[np.float32]  # (rows, columns, channels)
+
+
+def brightness(image: RawImage) -> Floats:
+    """Brightness (rows, columns) of an image times its opacity.
+
+    Raises:
+        ScatterError: there is no brightness, or one that is no density.
+    """
+    rows, columns, channels = image.pixels.shape
+    values = np.empty((rows, columns))
+    for row in range(rows):  # one by one: in double precision, all channels take much memory
+        pixels = image.pixels[row].astype(np.float64)
+        values[row] = pixels[:, :3].mean(axis=1) if channels >= 3 else pixels[:, 0]
+        if channels in (2, 4):
+            values[row] *= pixels[:, -1]
+    wrong = ~(np.isfinite(values) & (values >= 0.0))
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
+        raise ScatterError(
+            f"Image '{image.name}' is {values[row, column]:.6g} at pixel ({column}, {row}); a "
+            "density must be finite and not negative"
+        )
+    if not values.any():
+        raise ScatterError(f"Image '{image.name}' is black everywhere: no point can be placed")
+    return values
