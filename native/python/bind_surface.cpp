@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <dapple/errors.hpp>
@@ -49,12 +50,14 @@ struct DensityArgument {
 };
 
 std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
-                                      const py::object& density, const std::string& density_at) {
+                                      const py::object& density, const std::string& density_at,
+                                      std::optional<double> weld) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
   const DensityArgument values(density, density_at);
   const py::gil_scoped_release released;
-  return std::make_shared<Surface>(as_points(points), as_faces(triangles), values.view());
+  return std::make_shared<Surface>(as_points(points), as_faces(triangles), values.view(),
+                                   SurfaceOptions{.weld = weld});
 }
 
 std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
@@ -97,7 +100,8 @@ void write_mesh_arrays(const std::filesystem::path& path, const py::object& vert
 
 void bind_surface_class(py::module_& m) {
   py::class_<Topology>(m, "Topology",
-                       "How the faces of a surface hang together (through OpenMesh).")
+                       "How the faces of a surface are connected (through OpenMesh); border edges at "
+                       "the same place are, see Surface.")
       .def_readonly("components", &Topology::components, "Sets of faces connected over edges.")
       .def_readonly("border_edges", &Topology::border_edges, "Edges with one face.")
       .def_readonly("border_loops", &Topology::border_loops,
@@ -119,13 +123,18 @@ Args:
     density: float64 >= 0, linear on each face; None means 1 everywhere.
     density_at: where its values are: 'vertices', shape (v,): continuous; 'faces', (m,): constant on each face;
         'corners', (m, 3), row f for the corners 0, 1, 2 of face f: it may jump between faces.
+    weld: border edges whose ends are within this distance of each other, as a share of the bounding box's diagonal,
+        are connected like one edge: >= 0, 0 for equal coordinates. Files repeat vertices along hard edges and texture
+        seams, triangle soups repeat all of them. Faces that lie on each other stay apart. None: faces are connected
+        by the indices of their vertices alone.
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
         a density of another length, or no area (or no density) at all.
     ValueError: an array of another shape or dtype, or another name.)")
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
-           py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices")
+           py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices",
+           py::arg("weld") = SurfaceOptions{}.weld)
       .def_property_readonly(
           "vertices", [](const Surface& s) { return give(s.vertices()); },
           "(v, 3) float64, a read-only copy.")
@@ -137,6 +146,10 @@ Raises:
                              "read-only copy, or None if 1 everywhere.")
       .def_property_readonly("density_at", &place_name,
                              "Where the density is given: 'vertices', 'faces' or 'corners'.")
+      .def_property_readonly(
+          "weld", [](const Surface& s) { return s.weld(); },
+          "The distance up to which border edges are connected, as a share of the bounding box's "
+          "diagonal; None: by indices alone.")
       .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
       .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
       .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")

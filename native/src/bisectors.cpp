@@ -13,6 +13,8 @@ constexpr std::size_t kFirstNeighbours = 12;  // enough for most cells; more are
 void Bisectors::reset(std::int32_t site) {
   site_ = site;
   fetched_ = 0;
+  rivals_.clear();
+  next_rival_ = 0;
   if (index_->tree())
     fetch(kFirstNeighbours + 1);
   else
@@ -23,9 +25,26 @@ void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> oth
   site_ = site;
   fetched_ = sites_->size();
   bisectors_.clear();
+  settled_ = 0;
+  rivals_.clear();
+  next_rival_ = 0;
+  const Vec3& position = sites_->position(site);
   for (const std::int32_t other : others)
-    if (other != site) add(other);
-  sort();
+    if (other != site)
+      rivals_.push_back(
+          {(sites_->position(other) - position).squaredNorm(), sites_->original(other), other});
+}
+
+/// Most faces are decided by the nearest few of many rivals: the others need not be sorted.
+void Bisectors::take_rivals() {
+  const auto first = rivals_.begin() + static_cast<std::ptrdiff_t>(next_rival_);
+  const std::size_t count = std::min(kFirstNeighbours, rivals_.size() - next_rival_);
+  const auto last = first + static_cast<std::ptrdiff_t>(count);
+  if (last != rivals_.end()) std::nth_element(first, last, rivals_.end());
+  std::sort(first, last);
+  for (auto rival = first; rival != last; ++rival) add(rival->site);
+  next_rival_ += count;
+  drop_twins();
   settled_ = bisectors_.size();
 }
 

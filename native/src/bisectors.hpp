@@ -28,12 +28,25 @@ class Bisectors {
 
   /// Bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
+    while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
     while (k >= settled_ && fetched_ < sites_->size()) fetch(2 * fetched_);
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
  private:
+  /// One of a given set of sites, before its bisector is asked for.
+  struct Rival {
+    double squared_distance;
+    std::int32_t original;  // the caller's index: the order at equal distances
+    std::int32_t site;
+    bool operator<(const Rival& other) const {
+      return squared_distance != other.squared_distance ? squared_distance < other.squared_distance
+                                                        : original < other.original;
+    }
+  };
+
   void fetch(std::size_t count);
+  void take_rivals();
   void take_links();
   void add(std::int32_t other);
   void sort();
@@ -46,6 +59,8 @@ class Bisectors {
   std::size_t fetched_ = 0;
   std::size_t settled_ = 0;
   std::vector<Neighbour> found_;
+  std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
+  std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;
 };
 

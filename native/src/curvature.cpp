@@ -22,7 +22,9 @@ std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 std::vector<double> orient(const Surface& surface) {
   std::vector<double> signs(surface.face_count(), 0.0);
   std::vector<std::int32_t> pending;
-  const auto start_of = [&](std::int32_t h) { return surface.corners(h / 3)[as_size(h % 3)]; };
+  const auto start_of = [&](std::int32_t h) {
+    return surface.welded_corners(h / 3)[as_size(h % 3)];
+  };
   for (std::size_t first = 0; first < signs.size(); ++first) {
     if (signs[first] != 0.0) continue;
     signs[first] = 1.0;
@@ -62,7 +64,8 @@ struct WeightedTensor {
   }
 };
 
-/// Normals and curvature tensors, in the surface's own order.
+/// Normals and curvature tensors, in the surface's own order; those of vertices that hang together
+/// stand at the lowest of them.
 class CurvatureField {
  public:
   CurvatureField(const Surface& surface, int smoothing)
@@ -77,7 +80,7 @@ class CurvatureField {
   }
 
   [[nodiscard]] double curvedness(std::int32_t vertex) const {
-    const WeightedTensor& at = tensors_[as_size(vertex)];
+    const WeightedTensor& at = tensors_[as_size(surface_.welded(vertex))];
     return at.weight > 0.0 ? at.sum.norm() / at.weight / std::numbers::sqrt2 : 0.0;
   }
 
@@ -85,8 +88,8 @@ class CurvatureField {
   [[nodiscard]] const FaceGeometry& geometry(std::size_t f) const {
     return surface_.geometry(static_cast<std::int32_t>(f));
   }
-  [[nodiscard]] const Face& corners(std::size_t f) const {
-    return surface_.corners(static_cast<std::int32_t>(f));
+  [[nodiscard]] Face corners(std::size_t f) const {
+    return surface_.welded_corners(static_cast<std::int32_t>(f));
   }
   [[nodiscard]] Vec3& normal_at(std::int32_t vertex) { return normals_[as_size(vertex)]; }
 
@@ -95,10 +98,11 @@ class CurvatureField {
     for (std::size_t f = 0; f < face_normals_.size(); ++f) {
       if (geometry(f).moments.area <= 0.0) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3& apex = surface_.vertex(corners(f)[k]);
-        const double u = (surface_.vertex(corners(f)[(k + 1) % 3]) - apex).squaredNorm();
-        const double v = (surface_.vertex(corners(f)[(k + 2) % 3]) - apex).squaredNorm();
-        normal_at(corners(f)[k]) += geometry(f).moments.area / (u * v) * face_normals_[f];
+        const Face face = corners(f);
+        const Vec3& apex = surface_.vertex(face[k]);
+        const double u = (surface_.vertex(face[(k + 1) % 3]) - apex).squaredNorm();
+        const double v = (surface_.vertex(face[(k + 2) % 3]) - apex).squaredNorm();
+        normal_at(face[k]) += geometry(f).moments.area / (u * v) * face_normals_[f];
       }
     }
     for (Vec3& normal : normals_) normal.stableNormalize();
@@ -153,7 +157,8 @@ class CurvatureField {
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
       if (geometry(f).moments.area <= 0.0) continue;
-      const bool inner = std::none_of(corners(f).begin(), corners(f).end(),
+      const Face face = corners(f);
+      const bool inner = std::none_of(face.begin(), face.end(),
                                       [&](std::int32_t v) { return at_border[as_size(v)]; });
       parts[f].weight = geometry(f).moments.area * (inner ? 1.0 : kAtBorder);
       parts[f].sum = parts[f].weight * tensor(f);

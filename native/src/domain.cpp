@@ -3,6 +3,7 @@
 #include <dapple/analysis.hpp>
 #include <dapple/domain.hpp>
 
+#include "cut_surface.hpp"
 #include "hexagonal.hpp"
 #include "local_projection.hpp"
 #include "validate.hpp"
@@ -13,8 +14,13 @@ double Domain::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
+SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
+    : surface_(surface), cells_(cells), steps_(steps), cuts_(std::make_shared<CutSurfaces>()) {}
+
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
-  return restricted_voronoi(surface_, sites, context, cells_);
+  const std::shared_ptr<const CutSurface> cut = cuts_->at(surface_, sites.size());
+  return cut ? restricted_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_)
+             : restricted_voronoi(surface_, sites, context, cells_);
 }
 
 Sites SurfaceDomain::project(std::span<const Vec3> points,

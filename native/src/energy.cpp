@@ -41,10 +41,7 @@ Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) 
 
 Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
                        const Context* context, Cells cells) {
-  check_sites(surface, sites);
-  check_at_least("capacity_weight", capacity_weight, 0.0);
-  return assemble(restricted_voronoi(surface, sites, context, cells), surface.mass(),
-                  capacity_weight);
+  return evaluate_energy(SurfaceDomain(surface, cells), sites, capacity_weight, context);
 }
 
 Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,

@@ -3,6 +3,7 @@
 #include <dapple/mosaic.hpp>
 #include <numeric>
 
+#include "cut_surface.hpp"
 #include "grout.hpp"
 #include "parallel.hpp"
 #include "patch.hpp"
@@ -36,7 +37,7 @@ class Tiler {
  public:
   Tiler(const Surface& surface, const Samples& samples, const MosaicOptions& options)
       : vertices_(surface.vertices()),
-        faces_(surface.faces()),
+        faces_(surface.welded_faces()),
         builder_(vertices_, faces_),
         samples_(samples),
         options_(options),
@@ -90,16 +91,24 @@ void append(Mosaic& mosaic, std::int32_t site, std::int32_t kind, const MadeTile
   mosaic.tiles.push_back(made.tile);
 }
 
+/// On the caller's faces instead of pieces of them.
+void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
+  for (MadeTile& made : tiles)
+    for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
+}
+
 std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
                                  const MosaicOptions& options, Context* context) {
   Sites sites;
   sites.positions = samples.positions;
   sites.faces = samples.faces;
+  const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size());
+  const Surface& drawn = cut ? cut->surface() : surface;
   const std::vector<CellPolygon> pieces =
-      restricted_voronoi_polygons(surface, sites, options.cells);
+      restricted_voronoi_polygons(drawn, cut ? cut->on_pieces(sites) : sites, options.cells);
   if (context) context->advance(kCellsShare);
   const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
-  const Tiler tiler(surface, samples, options);
+  const Tiler tiler(drawn, samples, options);
   std::vector<MadeTile> tiles(samples.size());
   std::atomic<std::size_t> done = 0;
   parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -111,6 +120,7 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
       context->advance(kCellsShare + (1.0 - kCellsShare) * static_cast<double>(done) /
                                          static_cast<double>(samples.size()));
   });
+  if (cut) name_parents(*cut, tiles);
   return tiles;
 }
 

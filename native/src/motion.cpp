@@ -19,10 +19,19 @@ double diagonal(std::span<const Vec3> points) {
   return box.diagonal().norm();
 }
 
+Eigen::Matrix3Xd chosen(const Eigen::Matrix3Xd& points, std::span<const std::int32_t> which) {
+  Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(which.size()));
+  for (std::size_t k = 0; k < which.size(); ++k)
+    result.col(static_cast<Eigen::Index>(k)) = points.col(which[k]);
+  return result;
+}
+
 // By least squares (Umeyama 1991).
-Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after) {
+Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after,
+               std::span<const std::int32_t> measured) {
   Motion motion;
-  const Eigen::Matrix4d similarity = Eigen::umeyama(after, as_matrix(before), true);
+  const Eigen::Matrix4d similarity =
+      Eigen::umeyama(chosen(after, measured), chosen(as_matrix(before), measured), true);
   for (std::size_t v = 0; v < before.size(); ++v) {
     const Vec3 point = after.col(static_cast<Eigen::Index>(v));
     motion.target.push_back((similarity * point.homogeneous()).head<3>());
@@ -34,12 +43,13 @@ Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after) {
 
 }  // namespace
 
-Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after) {
+Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
+                      std::span<const std::int32_t> measured) {
   if (before.empty()) return {};
-  Motion best = aligned(before, as_matrix(after));
+  Motion best = aligned(before, as_matrix(after), measured);
   if (best.extent < kSmall) return best;
   const Eigen::Matrix3Xd mirror = -as_matrix(after);
-  if (Motion mirrored = aligned(before, mirror); mirrored.extent < best.extent)
+  if (Motion mirrored = aligned(before, mirror, measured); mirrored.extent < best.extent)
     best = std::move(mirrored);
   return best;
 }

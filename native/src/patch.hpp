@@ -20,7 +20,8 @@ struct Patch {
 /// Joins the pieces of a cell where they meet along edges of the mesh.
 class PatchBuilder {
  public:
-  /// \param vertices, faces of the surface, in the caller's order; they must outlive the builder
+  /// \param vertices, faces of the surface, in the caller's order and welded; they must outlive the
+  /// builder
   PatchBuilder(std::span<const Vec3> vertices, std::span<const Face> faces)
       : vertices_(vertices), faces_(faces) {}
 

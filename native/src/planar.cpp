@@ -4,6 +4,7 @@
 #include <dapple/planar.hpp>
 
 #include "class_start.hpp"
+#include "cut_surface.hpp"
 #include "delaunay_graph.hpp"
 #include "polygon_mesh.hpp"
 #include "triangle.hpp"
@@ -115,7 +116,8 @@ PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<co
     : FlatDomain(std::move(density)),
       surface_(std::move(surface)),
       size_(size),
-      projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)) {}
+      projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)),
+      cuts_(std::make_shared<CutSurfaces>()) {}
 
 PlanarDomain PlanarDomain::rectangle(double width, double height) {
   check_positive("width", width);
@@ -153,7 +155,10 @@ PlanarDomain PlanarDomain::polygon(const std::vector<Vec2>& outline,
 
 RestrictedVoronoi PlanarDomain::cells(const Sites& sites, const Context* context) const {
   if (context) context->check();
-  return restricted_voronoi(surface_, sites, plane_graph(sites.positions), context, cells_);
+  // A rectangle has no corner that a straight way between two of its points could leave it at.
+  const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size()) : nullptr;
+  return restricted_voronoi(cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
+                            plane_graph(sites.positions), context, cells_);
 }
 
 Sites PlanarDomain::project(std::span<const Vec3> points,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <dapple/refine.hpp>
+#include <numeric>
 #include <tuple>
 
 #include "parallel.hpp"
@@ -20,6 +21,8 @@ struct Edge {
   bool marked = false;
   std::int32_t midpoint = kNone;  // once halved, with its halves at `half` and `half + 1`
   std::int32_t half = kNone;
+  std::int32_t
+      twin;  // the next edge at the same place, of other vertices in the same order; a ring
 };
 
 struct Triangle {
@@ -30,18 +33,31 @@ struct Triangle {
   bool fresh = true;  // the criterion has not seen it
 };
 
-/// Triangles that know their edges, and edges their halves: neighbours find the same midpoints.
+/// Per vertex, what stands for it in the welded faces.
+std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span<const Face> welded,
+                                          std::size_t count) {
+  std::vector<std::int32_t> result(count, kNone);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      result[static_cast<std::size_t>(faces[f][k])] = welded[f][k];
+  return result;
+}
+
+/// Triangles that know their edges, and edges their halves: neighbours find the same midpoints, or
+/// where their vertices are not the same, midpoints at the same place.
 class CutMesh {
  public:
-  explicit CutMesh(const Surface& surface) : surface_(&surface), vertices_(surface.vertices()) {
-    const std::vector<Face> faces = surface.faces();
-    std::vector<std::int32_t> edge_of(3 * faces.size(), kNone);  // per half-edge
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      Triangle triangle{faces[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+  explicit CutMesh(const Surface& surface)
+      : surface_(&surface),
+        vertices_(surface.vertices()),
+        faces_(surface.faces()),
+        welded_(welded_vertices(faces_, surface.welded_faces(), vertices_.size())) {
+    std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      Triangle triangle{faces_[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t h = 3 * surface.ordered_face(as_index(f)) + as_index(k);
-        if (edge_of[static_cast<std::size_t>(h)] == kNone)
-          number_ring(h, add_edge(faces[f][k], faces[f][(k + 1) % 3]), edge_of);
+        if (edge_of[static_cast<std::size_t>(h)] == kNone) number_ring(h, edge_of);
         triangle.edges[k] = edge_of[static_cast<std::size_t>(h)];
       }
       triangles_.push_back(triangle);
@@ -59,7 +75,7 @@ class CutMesh {
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       triangles_[t].fresh = false;
       for (std::size_t k = 0; k < 3; ++k)
-        if (marks[t][k]) any = edge(triangles_[t].edges[k]).marked = true;
+        if (marks[t][k]) any = mark(triangles_[t].edges[k]);
     }
     return any;
   }
@@ -70,9 +86,9 @@ class CutMesh {
       changed = false;
       for (const Triangle& triangle : triangles_) {
         if (marked_edges(triangle) == 0) continue;
-        Edge& longest = edge(longest_of(triangle, [](const Edge&) { return true; }));
-        changed = changed || !longest.marked;
-        longest.marked = true;
+        const std::int32_t longest = longest_of(triangle, [](const Edge&) { return true; });
+        changed = changed || !edge(longest).marked;
+        mark(longest);
       }
     }
   }
@@ -85,9 +101,13 @@ class CutMesh {
 
   /// Halve the marked edges and cut the triangles at them.
   void cut() {
-    const std::size_t count = edges_.size();
-    for (std::size_t e = 0; e < count; ++e)
-      if (edges_[e].marked) halve(e);
+    std::vector<std::size_t> halved;
+    for (std::size_t e = 0, count = edges_.size(); e < count; ++e)
+      if (edges_[e].marked && edges_[e].midpoint == kNone) {
+        halve(e);
+        halved.push_back(e);
+      }
+    for (const std::size_t e : halved) link_halves(edges_[e]);
     std::vector<Triangle> cut;
     cut.reserve(2 * triangles_.size());
     for (const Triangle& triangle : triangles_) cut_at_longest(triangle, cut);
@@ -106,17 +126,49 @@ class CutMesh {
   }
 
   std::int32_t add_edge(std::int32_t a, std::int32_t b) {
-    edges_.push_back({{a, b}, (vertex(b) - vertex(a)).squaredNorm()});
-    return as_index(edges_.size() - 1);
+    const std::int32_t e = as_index(edges_.size());
+    edges_.push_back(
+        {.ends = {a, b}, .squared_length = (vertex(b) - vertex(a)).squaredNorm(), .twin = e});
+    return e;
   }
 
-  void number_ring(std::int32_t half_edge, std::int32_t number,
-                   std::vector<std::int32_t>& edge_of) const {
+  /// Mark an edge for all of its faces.
+  bool mark(std::int32_t e) {
+    for (; !edge(e).marked; e = edge(e).twin) edge(e).marked = true;
+    return true;
+  }
+
+  /// The edges of the half-edges around a place: one for each pair of vertices, as twins.
+  void number_ring(std::int32_t half_edge, std::vector<std::int32_t>& edge_of) {
+    const std::int32_t first = ends_of(half_edge)[0];
+    std::vector<std::int32_t> twins;
     std::int32_t h = half_edge;
     do {
-      edge_of[static_cast<std::size_t>(h)] = number;
+      auto [a, b] = ends_of(h);
+      if (welded_[static_cast<std::size_t>(a)] != welded_[static_cast<std::size_t>(first)])
+        std::swap(a, b);
+      edge_of[static_cast<std::size_t>(h)] = numbered(a, b, twins);
       h = surface_->next_around(h);
     } while (h != half_edge);
+    for (std::size_t k = 0; k < twins.size(); ++k)
+      edge(twins[k]).twin = twins[(k + 1) % twins.size()];
+  }
+
+  /// The edge between two vertices among those of a place, which it joins if it is new.
+  std::int32_t numbered(std::int32_t a, std::int32_t b, std::vector<std::int32_t>& twins) {
+    const auto found = std::find_if(twins.begin(), twins.end(), [&](std::int32_t e) {
+      return edge(e).ends == std::array{a, b};
+    });
+    if (found != twins.end()) return *found;
+    twins.push_back(add_edge(a, b));
+    return twins.back();
+  }
+
+  /// The caller's vertices where a half-edge starts and ends.
+  [[nodiscard]] std::array<std::int32_t, 2> ends_of(std::int32_t half_edge) const {
+    const Face& face = faces_[static_cast<std::size_t>(surface_->original_face(half_edge / 3))];
+    const auto k = static_cast<std::size_t>(half_edge % 3);
+    return {face[k], face[(k + 1) % 3]};
   }
 
   [[nodiscard]] bool has_area(const Triangle& triangle) const {
@@ -155,6 +207,12 @@ class CutMesh {
     add_edge(middle, b);
   }
 
+  void link_halves(const Edge& e) {
+    const std::int32_t other = edge(e.twin).half;
+    edge(e.half).twin = other;
+    edge(e.half + 1).twin = other + 1;
+  }
+
   /// The half of the edge that touches `end`.
   [[nodiscard]] std::int32_t half_at(std::int32_t e, std::int32_t end) const {
     return edge(e).half + (edge(e).ends[0] == end ? 0 : 1);
@@ -187,8 +245,36 @@ class CutMesh {
                    out);
   }
 
+  /// Per half-edge, the lowest of the edges at its place.
+  [[nodiscard]] std::vector<std::int32_t> joined_edges() const {
+    std::vector<std::int32_t> result;
+    for (const Triangle& triangle : triangles_)
+      for (const std::int32_t e : triangle.edges) {
+        std::int32_t lowest = e;
+        for (std::int32_t t = edge(e).twin; t != e; t = edge(t).twin) lowest = std::min(lowest, t);
+        result.push_back(lowest);
+      }
+    return result;
+  }
+
+  /// Per vertex, what stands for all at its place.
+  [[nodiscard]] std::vector<std::int32_t> places() const {
+    std::vector<std::int32_t> result(vertices_.size());
+    std::iota(result.begin(), result.end(), 0);
+    for (std::size_t v = 0; v < welded_.size(); ++v)
+      if (welded_[v] != kNone) result[v] = welded_[v];
+    for (const Edge& e : edges_)
+      for (const Edge* t = &edge(e.twin); e.midpoint != kNone && t != &e; t = &edge(t->twin)) {
+        std::int32_t& place = result[static_cast<std::size_t>(e.midpoint)];
+        place = std::min(place, t->midpoint);
+      }
+    return result;
+  }
+
   const Surface* surface_;
   std::vector<Vec3> vertices_;
+  std::vector<Face> faces_;           // of the surface
+  std::vector<std::int32_t> welded_;  // per vertex of the surface
   std::vector<std::array<std::int32_t, 2>> ends_;
   std::vector<Edge> edges_;
   std::vector<Triangle> triangles_;
@@ -214,7 +300,8 @@ Refined CutMesh::result(bool resolved) && {
     refined.barycentric.push_back(triangle.barycentric);
   }
   const std::vector<double> density = carried_density(*surface_, refined);
-  refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density});
+  refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
+                            Joints{joined_edges(), places()});
   return refined;
 }
 

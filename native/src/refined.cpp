@@ -1,72 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/neighbours.hpp>
 #include <dapple/refine.hpp>
-#include <limits>
 
+#include "piece_finder.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
-
-/// Finds the piece of a face that holds a point of it: pieces are asked in the order of their
-/// middles' distances, in barycentric coordinates.
-class PieceFinder {
- public:
-  explicit PieceFinder(const Refined& refined)
-      : refined_(refined), middles_(middles_of(refined)), tree_(middles_) {}
-
-  /// The piece, and the point's weights in it.
-  [[nodiscard]] std::pair<std::int32_t, Vec3> find(std::int32_t parent, const Vec3& weights) const {
-    std::pair<std::int32_t, Vec3> best{0, Vec3::Zero()};
-    double most = -std::numeric_limits<double>::infinity();
-    std::vector<Neighbour> near;
-    for (std::size_t count = 8; most < -kOnEdge; count *= 4) {
-      tree_.nearest(place(parent, weights), count, near);
-      for (const Neighbour& one : near) {
-        if (refined_.parents[static_cast<std::size_t>(one.index)] != parent) continue;
-        const Vec3 inside =
-            weights_in(refined_.barycentric[static_cast<std::size_t>(one.index)], weights);
-        if (inside.minCoeff() <= most) continue;
-        most = inside.minCoeff();
-        best = {one.index, inside};
-      }
-      if (near.size() == middles_.size()) break;
-    }
-    const Vec3 clipped = best.second.cwiseMax(0.0);
-    return {best.first, clipped / clipped.sum()};
-  }
-
- private:
-  static constexpr double kOnEdge = 1e-12;
-
-  // Faces lie 4 apart, farther than any two points of one.
-  static Vec3 place(std::int32_t parent, const Vec3& weights) {
-    return {weights[1], weights[2], 4.0 * parent};
-  }
-
-  static std::vector<Vec3> middles_of(const Refined& refined) {
-    std::vector<Vec3> middles;
-    for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-      const auto& [a, b, c] = refined.barycentric[f];
-      middles.push_back(place(refined.parents[f], (a + b + c) / 3.0));
-    }
-    return middles;
-  }
-
-  // Weights of a point, given by its weights in the parent, in one of its pieces.
-  static Vec3 weights_in(const std::array<Vec3, 3>& corners, const Vec3& weights) {
-    const auto doubled = [](const Vec3& a, const Vec3& b, const Vec3& c) {
-      return (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
-    };
-    const auto& [a, b, c] = corners;
-    return Vec3(doubled(weights, b, c), doubled(a, weights, c), doubled(a, b, weights)) /
-           doubled(a, b, c);
-  }
-
-  const Refined& refined_;
-  std::vector<Vec3> middles_;
-  Neighbours tree_;
-};
 
 Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
   return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];

@@ -158,10 +158,10 @@ class Builder {
       for (const Coverage& piece : pieces)
         if (std::binary_search(orphans.begin(), orphans.end(), piece.face))
           changed.push_back(piece.site);
-      shares_ = share_orphans(surface_, pieces, orphans,
-                              [this](std::int32_t face, const std::vector<std::int32_t>& sites) {
-                                return winners(face, sites);
-                              });
+      shares_ = share_orphans(
+          surface_, pieces, orphans,
+          [this](std::int32_t face, std::span<const std::int32_t> asked,
+                 std::span<const std::int32_t> rivals) { return winners(face, asked, rivals); });
       orphans = without_owner(orphans);
     }
     add_nearest_owners(orphans);
@@ -172,13 +172,13 @@ class Builder {
     integrate(changed);
   }
 
-  /// Of the candidates, those that own something of the face when only they compete.
-  std::vector<std::int32_t> winners(std::int32_t face,
-                                    const std::vector<std::int32_t>& candidates) {
+  /// Of the sites asked, those that own something of the face when only the rivals compete.
+  std::vector<std::int32_t> winners(std::int32_t face, std::span<const std::int32_t> asked,
+                                    std::span<const std::int32_t> rivals) {
     CellFlood& flood = floods_.local();
     std::vector<std::int32_t> result;
-    for (const std::int32_t site : candidates) {
-      flood.reset_among(site, candidates);
+    for (const std::int32_t site : asked) {
+      flood.reset_among(site, rivals);
       flood.clip(face);
       if (!flood.polygon().empty()) result.push_back(site);
     }

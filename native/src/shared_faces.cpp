@@ -9,6 +9,7 @@
 namespace dapple {
 namespace {
 
+constexpr std::int32_t kNone = -1;
 constexpr double kUncovered = 1e-9;  // share of a face's area that rounding cannot explain
 
 using SiteSet = std::vector<std::int32_t>;  // sorted, each once
@@ -22,11 +23,25 @@ class Spreading {
  public:
   Spreading(const Surface& surface, std::span<const Coverage> pieces,
             std::span<const std::int32_t> orphans, const Divide& divide)
-      : surface_(surface), orphans_(orphans), divide_(divide), owners_(surface.face_count()) {
-    for (const Coverage& piece : pieces)
-      owners_[static_cast<std::size_t>(piece.face)].push_back(piece.site);
+      : surface_(surface),
+        orphans_(orphans),
+        divide_(divide),
+        orphan_of_(surface.face_count(), kNone),
+        owners_(surface.face_count()),
+        sure_(orphans.size()),
+        known_(orphans.size()) {
+    for (std::size_t k = 0; k < orphans.size(); ++k)
+      orphan_of_[static_cast<std::size_t>(orphans[k])] = static_cast<std::int32_t>(k);
+    const std::vector<bool> looked_at = orphans_and_neighbours();
+    for (const Coverage& piece : pieces) {
+      const auto face = static_cast<std::size_t>(piece.face);
+      if (!looked_at[face]) continue;
+      owners_[face].push_back(piece.site);
+      if (orphan_of_[face] != kNone && piece.area > 0.0)
+        sure_[static_cast<std::size_t>(orphan_of_[face])].push_back(piece.site);
+    }
     for (SiteSet& owners : owners_) make_set(owners);
-    known_.resize(orphans.size());
+    for (SiteSet& sure : sure_) make_set(sure);
   }
 
   std::vector<Share> run() {
@@ -75,17 +90,33 @@ class Spreading {
     if (fresh.empty()) return current;
     known_[k].insert(known_[k].end(), fresh.begin(), fresh.end());
     make_set(known_[k]);
-    fresh.insert(fresh.end(), current.begin(), current.end());
-    make_set(fresh);
-    return divide_(orphans_[k], fresh);
+    SiteSet rivals = joined(fresh, current), asked;
+    std::set_difference(rivals.begin(), rivals.end(), sure_[k].begin(), sure_[k].end(),
+                        std::back_inserter(asked));
+    return joined(divide_(orphans_[k], asked, rivals), sure_[k]);
+  }
+
+  static SiteSet joined(const SiteSet& a, const SiteSet& b) {
+    SiteSet result;
+    std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+    return result;
   }
 
   void add_neighbours(std::int32_t face, std::vector<std::size_t>& next) const {
     for_each_neighbour(face, [&](std::int32_t neighbour) {
-      const auto found = std::lower_bound(orphans_.begin(), orphans_.end(), neighbour);
-      if (found != orphans_.end() && *found == neighbour)
-        next.push_back(static_cast<std::size_t>(found - orphans_.begin()));
+      const std::int32_t orphan = orphan_of_[static_cast<std::size_t>(neighbour)];
+      if (orphan != kNone) next.push_back(static_cast<std::size_t>(orphan));
     });
+  }
+
+  [[nodiscard]] std::vector<bool> orphans_and_neighbours() const {
+    std::vector<bool> result(surface_.face_count(), false);
+    for (const std::int32_t face : orphans_) {
+      result[static_cast<std::size_t>(face)] = true;
+      for_each_neighbour(
+          face, [&](std::int32_t other) { result[static_cast<std::size_t>(other)] = true; });
+    }
+    return result;
   }
 
   template <typename Visit>
@@ -102,8 +133,10 @@ class Spreading {
   const Surface& surface_;
   std::span<const std::int32_t> orphans_;
   const Divide& divide_;
-  std::vector<SiteSet> owners_;  // per face
-  std::vector<SiteSet> known_;   // per orphan: all that have ever competed for it
+  std::vector<std::int32_t> orphan_of_;  // per face: its place among the orphans, or kNone
+  std::vector<SiteSet> owners_;          // per face, of orphans and their neighbours
+  std::vector<SiteSet> sure_;            // per orphan: those whose floods found an area of it
+  std::vector<SiteSet> known_;           // per orphan: all that have ever competed for it
 };
 
 }  // namespace

@@ -20,9 +20,9 @@ struct Share {
   auto operator<=>(const Share&) const = default;
 };
 
-/// Of `candidates` (sorted), those that own something of `face` when only they compete.
+/// Of the sites `asked`, those that own something of `face` when only `rivals` compete; all sorted.
 using Divide = std::function<std::vector<std::int32_t>(
-    std::int32_t face, const std::vector<std::int32_t>& candidates)>;
+    std::int32_t face, std::span<const std::int32_t> asked, std::span<const std::int32_t> rivals)>;
 
 /// Faces that the floods did not cover, because straight distance goes through walls there.
 [[nodiscard]] std::vector<std::int32_t> find_orphans(const Surface& surface,
@@ -33,7 +33,8 @@ using Divide = std::function<std::vector<std::int32_t>(
 /// A face's candidates start as the sites that reached it. Layer by layer an orphan hears of the
 /// owners of its neighbours and keeps those that own something of it, until nothing changes: what
 /// is owned spreads over the orphans from the faces around them. A site that owns nothing against
-/// some never owns anything against more, so only owners and newcomers ever compete.
+/// some never owns anything against more, so only owners and newcomers ever compete; one that its
+/// flood found an area for is nearest there of all sites, and owns it against any.
 /// Orphans of a component without any site stay without owners.
 /// \param orphans sorted
 /// \return sorted by site

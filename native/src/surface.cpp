@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <dapple/surface.hpp>
+#include <numeric>
 #include <string>
+#include <unordered_map>
 
 #include "hexagonal.hpp"
 #include "integrate.hpp"
 #include "morton.hpp"
 #include "parallel.hpp"
 #include "validate.hpp"
+#include "weld.hpp"
 
 namespace dapple {
 namespace {
@@ -69,15 +72,8 @@ struct HalfEdgeKey {
   auto operator<=>(const HalfEdgeKey&) const = default;
 };
 
-/// Link the half-edges that share an (undirected) edge into rings, in the order of their faces.
-std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
-  std::vector<HalfEdgeKey> keys;
-  keys.reserve(3 * faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
-      keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
-    }
+/// Link the half-edges of equal keys into rings, in the order of their faces.
+std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys) {
   std::sort(keys.begin(), keys.end());
   std::vector<std::int32_t> next(keys.size());
   for (std::size_t first = 0; first < keys.size();) {
@@ -90,6 +86,18 @@ std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
     first = last + 1;
   }
   return next;
+}
+
+/// Link the half-edges that share an (undirected) edge.
+std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
+  std::vector<HalfEdgeKey> keys;
+  keys.reserve(3 * faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
+      keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
+    }
+  return link_rings(std::move(keys));
 }
 
 /// Number the sets of faces connected over edges, in the order of their first faces.
@@ -125,8 +133,69 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
   return inverse;
 }
 
+// `order` lists the caller's indices of groups of `width` values, in the surface's own order.
+
+template <typename T>
+std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> order,
+                      std::size_t width = 1) {
+  std::vector<T> result;
+  result.reserve(values.size());
+  if (!values.empty())
+    for (const std::int32_t group : order)
+      for (std::size_t k = 0; k < width; ++k)
+        result.push_back(values[width * static_cast<std::size_t>(group) + k]);
+  return result;
+}
+
+double diagonal_of(std::span<const Vec3> vertices) {
+  Vec3 low = vertices[0], high = vertices[0];
+  for (const Vec3& v : vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  return (high - low).stableNorm();
+}
+
+/// Link the edges, those at the same place too where `weld` asks for it.
+void link(std::span<const Vec3> vertices, std::optional<double> weld, SurfaceConnectivity& mesh) {
+  mesh.weld = weld;
+  mesh.next_around_edge = link_edges(mesh.faces);
+  mesh.welded_vertex.resize(vertices.size());
+  std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
+  const double tolerance = weld ? *weld * diagonal_of(vertices) : 0.0;
+  if (weld && std::isfinite(tolerance))  // if not, the area is not finite either
+    mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), tolerance, mesh);
+}
+
+/// Link the edges that the caller knows to be one.
+void link(const Joints& joints, SurfaceConnectivity& mesh) {
+  std::vector<HalfEdgeKey> keys;
+  for (std::size_t h = 0; h < joints.edges.size(); ++h) {
+    const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
+    const std::int32_t edge = joints.edges[3 * face + h % 3];
+    keys.push_back({edge, edge, static_cast<std::int32_t>(h)});
+  }
+  mesh.next_around_edge = link_rings(std::move(keys));
+  const std::vector<std::int32_t> places = gather(joints.places, mesh.original_vertex);
+  std::unordered_map<std::int32_t, std::int32_t> lowest;
+  for (std::size_t v = 0; v < places.size(); ++v)
+    mesh.welded_vertex.push_back(
+        lowest.try_emplace(places[v], static_cast<std::int32_t>(v)).first->second);
+}
+
+void check_joints(const Joints& joints, std::size_t vertices, std::size_t faces) {
+  if (joints.edges.size() != 3 * faces || joints.places.size() != vertices)
+    throw SurfaceError("joints has " + std::to_string(joints.edges.size()) + " edges and " +
+                       std::to_string(joints.places.size()) + " places for " +
+                       std::to_string(faces) + " faces and " + std::to_string(vertices) +
+                       " vertices: three per face and one per vertex are needed");
+}
+
+/// \param link_faces called with the ordered faces
+template <typename Link>
 std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertices,
-                                                   std::span<const Face> faces) {
+                                                   std::span<const Face> faces,
+                                                   const Link& link_faces) {
   auto result = std::make_shared<SurfaceConnectivity>();
   result->original_vertex = morton_order(vertices);
   const std::vector<std::int32_t> ordered_vertex = invert(result->original_vertex);
@@ -147,22 +216,8 @@ std::shared_ptr<const SurfaceConnectivity> connect(std::span<const Vec3> vertice
     };
     result->faces.push_back({ordered(0), ordered(1), ordered(2)});
   }
-  result->next_around_edge = link_edges(result->faces);
+  link_faces(*result);
   find_components(*result);
-  return result;
-}
-
-// `order` lists the caller's indices of groups of `width` values, in the surface's own order.
-
-template <typename T>
-std::vector<T> gather(std::span<const T> values, std::span<const std::int32_t> order,
-                      std::size_t width = 1) {
-  std::vector<T> result;
-  result.reserve(values.size());
-  if (!values.empty())
-    for (const std::int32_t group : order)
-      for (std::size_t k = 0; k < width; ++k)
-        result.push_back(values[width * static_cast<std::size_t>(group) + k]);
   return result;
 }
 
@@ -238,11 +293,25 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
     : Surface(vertices, faces, Density{DensityAt::kVertices, density}) {}
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
-                 const Density& density) {
+                 const Density& density, const SurfaceOptions& options) {
   check_finite<SurfaceError>("vertices", vertices);
   check_faces(faces, vertices.size());
   check_density(density, vertices.size(), faces.size());
-  connectivity_ = connect(vertices, faces);
+  if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
+  connectivity_ = connect(vertices, faces,
+                          [&](SurfaceConnectivity& mesh) { link(vertices, options.weld, mesh); });
+  vertices_ = ordered(*connectivity_, vertices);
+  density_ = ordered(*connectivity_, density);
+  measure();
+}
+
+Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
+                 const Density& density, const Joints& joints) {
+  check_finite<SurfaceError>("vertices", vertices);
+  check_faces(faces, vertices.size());
+  check_density(density, vertices.size(), faces.size());
+  check_joints(joints, vertices.size(), faces.size());
+  connectivity_ = connect(vertices, faces, [&](SurfaceConnectivity& mesh) { link(joints, mesh); });
   vertices_ = ordered(*connectivity_, vertices);
   density_ = ordered(*connectivity_, density);
   measure();
@@ -308,12 +377,32 @@ std::vector<double> Surface::density() const {
                          density_width(density_->at));
 }
 
-std::vector<Face> Surface::faces() const {
+template <typename Corners>
+std::vector<Face> Surface::original_faces(const Corners& corners_of) const {
   std::vector<Face> result(face_count());
-  for (std::size_t f = 0; f < face_count(); ++f)
+  for (std::size_t f = 0; f < face_count(); ++f) {
+    const Face corners = corners_of(static_cast<std::int32_t>(f));
     for (std::size_t k = 0; k < 3; ++k)
       result[static_cast<std::size_t>(connectivity_->original_face[f])][k] =
-          connectivity_->original_vertex[static_cast<std::size_t>(connectivity_->faces[f][k])];
+          connectivity_->original_vertex[static_cast<std::size_t>(corners[k])];
+  }
+  return result;
+}
+
+std::vector<Face> Surface::faces() const {
+  return original_faces([this](std::int32_t f) { return corners(f); });
+}
+
+std::vector<Face> Surface::welded_faces() const {
+  return original_faces([this](std::int32_t f) { return welded_corners(f); });
+}
+
+std::vector<std::int32_t> Surface::distinct_vertices() const {
+  std::vector<std::int32_t> result;
+  for (std::size_t v = 0; v < vertex_count(); ++v)
+    if (const auto k = static_cast<std::int32_t>(v); welded(k) == k)
+      result.push_back(connectivity_->original_vertex[v]);
+  std::sort(result.begin(), result.end());
   return result;
 }
 

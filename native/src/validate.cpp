@@ -44,12 +44,6 @@ void check_uv(const Surface& surface, std::span<const FaceUv> uv) {
                             "): it must be finite and within 1e6 of 0");
 }
 
-void check_at_least(const char* name, double value, double low) {
-  if (!std::isfinite(value) || value < low)
-    throw ArgumentError(std::string(name) + " is " + number(value) +
-                        ": it must be finite and >= " + number(low));
-}
-
 void check_positive(const char* name, double value) {
   if (!std::isfinite(value) || !(value > 0.0))
     throw ArgumentError(std::string(name) + " is " + number(value) + ": it must be finite and > 0");

@@ -38,8 +38,13 @@ void check_sites(const Surface& surface, const Sites& sites);
 void check_same_length(const char* name, std::size_t length, const char* other,
                        std::size_t expected);
 
-/// \throw ArgumentError unless value is finite and >= low
-void check_at_least(const char* name, double value, double low);
+/// \throw Error unless value is finite and >= low
+template <typename Error = ArgumentError>
+void check_at_least(const char* name, double value, double low) {
+  if (!std::isfinite(value) || value < low)
+    throw Error(std::string(name) + " is " + number(value) +
+                ": it must be finite and >= " + number(low));
+}
 
 /// \throw ArgumentError unless value is finite and > 0
 void check_positive(const char* name, double value);

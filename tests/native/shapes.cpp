@@ -452,6 +452,55 @@ Shape flipped_faces() {
   return shape;
 }
 
+Shape soup(const Shape& shape) {
+  Shape result{shape.name + "Soup", {}, {}, {}, shape.density_at};
+  if (shape.density_at != DensityAt::kVertices) result.density = shape.density;
+  for (const Face& face : shape.faces) {
+    const std::int32_t first = as_index(result.vertices.size());
+    result.faces.push_back({first, first + 1, first + 2});
+    for (const std::int32_t v : face) {
+      result.vertices.push_back(shape.vertices[static_cast<std::size_t>(v)]);
+      if (shape.density_at == DensityAt::kVertices && !shape.density.empty())
+        result.density.push_back(shape.density[static_cast<std::size_t>(v)]);
+    }
+  }
+  return result;
+}
+
+Shape split_edges(const Shape& shape, double degrees) {
+  // A corner joins an earlier face's at the same vertex if the two face nearly the same way.
+  const auto normal = [&](const Face& f) {
+    const Vec3& a = shape.vertices[static_cast<std::size_t>(f[0])];
+    return Vec3((shape.vertices[static_cast<std::size_t>(f[1])] - a)
+                    .cross(shape.vertices[static_cast<std::size_t>(f[2])] - a))
+        .normalized();
+  };
+  const double most = std::cos(degrees * kTurn / 360.0);
+  Shape result{shape.name + "Split", {}, {}, {}, shape.density_at};
+  if (shape.density_at != DensityAt::kVertices) result.density = shape.density;
+  std::vector<std::vector<std::pair<std::int32_t, Vec3>>> groups(shape.vertices.size());
+  for (const Face& face : shape.faces) {
+    Face split;
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& group = groups[static_cast<std::size_t>(face[k])];
+      const auto like = std::find_if(group.begin(), group.end(), [&](const auto& one) {
+        return one.second.dot(normal(face)) >= most;
+      });
+      if (like != group.end()) {
+        split[k] = like->first;
+        continue;
+      }
+      split[k] = as_index(result.vertices.size());
+      group.emplace_back(split[k], normal(face));
+      result.vertices.push_back(shape.vertices[static_cast<std::size_t>(face[k])]);
+      if (shape.density_at == DensityAt::kVertices && !shape.density.empty())
+        result.density.push_back(shape.density[static_cast<std::size_t>(face[k])]);
+    }
+    result.faces.push_back(split);
+  }
+  return result;
+}
+
 const std::vector<Shape>& all_shapes() {
   static const std::vector<Shape> shapes = make_all_shapes();
   return shapes;

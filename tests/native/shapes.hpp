@@ -62,6 +62,11 @@ using DensityFunction = std::function<double(const Vec3&)>;
 [[nodiscard]] Shape mapped(Shape shape, const std::function<Vec3(const Vec3&)>& map);
 [[nodiscard]] Shape joined(const Shape& a, const Shape& b);
 
+/// Each face with three vertices of its own, as in an STL file.
+[[nodiscard]] Shape soup(const Shape& shape);
+/// Vertices split where faces of one shape turn by more than `degrees`, as for hard edges.
+[[nodiscard]] Shape split_edges(const Shape& shape, double degrees);
+
 // Well-behaved.
 [[nodiscard]] Shape triangle();
 [[nodiscard]] Shape tetrahedron();

@@ -133,6 +133,15 @@ TEST_P(RefineOf, StaysConforming) {
   EXPECT_EQ(after.genus, before.genus);
 }
 
+TEST_P(RefineOf, AddsNoVertexThatNoFaceHas) {
+  const Refined fine = refined();
+  std::vector<bool> used(fine.surface.vertex_count(), false);
+  for (const Face& face : fine.surface.faces())
+    for (const std::int32_t v : face) used[static_cast<std::size_t>(v)] = true;
+  for (std::size_t v = fine.original.vertex_count(); v < used.size(); ++v)
+    ASSERT_TRUE(used[v]) << "vertex " << v;
+}
+
 TEST_P(RefineOf, NeverMakesAnglesSmallerThanHalf) {
   const Refined fine = refined();
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(fine.surface.face_count()); ++f)

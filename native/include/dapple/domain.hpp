@@ -48,6 +48,8 @@ class Domain {
   virtual void check(const Sites& sites) const = 0;
 };
 
+class CutSurfaces;
+
 /// Where a point goes that has left a face near it.
 enum class Steps {
   kAnywhere,  ///< to the nearest point of the surface, unless that is on another sheet
@@ -60,8 +62,7 @@ enum class Steps {
 class SurfaceDomain final : public Domain {
  public:
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
-                         Steps steps = Steps::kAnywhere)
-      : surface_(surface), cells_(cells), steps_(steps) {}
+                         Steps steps = Steps::kAnywhere);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points,
@@ -81,6 +82,7 @@ class SurfaceDomain final : public Domain {
   Surface surface_;
   Cells cells_;
   Steps steps_;
+  std::shared_ptr<CutSurfaces> cuts_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Projector> projector_;  // made when it is first needed
 };

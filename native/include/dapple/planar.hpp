@@ -84,6 +84,7 @@ class PlanarDomain final : public FlatDomain {
   Surface surface_;
   Vec2 size_;
   std::shared_ptr<const Projector> projector_;  // onto the density's support
+  std::shared_ptr<CutSurfaces> cuts_;
   Cells cells_ = Cells::kConnected;
 };
 

@@ -3,6 +3,7 @@
 
 #include <dapple/types.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace dapple {
@@ -37,13 +38,32 @@ struct Density {
   std::span<const double> values = {};
 };
 
+/// How a surface is put together.
+struct SurfaceOptions {
+  /// Border edges whose ends are within this distance of each other, as a share of the bounding
+  /// box's diagonal, are connected like one edge: >= 0, where 0 asks for equal coordinates. Files
+  /// repeat vertices along hard edges and texture seams; triangle soups repeat all of them. Faces
+  /// that lie on each other stay apart. None: faces are connected by the indices of their vertices
+  /// alone.
+  std::optional<double> weld = 1e-6;
+};
+
+/// Which edges are one and which vertices are at one place, where somebody knows better than their
+/// indices and coordinates tell.
+struct Joints {
+  std::span<const std::int32_t> edges;  ///< per face three, from its corner k on: equal if one edge
+  std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
+};
+
 /// How the faces hang together, shared by all surfaces deformed from one.
 struct SurfaceConnectivity {
+  std::optional<double> weld;                  // see SurfaceOptions
   std::vector<Face> faces;                     // ordered faces of ordered vertices
   std::vector<std::int32_t> original_face;     // ordered -> caller's
   std::vector<std::int32_t> ordered_face;      // caller's -> ordered
   std::vector<std::int32_t> original_vertex;   // ordered -> caller's
   std::vector<std::int32_t> next_around_edge;  // per half-edge, see Surface::next_around
+  std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see Surface::welded
   std::vector<std::int32_t> component;         // per ordered face; connected over edges
   std::int32_t components = 0;
 };
@@ -77,7 +97,14 @@ class Surface {
           std::span<const double> density = {});
 
   /// The same with a density at vertices, faces or corners (as many values >= 0 as there are).
-  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density);
+  /// \throw SurfaceError also if `options.weld` is negative or not finite
+  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
+          const SurfaceOptions& options = {});
+
+  /// The same with connections that are known, wherever the vertices are.
+  /// \throw SurfaceError also if the lengths of `joints` do not fit
+  Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
+          const Joints& joints);
 
   /// The same faces and density over moved vertices (as many, in the same order).
   /// \throw SurfaceError as the constructor
@@ -97,13 +124,19 @@ class Surface {
   [[nodiscard]] bool same_faces(const Surface& other) const {
     return connectivity_ == other.connectivity_;
   }
+  [[nodiscard]] std::optional<double> weld() const { return connectivity_->weld; }
   [[nodiscard]] bool uniform() const { return density_->values.empty(); }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }
 
   /// Copies in the caller's order.
   [[nodiscard]] std::vector<Vec3> vertices() const;
   [[nodiscard]] std::vector<Face> faces() const;
+  /// With one vertex in the place of all that hang together (SurfaceOptions::weld).
+  [[nodiscard]] std::vector<Face> welded_faces() const;
   [[nodiscard]] std::vector<double> density() const;  ///< as given; empty if uniform
+
+  /// The caller's indices of the vertices, of those that hang together only one.
+  [[nodiscard]] std::vector<std::int32_t> distinct_vertices() const;
 
   /// The point of the caller's face `face` with barycentric coordinates `weights`.
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
@@ -139,6 +172,15 @@ class Surface {
   [[nodiscard]] std::int32_t component(std::int32_t ordered) const {
     return connectivity_->component[static_cast<std::size_t>(ordered)];
   }
+  /// The lowest ordered vertex that an ordered one hangs together with over connected edges.
+  [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
+    return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];
+  }
+  /// The corners of an ordered face as welded vertices.
+  [[nodiscard]] Face welded_corners(std::int32_t ordered) const {
+    const auto [a, b, c] = corners(ordered);
+    return {welded(a), welded(b), welded(c)};
+  }
   /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from):
   /// the other side of an inner edge, itself on a border, the next of a ring where three or more
   /// faces meet.
@@ -148,6 +190,8 @@ class Surface {
 
  private:
   void measure();
+  template <typename Corners>
+  [[nodiscard]] std::vector<Face> original_faces(const Corners& corners_of) const;
   [[nodiscard]] std::vector<double> corner_angles(std::span<const std::int32_t> of) const;
 
   std::shared_ptr<const SurfaceConnectivity> connectivity_;

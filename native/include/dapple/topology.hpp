@@ -17,7 +17,8 @@ struct Topology {
   std::int32_t genus = -1;  ///< handles, summed over the components; -1 if not manifold
 };
 
-/// Measure the topology. Manifoldness, borders and genus come from OpenMesh's half-edge mesh; the
+/// Measure the topology, border edges at the same place being connected (SurfaceOptions::weld).
+/// Manifoldness, borders and genus come from OpenMesh's half-edge mesh; the
 /// counts that must also hold for non-manifold input from the surface's flat adjacency.
 [[nodiscard]] Topology topology(const Surface& surface);
 

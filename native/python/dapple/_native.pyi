@@ -44,7 +44,10 @@ class Surface:
         density: ArrayLike | None = None,
         *,
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
+        weld: float | None = 1e-06,
     ) -> None: ...
+    @property
+    def weld(self) -> float | None: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property

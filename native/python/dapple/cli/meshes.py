@@ -103,18 +103,25 @@ class Loaded:
         }
 
 
-def load(mesh: Mesh, density: str | None = None, at: Place | None = None) -> Loaded:
+def load(
+    mesh: Mesh, density: str | None = None, at: Place | None = None, *, weld: bool = True
+) -> Loaded:
     """Check a mesh, and give it the density that an option names.
 
     Args:
         mesh: from read_mesh().
         density, at: as for read_density().
+        weld: whether border edges at the same place are connected.
 
     Raises:
         ClickException: naming the file, the rule and the first offender.
     """
     with about(mesh.path):
-        surface = dapple.Surface(mesh.vertices, mesh.faces)
+        surface = (
+            dapple.Surface(mesh.vertices, mesh.faces)
+            if weld
+            else dapple.Surface(mesh.vertices, mesh.faces, weld=None)
+        )
     found = read_density(mesh, density, at)
     return Loaded(mesh, with_density(surface, found), found)
 

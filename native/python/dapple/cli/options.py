@@ -130,6 +130,17 @@ def report_options(command: Decorated) -> Decorated:
     )(command)
 
 
+def weld_option(command: Decorated) -> Decorated:
+    """--weld, for the surface."""
+    return click.option(
+        "--weld/--no-weld",
+        default=True,
+        show_default=True,
+        help="Connect faces whose vertices are at the same place, as along hard edges and seams; "
+        "or only those that share vertices.",
+    )(command)
+
+
 def density_options(command: Decorated) -> Decorated:
     """--density and --density-at, for the surface."""
     command = click.option(

@@ -45,6 +45,7 @@ ROWS = (
 )
 @options.library_options(dapple.analyse, "capacity_weight", "cells")
 @options.library_options(dapple.spectrum, "threads")
+@options.weld_option
 @options.report_options
 def command(
     points: Path,
@@ -53,6 +54,7 @@ def command(
     density_at: meshes.Place | None,
     plot: Path | None,
     threads: int | None,
+    weld: bool,
     json_out: str | None,
     quiet: bool,
     **measure: Any,
@@ -77,7 +79,7 @@ def command(
     found = read_points(points)
     with about(points):
         places = in_space(found.positions)
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at) if mesh else None
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld) if mesh else None
     surface = loaded.surface if loaded else unit_square(points, places)
     with about(points):
         distances = distances_to(surface, places)

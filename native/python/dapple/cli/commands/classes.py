@@ -74,6 +74,7 @@ class WantedType(click.ParamType):
     *("capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
     *("method", "start", "cells", "threads"),
 )
+@options.weld_option
 @options.report_options
 def command(
     mesh: Path,
@@ -81,6 +82,7 @@ def command(
     wanted: tuple[Wanted, ...],
     density: str | None,
     density_at: meshes.Place | None,
+    weld: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -99,7 +101,7 @@ def command(
     points.check_extension(out)
     densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
     check_outputs([mesh, *densities], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
     listed = [one.on(loaded) for one in wanted]
     chosen = options.given(solver)
     with Work("sampling", quiet=quiet) as work:

@@ -44,6 +44,7 @@ GROUT = 0.1  # spacings
     help="Edges shorter than that, in spacings, are removed.  [default: 0.001]",
 )
 @options.library_options(dapple.sample, "seed", "capacity_weight", "cells", "threads")
+@options.weld_option
 @options.report_options
 def command(
     mesh: Path,
@@ -52,6 +53,7 @@ def command(
     points: Path | None,
     density: str | None,
     density_at: meshes.Place | None,
+    weld: bool,
     json_out: str | None,
     quiet: bool,
     **chosen: Any,
@@ -71,7 +73,7 @@ def command(
     polygons.check_extension(out)
     options.check_either(count, points)
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
     shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
     given = options.given(chosen)
     with Work("tiling", steps=2, quiet=quiet) as work:

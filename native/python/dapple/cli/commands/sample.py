@@ -34,6 +34,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
     *("seed", "capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
     *("method", "start", "cells", "threads"),
 )
+@options.weld_option
 @options.report_options
 def command(
     mesh: Path,
@@ -42,6 +43,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     preset: str,
+    weld: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -61,7 +63,7 @@ def command(
     reporter = Reporter(json_out, quiet)
     points.check_extension(out)
     check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at)
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))

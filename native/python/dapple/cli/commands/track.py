@@ -48,6 +48,7 @@ START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threa
     *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "method", "cells"),
     "threads",
 )
+@options.weld_option
 @options.report_options
 def command(
     frames: tuple[Path, ...],
@@ -58,6 +59,7 @@ def command(
     closed: bool,
     sweeps: int | None,
     seed: int | None,
+    weld: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -83,7 +85,7 @@ def command(
     options.check_either(count, points)
     check_outputs([*frames, points], [out, reporter.file])
     source, motion = read_motion(frames)
-    loaded = meshes.load(source)
+    loaded = meshes.load(source, weld=weld)
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})

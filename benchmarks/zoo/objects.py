@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ordinary Blender objects and modifiers, as artists bring them, and how even each should come out.
+
+Each function leaves its object active; the scene is empty before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import radians
+from typing import Any
+
+import bpy
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Case:
+    """An object with the figures wanted for it.
+
+    variation: standard deviation over mean of the areas, at most.
+    alpha_min: smallest spacing as a share of the hexagonal one, at least.
+    evaluations: at most; 0 if nothing is asked.
+    """
+
+    name: str
+    make: Callable[[], None]
+    variation: float = 0.02
+    alpha_min: float = 0.55
+    evaluations: int = 0
+    points: int = 800
+
+
+def _modified(make: Callable[[], None], kind: str, **values: Any) -> Callable[[], None]:
+    def build() -> None:
+        make()
+        modifier = bpy.context.object.modifiers.new(kind.title(), kind)
+        for name, value in values.items():
+            setattr(modifier, name, value)
+
+    return build
+
+
+def _of_mesh(operator: str, **values: Any) -> Callable[[], None]:
+    def build() -> None:
+        getattr(bpy.ops.mesh, f"primitive_{operator}_add")(**values)
+
+    return build
+
+
+MONKEY = _of_mesh("monkey")
+CUBE = _of_mesh("cube")
+
+
+def _grid(side: int) -> Callable[[], None]:
+    return _of_mesh("grid", x_subdivisions=side, y_subdivisions=side)
+
+
+def _clouds() -> None:
+    _grid(200)()
+    texture = bpy.data.textures.new("Clouds", "CLOUDS")
+    modifier = bpy.context.object.modifiers.new("Displace", "DISPLACE")
+    modifier.texture, modifier.strength = texture, 2.0
+
+
+def _text() -> None:
+    bpy.ops.object.text_add()
+    bpy.context.object.data.body = "Dapple"
+    bpy.context.object.data.extrude = 0.1
+    bpy.context.object.data.bevel_depth = 0.02
+
+
+def _curve() -> None:
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.context.object.data.bevel_depth = 0.2
+
+
+def _metaball() -> None:
+    bpy.ops.object.metaball_add(type="BALL", radius=1.0)
+
+
+def _leaves() -> None:
+    """300 squares, turned and strewn at random."""
+    random = np.random.default_rng(0)
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.1
+    turns, _ = np.linalg.qr(random.normal(size=(300, 3, 3)))
+    vertices = np.einsum("nij,kj->nki", turns, corners) + random.uniform(-3, 3, (300, 1, 3))
+    faces = np.arange(1200).reshape(-1, 4)
+    _add_mesh("Leaves", vertices.reshape(-1, 3), faces)
+
+
+def _room() -> None:
+    """A cube of twelve triangles with three walls through its middle."""
+    CUBE()
+    cube = bpy.context.object
+    for turn in ((0, 0, 0), (radians(90), 0, 0), (0, radians(90), 0)):
+        bpy.ops.mesh.primitive_plane_add(rotation=turn)
+        cube.select_set(True)
+        bpy.context.view_layer.objects.active = cube
+        bpy.ops.object.join()
+
+
+def _soup() -> None:
+    """A monkey of which every face has vertices of its own, as an STL file has."""
+    _modified(MONKEY, "EDGE_SPLIT", split_angle=0.0)()
+
+
+def _add_mesh(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+
+
+CASES = (
+    Case("plane", _of_mesh("plane")),
+    Case("cube", CUBE),
+    Case("cylinder", _of_mesh("cylinder")),
+    Case("cone", _of_mesh("cone")),
+    Case("sphere", _of_mesh("uv_sphere")),
+    Case("torus", _of_mesh("torus")),
+    Case("monkey", MONKEY),
+    Case("monkey, array", _modified(MONKEY, "ARRAY", count=3)),
+    Case("cube, bevel", _modified(CUBE, "BEVEL", width=0.2)),
+    Case("monkey, remesh", _modified(MONKEY, "REMESH", mode="VOXEL", voxel_size=0.08)),
+    Case("monkey, decimate", _modified(MONKEY, "DECIMATE", ratio=0.3)),
+    Case("curve with bevel", _curve),
+    Case("monkey, mirror over itself", _modified(MONKEY, "MIRROR"), 0.02, 0.6),
+    Case("monkey, edge split", _modified(MONKEY, "EDGE_SPLIT"), 0.018, 0.58, 25),
+    Case("monkey, soup", _soup, 0.018, 0.58, 25),
+    Case("monkey, wireframe", _modified(MONKEY, "WIREFRAME"), 0.05, 0.4),
+    Case("monkey, solidify 0.02", _modified(MONKEY, "SOLIDIFY", thickness=0.02), 0.015, 0.55, 20),
+    Case("plane, screw", _modified(_of_mesh("plane"), "SCREW"), 0.015, 0.55),
+    Case(
+        "grid 30, solidify 0.005",
+        _modified(_grid(30), "SOLIDIFY", thickness=0.005),
+        *(0.01, 0.6, 20, 5000),
+    ),
+    Case("grid 200, displace by clouds", _clouds, 0.02, 0.4),
+    Case("text with bevel", _text, 0.015, 0.55, 20),
+    Case("300 leaves", _leaves, 0.2, 0.5),
+    Case("metaball", _metaball),
+    Case("room", _room, points=2000),
+)
