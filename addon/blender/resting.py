@@ -18,7 +18,7 @@ from ..core.steps import Steps, Task, run_now
 from ..core.surface import SurfaceArrays
 from .held import Held
 from .library import read_only
-from .meshio import read_rest, to_local
+from .meshio import evaluated_mesh, read_rest, to_local
 from .scatter import is_fluid
 from .staleness import other_faces
 from .store import point_columns_of, read_at_rest, read_binding
@@ -50,6 +50,12 @@ def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
             f"Surface '{obj.name}' is a metaball, which has other faces whenever it moves and in "
             "the render: set Bind To to Automatic"
         )
+    with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
+        if not len(mesh.polygons):
+            raise ScatterError(
+                f"Metaball '{obj.name}' has no surface of its own: scatter over the first one of "
+                "its family, the name without a number"
+            )
     return "REST"
 
 

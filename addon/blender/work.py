@@ -26,7 +26,7 @@ from ..core.surface import Floats, SurfaceArrays, check_unchanged
 from ..core.tiles import tiled
 from ..core.together import TogetherBaker
 from .held import Held
-from .meshio import read_surface
+from .meshio import read_surface, to_local
 from .resting import current_binding, kind_of_binding, rest_of, rest_position, with_rest
 from .scatter import settings_of, surface_of, tile_settings_of
 from .staleness import other_faces, solution_reason
@@ -100,11 +100,13 @@ class _Begun:
 
 def _write_bake(obj: bpy.types.Object, begun: _Begun, baker: Baker, kind: str) -> None:
     rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
+    born = baker.born() if isinstance(baker, PopulationBaker) else None
+    if born is not None:
+        to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
     if begun.solved is not None:
         write_scattered(obj, baker.first_surface, begun.solved, rest)
     elif "REST" in (kind, obj.dapple.bound_to):
         write_binding(obj, baker.first_surface, baker.begin, rest)
-    born = baker.born() if isinstance(baker, PopulationBaker) else None
     write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
     obj.dapple.bake_fingerprint = baker.fingerprint
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .binding import placed_of, rebound, samples_of
+from .errors import ScatterError
 from .frames import carried
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
@@ -17,7 +18,7 @@ from .kinds import tracked
 from .lean import leaning
 from .native import package
 from .records import Binding
-from .rest import bound_at_rest, rest_columns
+from .rest import Shape, bound_at_rest, rest_columns
 from .settings import Settings
 from .sidecar import Fingerprint, Sidecar, Solved
 from .solve import Report, named, report_of
@@ -62,6 +63,7 @@ class Baker:
         self.topologies = [self.bound.topology]
         self.last = start.binding
         self.lean: Floats | None = None  # of the last frame
+        self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._tracker: Any = None
         self._ground: Any = None  # that the tracker stands on
         self._tracked = 0  # frames after which the tracker stands
@@ -94,7 +96,7 @@ class Baker:
         self._chain.add(before)
         self._chain.add(after)
         self.start = replace(self.start, binding=self.last)
-        self.bound, self._tracked, self._tracker = after, self.done, None
+        self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
         self.lean = None
         self.topologies.append(after.topology)
 
@@ -205,7 +207,18 @@ class Baker:
             self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
             self.sidecar = None
 
+    def _check_told_apart(self, binding: Binding) -> None:
+        """ScatterError if a point went to where the rest shape means another place too."""
+        if self.bound.rest is None:
+            return
+        if self._shape is None:
+            self._shape = Shape(self.bound)
+        other = self._shape.elsewhere(binding, self._now.vertices)
+        if other is not None:
+            raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
+
     def _add(self, solved: Solved) -> None:
+        self._check_told_apart(solved.placed.binding)
         self._solved, self._vertices = solved, self._now.vertices
         self.last, self.lean = solved.placed.binding, solved.placed.lean
         self.reports.append(solved.report)

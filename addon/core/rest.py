@@ -10,12 +10,13 @@ as long; Subdivision keeps the order. So a place also has a part: the number of 
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from .binding import bound_nearest
 from .errors import ScatterError
 from .frames import frames, vertex_normals
+from .native import package
 from .records import Binding, Columns
 from .solve import named
 from .surface import Floats, Ints, SurfaceArrays
@@ -51,7 +52,7 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
     """The binding of points to a surface with other faces, by their places on its rest shape."""
     assert surface.rest is not None
     places = np.asarray(columns["dapple_rest"], dtype=np.float64)
-    found = _nearest(places, np.asarray(columns["dapple_part"]), surface)
+    found = Shape(surface).nearest(places, np.asarray(columns["dapple_part"]))
     ahead = (np.asarray(columns["dapple_ahead"], dtype=np.float64) - places)[:, :, None]
     shares = np.linalg.pinv(np.stack(_edges(found, surface.rest), axis=2)) @ ahead
     direction = (np.stack(_edges(found, surface.vertices), axis=2) @ shares)[:, :, 0]
@@ -64,20 +65,57 @@ def told_apart(binding: Binding, surface: SurfaceArrays) -> SurfaceArrays:
 
     ScatterError where none do.
     """
-    first = _elsewhere(binding, surface)
+    first = Shape(surface).elsewhere(binding, surface.vertices)
     if first is None:
         return surface
-    count = len(surface.faces)
     for parts in range(2, _MOST_PARTS + 1):
         divided = replace(surface, rest_parts=parts)
-        if count % parts == 0 and _elsewhere(binding, divided) is None:
+        if len(surface.faces) % parts == 0 and _tells_apart(binding, divided):
             return divided
-    point, apart = first
-    raise ScatterError(
-        f"Surface '{surface.name}': point {point} has the rest position of another place, "
-        f"{apart:.3g} away (a modifier makes copies or a thickness): use Match Subdivision and set "
-        "Bind To to Faces, or apply that modifier"
-    )
+    raise ScatterError(first)
+
+
+def _tells_apart(binding: Binding, surface: SurfaceArrays) -> bool:
+    try:
+        return Shape(surface).elsewhere(binding, surface.vertices) is None
+    except ScatterError:  # a part of it has no area
+        return False
+
+
+class Shape:
+    """The rest shape of a surface, where places are looked for."""
+
+    def __init__(self, surface: SurfaceArrays) -> None:
+        assert surface.rest is not None
+        self._surface, self._rest = surface, surface.rest
+        self._native: dict[int, Any] = {}  # by part
+
+    def nearest(self, places: Floats, parts: Ints) -> Binding:
+        """Binding to the places nearest to those on the rest shape, each in its own part."""
+        corners, weights = np.zeros((len(places), 3), np.int32), np.zeros((len(places), 3))
+        for part in np.unique(parts).tolist():
+            there = parts == part
+            faces = self._surface.faces[self._surface.parts == part]
+            with named(self._surface.name):
+                if part not in self._native:
+                    self._native[part] = package().Surface(self._rest, faces)
+                closest = package().project(self._native[part], places[there])
+            corners[there], weights[there] = faces[closest.faces], closest.barycentric
+        return Binding(corners, weights, np.zeros(len(places)))
+
+    def elsewhere(self, binding: Binding, vertices: Floats) -> str | None:
+        """Which point its rest position puts farthest off, if one is put to another place."""
+        found = self.nearest(binding.positions(self._rest), _parts(binding, self._surface))
+        seen = found.positions(vertices) - binding.positions(vertices)
+        apart = np.linalg.norm(seen, axis=1)
+        if not (apart > _ELSEWHERE * float(np.linalg.norm(np.ptp(vertices, axis=0)))).any():
+            return None
+        point = int(np.argmax(apart))
+        return (
+            f"Surface '{self._surface.name}': point {point} has the rest position of another "
+            f"place, {apart[point]:.3g} away (a modifier makes copies or a thickness): use Match "
+            "Subdivision and set Bind To to Faces, or apply that modifier"
+        )
 
 
 def _ahead(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Floats:
@@ -97,37 +135,9 @@ def _edges(binding: Binding, vertices: Floats) -> tuple[Floats, Floats]:
     return b - a, c - a
 
 
-def _elsewhere(binding: Binding, surface: SurfaceArrays) -> tuple[int, float] | None:
-    """The point that its rest position puts farthest off, if one is put to another place."""
-    assert surface.rest is not None
-    parts = _parts(binding, surface)
-    found = _nearest(binding.positions(surface.rest), parts, surface)
-    seen = found.positions(surface.vertices)
-    apart = np.linalg.norm(seen - binding.positions(surface.vertices), axis=1)
-    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    if not (apart > _ELSEWHERE * size).any():
-        return None
-    point = int(np.argmax(apart))
-    return point, float(apart[point])
-
-
 def _parts(binding: Binding, surface: SurfaceArrays) -> Ints:
     """Parts (n,) of the points, however the faces are cut: where runs meet, vertices are shared."""
     first = np.zeros(len(surface.vertices), dtype=np.int32)  # part with the vertex
     first[surface.faces[::-1].ravel()] = np.repeat(surface.parts[::-1], 3)
     found: Ints = first[binding.corners].max(axis=1, initial=0)
     return found
-
-
-def _nearest(places: Floats, parts: Ints, surface: SurfaceArrays) -> Binding:
-    """Binding to the places nearest on the rest shape, each in its own part."""
-    assert surface.rest is not None
-    corners, weights = np.zeros((len(places), 3), np.int32), np.zeros((len(places), 3))
-    for part in np.unique(parts):
-        there, faces = parts == part, surface.faces[surface.parts == part]
-        with named(surface.name):
-            found = bound_nearest(
-                places[there], replace(surface, vertices=surface.rest, faces=faces)
-            )
-        corners[there], weights[there] = found.corners, found.barycentric
-    return Binding(corners, weights, np.zeros(len(places)))

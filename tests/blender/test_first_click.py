@@ -324,5 +324,47 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
         assert np.abs(seen["positions"] - expected).max() < NEAR * spacing
 
 
+def test_a_metaball_of_another_ones_surface_says_so():
+    for _ in range(2):
+        bpy.ops.object.metaball_add()
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match=r"'Mball.001' has no surface of its own"):
+        bpy.ops.dapple.add()
+    assert scenes.snapshot() == before
+
+
+def test_a_bake_with_births_that_cannot_be_written_keeps_the_one_before():
+    obj = scenes.scattered(scenes.tail(frames=4))
+    obj.dapple.count_over_time = "KEEP_DENSITY"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    count = len(obj.data.vertices)
+    assert count > 60
+    obj.scale.x = 0.0
+    bpy.context.view_layer.update()
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match="has a scale of 0"):
+        bpy.ops.dapple.bake()
+    assert scenes.snapshot() == before
+    assert (obj.dapple.baked_keys, len(obj.data.vertices)) == (4, count)
+
+
+def test_a_point_that_slides_to_where_the_rest_shape_means_two_places_ends_the_bake(monkeypatch):
+    surface = body()
+    scenes.scattered(surface)
+    shape = addon_host.part("core.rest").Shape
+    elsewhere, asked = shape.elsewhere, []
+
+    def on_the_third_frame(self, *given):
+        asked.append(elsewhere(self, *given))
+        return asked[-1] if len(asked) < 4 else "point 5 has the rest position of another place"
+
+    monkeypatch.setattr(shape, "elsewhere", on_the_third_frame)
+    before = scenes.snapshot()
+    with pytest.raises(RuntimeError, match="Frame 3: point 5 has the rest position of another"):
+        bpy.ops.dapple.bake()
+    assert asked == [None] * 4  # at the start, and after each frame
+    assert scenes.snapshot() == before
+
+
 def read(surface, depsgraph):
     return addon_host.part("blender.meshio").read_surface(surface, depsgraph)
