@@ -8,6 +8,7 @@ which key is played, and how far it is to the next one: docs/bake.md. Where poin
 rest shape, the triangles tell where they lie on it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -133,6 +134,7 @@ class Keyframes:
     _lean: list[Floats | None] = field(default_factory=list)
     _sketches: list[Floats] = field(default_factory=list)
     _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
+    _packed: Baked | None = None
 
     def __post_init__(self) -> None:
         self._table = np.zeros((self.count, 4), dtype=np.int32)
@@ -154,21 +156,18 @@ class Keyframes:
             self._waiting.append(_Waiting(frame, placed, vertices, spacing))
 
     def packed(self) -> Baked:
-        """All keys, over the triangles that they use."""
+        """All keys, over the triangles that they use; no more can be added then."""
+        if self._packed is None:
+            self._packed = self._pack()
+        return self._packed
+
+    def _pack(self) -> Baked:
         self._fill_up()
         triangles = np.concatenate(self._triangles)
         used = np.zeros(len(triangles), dtype=bool)
         for faces, _ in self._rows:
             used[faces] = True
-        place = np.cumsum(used, dtype=np.int32) - 1
-        keys = {
-            "dapple_face": np.concatenate([place[faces] for faces, _ in self._rows]),
-            "position": np.concatenate([places for _, places in self._rows]),
-        }
-        if any(gone is not None for gone in self._gone):
-            keys["dapple_gone"] = np.concatenate(self._gone, dtype=np.float32)  # type: ignore[arg-type]
-        if any(lean is not None for lean in self._lean):
-            keys["dapple_lean"] = self._all_leans()
+        keys = self._all_rows(np.cumsum(used, dtype=np.int32) - 1)
         names = ("key", "since", "span", "vertices")
         sketches = np.array(self._sketches, dtype=np.float32)
         return Baked(
@@ -180,21 +179,43 @@ class Keyframes:
             },
         )
 
+    def _all_rows(self, place: Ints) -> Columns:
+        """Columns of all keys, their triangles by place; a key is let go as soon as it is in them:
+        together they may fill the memory.
+        """
+        count = sum(len(faces) for faces, _ in self._rows)
+        keys: Columns = {
+            "dapple_face": np.empty(count, dtype=np.int32),
+            "position": np.empty((count, 3), dtype=np.float32),
+        }
+        if any(gone is not None for gone in self._gone):
+            keys["dapple_gone"] = np.zeros(count, dtype=np.float32)
+        if any(lean is not None for lean in self._lean):
+            keys["dapple_lean"] = np.zeros((count, 3), dtype=np.float32)
+        at = 0
+        for faces, places, gone, lean in self._taken():
+            rows = slice(at, at + len(faces))
+            keys["dapple_face"][rows], keys["position"][rows] = place[faces], places
+            if gone is not None:
+                keys["dapple_gone"][rows] = gone
+            if lean is not None:  # of points that appear later none leans
+                keys["dapple_lean"][rows][: len(lean)] = lean
+            at += len(faces)
+        return keys
+
+    def _taken(self) -> Iterator[tuple[Ints, Any, Floats | None, Floats | None]]:
+        """The rows of each key, which are not kept."""
+        for store in (self._rows, self._gone, self._lean):
+            store.reverse()
+        while self._rows:
+            yield *self._rows.pop(), self._gone.pop(), self._lean.pop()
+
     def _packed_triangles(self, triangles: Ints, used: NDArray[np.bool_]) -> Columns:
         corners = triangles[used]
         columns: Columns = {f"dapple_v{k}": np.ascontiguousarray(corners[:, k]) for k in range(3)}
         for name in self._rest[0] if self._rest else ():
             columns[name] = np.concatenate([rest[name] for rest in self._rest])[used]
         return columns
-
-    def _all_leans(self) -> Floats:
-        """Of the rows of all keys, 0 where none leans."""
-        leans = [
-            padded(np.zeros((0, 3)) if lean is None else lean, len(faces))
-            for lean, (faces, _) in zip(self._lean, self._rows, strict=True)
-        ]
-        found: Floats = np.concatenate(leans, dtype=np.float32)
-        return found
 
     def _fill_up(self) -> None:
         """Give each key rows for the points that appear later: where they will, not there yet."""
@@ -208,7 +229,7 @@ class Keyframes:
                     np.concatenate([faces, later_faces[known:]]),
                     np.concatenate([places, later_places[known:]]),
                 )
-                self._gone[key] = np.concatenate([gone, np.ones(more)])
+                self._gone[key] = np.concatenate([gone, np.ones(more, dtype=np.float32)])
 
     def _begin(self, bound: SurfaceArrays) -> None:
         if self._waiting:
@@ -254,8 +275,8 @@ class Keyframes:
         self._last = frame, placed.binding
         places = np.column_stack([placed.binding.barycentric[:, 1:], placed.binding.carry])
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
-        self._gone.append(placed.gone)
-        self._lean.append(placed.lean)
+        self._gone.append(_single(placed.gone))
+        self._lean.append(_single(placed.lean))
 
 
 def _rest_of(bound: SurfaceArrays) -> Columns:
@@ -265,6 +286,11 @@ def _rest_of(bound: SurfaceArrays) -> Columns:
         f"dapple_r{k}": bound.rest[bound.faces[:, k]].astype(np.float32) for k in range(3)
     }
     return {**corners, "dapple_part": bound.parts}
+
+
+def _single(values: Floats | None) -> Any:
+    """In the single precision in which keys are stored."""
+    return None if values is None else values.astype(np.float32)
 
 
 def padded(leans: Floats, count: int) -> Floats:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys in numpy alone: packing, every so many frames, the error between, changes of topology."""
 
+import tracemalloc
 from dataclasses import replace
 
 import addon_host
@@ -112,3 +113,25 @@ def test_keys_are_not_mixed_across_a_change_of_topology(keys):
     assert table["dapple_span"].tolist() == [2, 2, 0, 2, 2, 0]
     corners = [found.packed().binding(frame, 1)[0].corners[0].tolist() for frame in (2, 3)]
     assert corners == [[0, 1, 2], [4, 3, 5]]
+
+
+def test_the_rows_of_a_bake_are_held_once(keys):
+    arrays, count = strip(), 20_000
+    found = keys.Keyframes(4)
+    tracemalloc.start()
+    try:
+        for _ in range(4):
+            item = placed(keys, arrays, [0, 3] * (count // 2), (0.2, 0.3, 0.5))
+            lean = np.full((count, 3), 0.5)
+            found.add(replace(item, gone=np.zeros(count), lean=lean), arrays, arrays, 1.0)
+        found._last = None
+        del item, lean
+        packed = found.packed()
+        held, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    stored = sum(values.nbytes for values in packed.keys.values())
+    assert stored == 4 * count * 32
+    assert held < 1.2 * stored
+    assert (packed.keys["dapple_lean"] == 0.5).all()
+    assert found.packed() is packed
