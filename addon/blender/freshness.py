@@ -23,8 +23,9 @@ from .surroundings import picture_digest
 from .workfiles import all_work_files, left_over, unfinished
 
 _PAUSE = 0.2  # seconds without a change before the timer looks, or more where looking takes long
-_RARELY = 20.0  # so much longer than looking took is the pause
-_GLANCE = 2.0  # seconds between two glances at a picture, likewise
+_PATIENCE = 5.0  # so much longer than looking took is the pause
+_RARELY = 20.0  # the same for glances
+_GLANCE = 2.0  # seconds between two glances at a picture, or more likewise
 
 at_once = bpy.app.background
 
@@ -94,7 +95,7 @@ def touch(obj: bpy.types.Object) -> None:
 
 def tick() -> float | None:
     """Look again where something changed; seconds until the next time, None to end."""
-    wait = max(_PAUSE, _RARELY * _state.took) - (time.monotonic() - _state.changed)
+    wait = max(_PAUSE, _PATIENCE * _state.took) - (time.monotonic() - _state.changed)
     if _busy() or wait > 0.0:
         return max(wait, _PAUSE)
     for uid, one in list(_state.asked.items()):
@@ -104,14 +105,16 @@ def tick() -> float | None:
         elif one.doubtful:
             _look(one, obj)
     _glance_at_pictures()
+    if any(one.doubtful for one in _state.asked.values()):
+        return _PAUSE
     return _GLANCE if any(_picture(one) for one in _state.asked.values()) else None
 
 
 def _look(one: _Asked, obj: bpy.types.Object) -> None:
     begin = time.monotonic()
-    one.doubtful = False
     one.depends = depends_on(obj, bpy.context.scene)
     one.answer = _answer(obj, bpy.context, one.present)
+    one.doubtful = False
     _state.took = time.monotonic() - begin
     _redraw()
 
@@ -155,7 +158,7 @@ def _glance(one: _Asked, image: bpy.types.Image) -> None:
     seen = (token, picture_digest(image))
     if one.picture[0] is not None and seen != one.picture:
         one.present.forget(AROUND)
-        _doubt(one)
+        one.doubtful = True
     one.picture = seen
 
 

@@ -160,7 +160,8 @@ class DAPPLE_OT_optimise(_DropsKeys, bpy.types.Operator):
 
 
 class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
-    """Keep the points even in every frame of the scene's range: one key for each frame"""
+    """Keep the points even in every frame of the scene's range: one key for each frame. Points that
+    were optimised with other settings are optimised anew first"""
 
     bl_idname = "dapple.bake"
     bl_label = "Bake"

@@ -45,7 +45,7 @@ def measure_redraw(sites: int, faces: int, rounds: int) -> dict[str, float]:
     arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
     freshness.at_once = False
     vars(freshness)["_is_shown"] = lambda _: True
-    freshness._PAUSE = freshness._RARELY = 0.0
+    freshness._PAUSE = freshness._PATIENCE = 0.0
     taken: dict[str, float] = {}
     for baked in ("bound", "baked"):
         scatter = add_scatter(surface, arrays, sites)

@@ -24,7 +24,7 @@ def waiting(monkeypatch):
     freshness, reads = part(), Counter()
     monkeypatch.setattr(freshness, "at_once", False)
     monkeypatch.setattr(freshness, "_is_shown", lambda obj: obj == bpy.context.object)
-    for name in ("_PAUSE", "_RARELY", "_GLANCE"):
+    for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
         "blender.present": ("read_surface", "read_weights", "read_around", "points_digest"),
@@ -237,3 +237,19 @@ def test_without_a_panel_nothing_is_noted(waiting):
     obj.dapple.surface.location.x = 3.0
     assert not looked(waiting)
     assert not part()._state.asked
+
+
+def test_a_look_that_fails_leaves_no_answer(waiting, monkeypatch):
+    obj = scenes.scattered(scenes.sphere())
+    drawn()
+    looked(waiting)
+    assert FITS in drawn()
+    obj.dapple.surface.data.vertices[0].co *= 2.0
+    bpy.context.view_layer.update()
+    with monkeypatch.context() as patch:
+        patch.setattr(part(), "verdict", lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            part().tick()
+    assert FITS not in drawn()
+    looked(waiting)
+    assert "has another shape or scale" in drawn()
