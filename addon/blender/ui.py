@@ -85,6 +85,8 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "bind_to")
     if rest_note(context.object):
         lines_of(layout, rest_note(context.object), "INFO")
+        if differences(settings.surface, context.scene):
+            layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
     elif settings.bound_to == "FACES":
         _draw_mismatch(layout, context, "ERROR")
     row = layout.row()

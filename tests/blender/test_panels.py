@@ -166,3 +166,14 @@ def test_a_baked_scatter(mode):
     obj.dapple.report.converged = False  # of a frame, which has a limit of its own
     assert not [line for line in drawn() if "Max Evaluations" in line]
     assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
+
+
+def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
+    scenes.tail(levels=1, render_levels=2)
+    shown = drawn()
+    assert "dapple.add" in shown
+    scenes.scattered(bpy.context.object)
+    shown = " ".join(drawn())
+    assert "Viewport and render have different faces: points hold on to the rest position" in shown
+    assert "dapple.match_subdivision" in shown
+    assert "Viewport and render differ" not in shown

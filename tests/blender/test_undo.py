@@ -166,11 +166,12 @@ def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
     bpy.ops.ed.undo()
     assert getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
     again = state()
-    for one in (after, again):  # how long it took is all that may differ
+    for one in (after, again):  # time and the key of a new one may differ
         for told in one.values():
             if isinstance(told, dict):
                 for shown in ("report", "solved"):
                     told.pop(f"{shown}.milliseconds", None)
+                told.pop("bake_key", None)
     assert again == after
     if name == "load_preset":
         assert bpy.ops.dapple.remove_preset(**options) == {"FINISHED"}
