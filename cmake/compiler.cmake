@@ -6,6 +6,14 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 
+# What was compiled before, in whichever build folder, comes from build/ccache. Another launcher, or an empty one, is kept.
+find_program(DAPPLE_CCACHE ccache)
+mark_as_advanced(DAPPLE_CCACHE)
+if(PROJECT_IS_TOP_LEVEL AND DAPPLE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_DIR=${PROJECT_SOURCE_DIR}/build/ccache CCACHE_MAXSIZE=2G ${DAPPLE_CCACHE})
+endif()
+
 add_library(dapple_compiler INTERFACE)
 target_compile_features(dapple_compiler INTERFACE cxx_std_20)
 if(MSVC)

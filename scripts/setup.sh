@@ -7,7 +7,7 @@
 
 system=$(system_name)
 packages=(
-  ca-certificates g++ cmake ninja-build python3 python3-venv python3-dev
+  ca-certificates git g++ ccache cmake ninja-build python3 python3-venv python3-dev
   libcgal-dev libembree-dev libopenmesh-dev pybind11-dev libtbb-dev libeigen3-dev libnanoflann-dev
   libgtest-dev libbenchmark-dev
   # What the bpy wheel needs; the last three are for the Workbench engine without a display.
