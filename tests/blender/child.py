@@ -34,6 +34,7 @@ def run(script, *arguments, **environment):
 
 def bare(script, *arguments, **environment):
     """As run, in a Blender as users have it: its Python finds bpy and what that needs."""
+    environment.setdefault("PATH", _path_without_virtual_environments())
     return _said(_done(_bare_command, script, *arguments, **environment))
 
 
@@ -82,6 +83,14 @@ def _bare_command(path):
             (packages / found.name).symlink_to(found)
     path.write_text(f"import sys\nsys.path.append({str(packages)!r})\n{path.read_text()}")
     return [sys.executable, "-I", "-S", str(path)]
+
+
+def _path_without_virtual_environments():
+    """An executable's Python takes the first python3 on the path for its own, with its packages."""
+    folders = os.environ.get("PATH", os.defpath).split(os.pathsep)
+    return os.pathsep.join(
+        folder for folder in folders if not Path(folder).parent.joinpath("pyvenv.cfg").exists()
+    )
 
 
 def _required(name, seen):

@@ -114,8 +114,9 @@ def wheels_of(archive):
 
 @pytest.fixture(scope="session")
 def archive(tmp_path_factory):
-    if addon_host.TESTED_ZIP:
-        return Path(addon_host.TESTED_ZIP)
+    made = addon_host.TESTED_ZIP or os.environ.get("DAPPLE_BUILT_ZIP")
+    if made:
+        return Path(made)
     if not list(BUILD.glob("native/python/dapple/_native.*")):
         pytest.skip(f"no Python package in {BUILD}")
     return built(tmp_path_factory.mktemp("package"))
@@ -184,6 +185,20 @@ def test_of_wheels_for_several_pythons_blender_takes_its_own(archive, tmp_path):
 
 
 def test_a_blender_without_the_package_scatters_and_bakes_once_it_is_installed(archive):
+    assert "60 points, 2 frames" in child.bare(BAKE, archive)
+
+
+@pytest.mark.skipif(not bpy.app.binary_path, reason="needs a Blender executable")
+def test_a_virtual_environment_on_the_path_is_not_blenders(archive, tmp_path, monkeypatch):
+    """With build/venv on the path the package of the checkout hid the one that is installed."""
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    packages = tmp_path / "lib" / version / "site-packages"
+    packages.mkdir(parents=True)
+    (packages / "dapple.py").write_text("raise RuntimeError('of the virtual environment')")
+    (tmp_path / "pyvenv.cfg").write_text("home = /usr/bin\n")
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "python3").symlink_to("/usr/bin/python3")
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"), prepend=os.pathsep)
     assert "60 points, 2 frames" in child.bare(BAKE, archive)
 
 
