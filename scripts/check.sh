@@ -1,17 +1,31 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Style and static checks. Runs all of them, names those that failed.
-#   scripts/check.sh [--fix] [--quick] [--only CHECK]
+#   scripts/check.sh [--fix] [--quick | --all | --since COMMIT] [--only CHECK]
 #     --fix     apply what clang-format and ruff can mend
 #     --quick   all but clang-tidy
+#     --all     clang-tidy looks at every source: before a release
+#     --since   clang-tidy looks at what has changed since this commit
 #     --only    one of: clang-format clang-tidy ruff mypy shellcheck
+# clang-tidy takes by far the longest, so it looks at what has changed only: sources, and those that include a changed
+# header themselves. Without --since that is what has changed since the first of these commits that there is:
+#   the last one that clang-tidy found clean in this folder, if it is an ancestor
+#   the one where this branch left origin/main, unless that is this very commit
+#   the one before this: so in a fresh clone of the main branch the last commit is looked at
+# What is not committed yet counts as changed. Where git knows none of them, and when clang-tidy itself or its rules have
+# changed, it looks at every source.
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-fix='' quick='' only=''
+fix='' quick='' all='' since='' only=''
 while [ $# -gt 0 ]; do
   case $1 in
     --fix) fix=1 ;;
     --quick) quick=1 ;;
+    --all) all=1 ;;
+    --since)
+      since=$(git rev-parse --verify --quiet "${2:?--since needs a commit}^{commit}") || fail "git knows no commit $2"
+      shift
+      ;;
     --only) only=${2:?--only needs the name of a check}; shift ;;
     *) fail "unknown option $1; see the head of scripts/check.sh" ;;
   esac
@@ -53,15 +67,68 @@ tidy_one() {
 }
 export -f tidy_one
 
+# The commit that changes are counted from; nothing where git knows none.
+tidy_base() {
+  local last=build/tidy/clean main
+  if [ -f "$last" ] && git merge-base --is-ancestor "$(<"$last")" HEAD; then
+    cat "$last"
+  elif main=$(git merge-base HEAD origin/main) && [ "$main" != "$(git rev-parse HEAD)" ]; then
+    echo "$main"
+  else
+    git rev-parse --verify --quiet HEAD^
+  fi 2>/dev/null
+}
+
+# changed_since COMMIT PATH...: files that differ from a commit, new ones too.
+changed_since() {
+  local commit=$1
+  shift
+  git diff --name-only --diff-filter=d "$commit" -- "$@"
+  git ls-files --others --exclude-standard -- "$@"
+}
+
+# tidy_rules_changed COMMIT: whether the tool or its rules are others than there.
+tidy_rules_changed() {
+  [ -n "$(changed_since "$1" .clang-tidy)" ] ||
+    [ -n "$(git diff -U0 "$1" -- scripts/requirements.txt | sed -n '/^[+-]clang-tidy/p')" ]
+}
+
+# includers HEADER: the sources that include a header themselves; where only headers do, the sources of those.
+includers() {
+  local found header
+  found=$(grep -rlE --include='*.[ch]pp' "^#include [<\"](dapple/)?${1##*/}[>\"]" native) || return 0
+  if grep '\.cpp$' <<<"$found"; then return; fi
+  for header in $found; do includers "$header"; done
+}
+
+# tidy_sources COMMIT: of all sources, those that a change since then concerns.
+tidy_sources() {
+  local file
+  changed_since "$1" native | while read -r file; do
+    case $file in
+      *.cpp) echo "$file" ;;
+      *.hpp) includers "$file" ;;
+    esac
+  done | sort -u
+}
+
 clang_tidy_check() {
-  local common
+  local common sources
   [ -f build/release/compile_commands.json ] || fail 'clang-tidy needs the release build: run scripts/setup.sh'
   mkdir -p build/tidy
+  [ -n "$all$since" ] || since=$(tidy_base) || echo '   git knows no commit to compare with: every source'
+  mapfile -t sources < <(find_files '.*\.cpp' native)
+  if [ -z "$all" ] && [ -n "$since" ] && ! tidy_rules_changed "$since"; then
+    mapfile -t sources < <(tidy_sources "$since")
+    echo "   ${#sources[@]} sources that changed since $(git rev-parse --short "$since") or include what did; --all: every one"
+  fi
   common=$({
     find_files '.*\.hpp' native | xargs cat
     cat .clang-tidy build/release/compile_commands.json scripts/requirements.txt
   } | sha256sum | cut -c 1-16)
-  find_files '.*\.cpp' native | xargs -P "$(build_jobs)" -I '{}' bash -o pipefail -c 'tidy_one "$@"' _ '{}' "$common"
+  printf '%s\n' "${sources[@]}" |
+    xargs -r -P "$(build_jobs)" -I '{}' bash -o pipefail -c 'tidy_one "$@"' _ '{}' "$common" || return
+  git rev-parse --verify --quiet HEAD >build/tidy/clean || rm build/tidy/clean
 }
 
 failed=()

@@ -1,44 +1,107 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up what is missing, then runs every test and names those parts that failed.
-#   tests/run.sh [--only native|python|blender|package|style]
+# Sets up what is missing, then runs every test and names those that failed; the last line counts them.
+#   tests/run.sh [--all | --quick] [--only native|python|blender|package|style]
+#     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip
+#     --quick   where everything is built, an answer in three minutes; it says what it leaves out
+#     --only    one part
 # The part "package" is the tests of the add-on on the extension as Blender installs it from the zip that ships, the
-# native package being the one in it: some of the files among others, all of them with --only package.
+# native package being the one in it: some of the files among others, all of them with --all or --only package.
+# Tests run side by side, one process for each core, the style checks beside them. build/reports keeps what each
+# process printed and its JUnit report.
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"
 
-only=''
-case ${1:-} in
-  '') ;;
-  --only) only=${2:?--only needs native, python, blender, package or style} ;;
-  *) fail "unknown option $1; see the head of tests/run.sh" ;;
-esac
+only='' depth=''
+while [ $# -gt 0 ]; do
+  case $1 in
+    --all | --quick)
+      [ -z "$depth" ] || fail "$depth and $1 exclude each other"
+      depth=$1
+      ;;
+    --only)
+      only=${2:?--only needs native, python, blender, package or style}
+      shift
+      ;;
+    *) fail "unknown option $1; see the head of tests/run.sh" ;;
+  esac
+  shift
+done
 case $only in
   '' | native | python | blender | package | style) ;;
   *) fail "--only $only: it must be native, python, blender, package or style" ;;
 esac
+[ "$depth$only" != --quickpackage ] || fail '--quick leaves out the part "package"'
 
 # A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit.
 limit=(timeout --kill-after=10 1500)
-results=() failures=0
+workers=$(build_jobs)
+tested=$root/build/tested
+reports=$root/build/reports
+rm -rf "$reports" && mkdir "$reports"
+results=() parts=0 failures=0 passed=0 failed=0
+DAPPLE_BUILT_ZIP=
 
-# part GROUP NAME COMMAND...: runs the command, keeps the outcome for the summary.
+# What runs beside this script ignores Ctrl-C: it ends when the script does, with what it has started itself.
+end_jobs() {
+  local job
+  for job in $(jobs -p); do kill -- "-$job" 2>/dev/null || kill "$job" 2>/dev/null || true; done
+}
+trap end_jobs EXIT
+
+wanted() { [ -z "$only" ] || [ "$only" = "$1" ]; }
+
+# part GROUP NAME COMMAND...: runs the command, which may leave JUnit reports $report*.xml; keeps the outcome for the
+# summary.
 part() {
   local group=$1 name=$2 rc=0
   shift 2
-  [ -z "$only" ] || [ "$only" = "$group" ] || return 0
+  wanted "$group" || return 0
   printf '\n== %s\n' "$name"
   SECONDS=0
+  report=$reports/$((++parts))
   "$@" </dev/null || rc=$?
-  [ "$rc" -eq 0 ] || failures=$((failures + 1))
-  results+=("$([ "$rc" -eq 0 ] && echo passed || echo "FAILED ($rc)")  $name, $SECONDS s")
+  keep_outcome "$rc" "$name, $SECONDS s"
 }
 
-# real_blender FOLDER ARGUMENT...: the tests in the executable, whose Python finds pytest and others in a folder.
+# keep_outcome STATUS NAME: what leaves no report counts as one test, and so does a failure that no report tells.
+keep_outcome() {
+  local rc=$1 lines good bad skipped outcome=passed
+  mapfile -t lines < <("$python" tests/tally.py "$report"[.-]*xml)
+  read -r good bad skipped <<<"${lines[0]}"
+  if [ "$rc" -ne 0 ]; then
+    outcome="FAILED ($rc)" failures=$((failures + 1))
+    [ "$bad" -gt 0 ] || bad=1
+  elif [ "$good" -eq 0 ]; then
+    good=1
+  fi
+  passed=$((passed + good)) failed=$((failed + bad))
+  results+=("$outcome  $2: $good passed, $bad failed, $skipped skipped" "${lines[@]:1}")
+}
+
+# side_by_side COMMAND...: pytest over tests/blender in as many processes as there are cores, each of which takes the
+# next file that no other has taken (tests/blender/conftest.py). One after the other shows what it printed.
+side_by_side() {
+  local processes=() i rc=0
+  mkdir "$report.taken"
+  for ((i = 0; i < workers; i++)); do
+    DAPPLE_TAKEN=$report.taken "$@" --junitxml="$report-$i.xml" >"$report-$i.log" 2>&1 &
+    processes+=($!)
+  done
+  for i in "${!processes[@]}"; do
+    wait "${processes[i]}" || rc=$?
+    cat "$report-$i.log"
+  done
+  return "$rc"
+}
+
+# real_blender FOLDER ARGUMENT...: a process, started beside the script, for the tests in the executable, whose Python
+# finds pytest and others in a folder. The virtual environment is no part of the path: there Blender's own Python looks
+# for the folder that it belongs to.
 real_blender() {
   local folder=$1
   shift
-  PYTHONPATH=$folder "${limit[@]}" blender -b --factory-startup --python-use-system-env \
-    --python-exit-code 1 -P tests/blender/run.py -- -q "$@"
+  PYTHONPATH=$folder PATH=${PATH#"$venv/bin:"} exec "${limit[@]}" blender -b --factory-startup --python-use-system-env \
+    --python-exit-code 1 -P tests/blender/run.py -- "$@"
 }
 
 # The zip that ships, and beside it the packages of build/venv without Dapple's own.
@@ -49,36 +112,80 @@ make_package() {
   for entry in "$site_packages"/*; do
     [[ ${entry##*/} == dapple* ]] || ln -s "$entry" "$tested/site-packages"
   done
+  DAPPLE_BUILT_ZIP=$(ls "$tested"/*.zip) && export DAPPLE_BUILT_ZIP # for the tests of the zip itself
 }
 
-# on_package COMMAND...: with the add-on as it is installed from that zip. The virtual environment is left out, of the
-# path too: there Blender's own Python looks for the folder it belongs to.
+# on_package COMMAND...: with the add-on as it is installed from that zip, and no virtual environment.
 on_package() {
-  local archives=("$tested"/*.zip)
-  DAPPLE_TESTED_ZIP=${archives[0]} PYTHONPATH=$tested/site-packages PATH=${PATH#"$venv/bin:"} "$@"
+  DAPPLE_TESTED_ZIP=${DAPPLE_BUILT_ZIP:-missing} PYTHONPATH=$tested/site-packages PATH=${PATH#"$venv/bin:"} "$@"
 }
+
+# The checks run beside the tests; their part waits for them and shows what they said.
+begin_style() {
+  setsid scripts/check.sh "$@" >"$reports/style.log" 2>&1 </dev/null &
+  style=$!
+}
+end_style() {
+  local rc=0
+  wait "$style" || rc=$?
+  cat "$reports/style.log"
+  return "$rc"
+}
+
+native_tests() {
+  ctest --test-dir build/release -j "$workers" --output-on-failure --no-tests=error --output-junit "$report.xml" "$@"
+}
+python_tests() {
+  "$python" -m pytest -q -n "$workers" --junitxml="$report.xml" tests/python "$@"
+}
+blender_tests() { side_by_side "${limit[@]}" "$python" -m pytest "$@"; }
+real_blender_tests() { side_by_side real_blender "$@"; }
+tests_on_package() { on_package side_by_side "${limit[@]}" /usr/bin/python3 -m pytest "${on_zip[@]}"; }
+real_tests_on_package() { on_package side_by_side real_blender "$tested/site-packages" "${on_zip[@]}"; }
+
+# What takes longest or is far from the core is left out by name, so that what is new is run.
+quick_parts() {
+  part native 'native tests (CTest)' native_tests --exclude-regex "$slow_native"
+  part python 'Python tests' python_tests "${slow_python[@]/#/--ignore=}"
+  part blender 'Blender tests (bpy module)' blender_tests tests/blender "${slow_blender[@]/#/--ignore=}"
+  part style 'style' end_style
+}
+
+say_left_out() {
+  echo '   --quick has left out:'
+  printf '     native tests named %s\n' "$slow_native"
+  printf '     %s\n' "${slow_python[*]}" "${slow_blender[*]}" \
+    'the tests in the real executable and on the installed zip' 'clang-tidy'
+}
+
+all_parts() {
+  part native 'native tests (CTest)' native_tests
+  part python 'Python tests' python_tests
+  part package 'the zip that ships' make_package
+  part blender 'Blender tests (bpy module)' blender_tests tests/blender
+  [ -z "$real" ] || part blender 'Blender tests (the real executable)' real_blender_tests "$site_packages"
+  part package 'Blender tests on the installed zip' tests_on_package
+  [ -z "$real" ] || part package 'Blender tests on the installed zip (the real executable)' real_tests_on_package
+  part style 'style' end_style
+}
+
+real=''
+[ "$(system_name)" != debian-13 ] || real=1
+# Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
+on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,presets,tiles,translation,window}.py)
+[ -z "$only" ] && [ "$depth" != --all ] || on_zip=(tests/blender)
+slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
+slow_python=(tests/python/test_{animations,paper_report}.py)
+slow_blender=(tests/blender/test_{datablocks,examples,libraries,package,sidecar,undo}.py)
 
 scripts/setup.sh
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-part native 'native tests (CTest)' ctest --test-dir build/release -j "$(nproc)" --output-on-failure --no-tests=error
-part python 'Python tests' "$python" -m pytest -q tests/python
-part blender 'Blender tests (bpy module)' "${limit[@]}" "$python" -m pytest -q tests/blender
-if [ "$(system_name)" = debian-13 ]; then
-  part blender 'Blender tests (the real executable)' real_blender "$site_packages"
-fi
-tested=$root/build/tested
-# Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
-on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,presets,tiles,translation,window}.py)
-[ -z "$only" ] || on_zip=(tests/blender)
-part package 'the zip that ships' make_package
-part package 'Blender tests on the installed zip' \
-  on_package "${limit[@]}" /usr/bin/python3 -m pytest -q "${on_zip[@]}"
-if [ "$(system_name)" = debian-13 ]; then
-  part package 'Blender tests on the installed zip (the real executable)' \
-    on_package real_blender "$tested/site-packages" "${on_zip[@]}"
-fi
-part style 'style' scripts/check.sh
+! wanted style || begin_style ${depth:+"$depth"}
+if [ "$depth" = --quick ]; then quick_parts; else all_parts; fi
 
 printf '\n== summary\n'
 printf '   %s\n' "${results[@]}"
-[ "$failures" -eq 0 ] || fail "$failures of ${#results[@]} parts failed"
+[ "$depth" != --quick ] || say_left_out
+[ "$failures" -eq 0 ] || printf 'error: %d of %d parts failed\n' "$failures" "$parts" >&2
+printf '%d passed, %d failed\n' "$passed" "$failed"
+[ "$failures" -eq 0 ]

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every test starts from a fresh file, with the add-on enabled as an extension."""
+"""Every test starts from a fresh file, with the add-on enabled as an extension.
+
+Processes side by side that are given one folder by DAPPLE_TAKEN share the test files out among
+them: pytest-xdist does not fit, its workers have no Blender executable around them.
+"""
 
 import atexit
+import functools
 import os
 import shutil
 import sys
@@ -19,6 +24,7 @@ sys.path.insert(0, str(HERE))
 import addon_host  # noqa: E402
 
 _status = [1]  # until the tests were run
+_TAKEN = os.environ.get("DAPPLE_TAKEN")
 
 
 def pytest_sessionstart(session):
@@ -27,6 +33,22 @@ def pytest_sessionstart(session):
     addon_host.enable()
     if addon_host.TESTED_ZIP:
         addon_host.check_package()
+
+
+@functools.cache
+def _takes(name):
+    """Whether this process is the first that comes to a test file."""
+    try:
+        Path(_TAKEN, name).touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    return True
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item, nextitem):
+    """Pass over the tests of a file that another process has taken."""
+    return None if not _TAKEN or _takes(item.path.name) else True
 
 
 @pytest.fixture(scope="session")
