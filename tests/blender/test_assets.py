@@ -137,7 +137,7 @@ def things(node, attribute, cloud):
     return node("Dapple Things", Points=bound("baked", cloud, node).outputs[0])
 
 
-for kind in ("baked", "bound", "rest"):
+for kind in ("baked", "bound", "rest", "rest baked"):
     check("Dapple Points", kind, lambda node, attribute, cloud: bound(kind, cloud, node))
 check("Dapple Bound Point", "bound", bound_point)
 check("Dapple Rest Point", "rest", rest_point)
@@ -214,13 +214,13 @@ def told(obj):
 
 def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, tmp_path):
     surface, found, arguments = scenes.tail(frames=3), {}, {}
-    for kind in ("baked", "bound", "rest"):
+    for kind in ("baked", "bound", "rest", "rest baked"):
         obj = scenes.scattered(surface, count=60)
         obj.dapple.turn_randomness = 1.0
-        if kind == "rest":
+        if kind.startswith("rest"):
             obj.dapple.bind_to = "REST"
             assert bpy.ops.dapple.optimise() == {"FINISHED"}
-        if kind == "baked":
+        if kind.endswith("baked"):
             assert bpy.ops.dapple.bake() == {"FINISHED"}
         bpy.context.scene.frame_set(2, subframe=0.5)
         found[f"{kind}_positions"] = scenes.positions(obj)
