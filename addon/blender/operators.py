@@ -118,6 +118,10 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
         ],
     )
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _ready(cls, context, scatter=True)
+
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
         settings = context.object.dapple
         last = settings.baked_start + settings.baked_frames - 1
