@@ -603,3 +603,29 @@ def test_every_vertex_counts_in_a_large_surface(seen):
     vertices[random.integers(len(vertices))] += 0.01
     now = sources.sources_of(surface.SurfaceArrays("Any", vertices, none, "t"), settings)
     assert sources.differing(before, now) == ["shape"]
+
+
+def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
+    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    package = addon_host.part("core.native").package()
+    surface, found = scenes.tail(frames=4), []
+    for stopped in (False, True):
+        obj = scenes.scattered(surface)
+        obj.dapple.count = 40
+        if stopped:
+            going = work.bake_steps(bpy.context, 1, 4)
+            task = next(going)
+            for _ in range(5):  # the points, and what two frames take
+                task = going.send(task.call(package.Context()))
+            going.close()
+            assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
+            assert reason(obj) == "Settings were changed (count): optimise again"
+            assert addon_host.part("blender.workfiles").unfinished(obj) == 2
+        baker = steps.run_now(work.bake_steps(bpy.context, 1, 4))
+        assert baker.taken == (2 if stopped else 0)
+        assert baker.anew == "Settings were changed (count)"
+        assert reason(obj) == ""
+        found.append(addon_host.part("blender.store").read_baked(obj))
+    for name in ("keys", "triangles", "frames"):
+        for column, values in getattr(found[0], name).items():
+            assert getattr(found[1], name)[column].tobytes() == values.tobytes()
