@@ -22,7 +22,7 @@ def change_classes(obj: bpy.types.Object, action: str) -> None:
     if action == "ADD":
         _add(obj)
         at = len(kinds) - 1
-    elif action == "REMOVE" and at < len(kinds):
+    elif action == "REMOVE" and 0 <= at < len(kinds):
         kinds.remove(at)
         at = min(at, len(kinds) - 1)
     elif action in ("UP", "DOWN"):
@@ -81,6 +81,8 @@ def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
     ids = point_columns_of(obj)["id"]
     pair = [_row(ids, one, obj.name) for one in (report.overlap_first, report.overlap_second)]
     between = _places_of(obj, pair, context).mean(axis=0)
+    if not np.isfinite(between).all():
+        raise ScatterError(f"Scatter '{obj.name}': places of its points are not finite")
     chosen = np.zeros(len(obj.data.vertices), dtype=bool)
     chosen[pair] = True
     obj.data.vertices.foreach_set("select", chosen)
@@ -92,6 +94,10 @@ def _places_of(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
     scene, report = context.scene, obj.dapple.report
     if not obj.dapple.baked_keys or not report.overlap_frame:
         return places_now(obj, rows, context)
+    if not 0 <= report.overlap_frame - obj.dapple.baked_start < obj.dapple.baked_frames:
+        raise ScatterError(
+            f"Scatter '{obj.name}': frame {report.overlap_frame} is not baked: bake again"
+        )
     before = scene.frame_current, scene.frame_subframe
     show_time(scene, report.overlap_frame)
     try:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import ScatterError
 from .library import own_mesh
+from .meshio import own_attribute
 
 _NAME = "dapple_locked"
 
@@ -28,7 +29,7 @@ def lock_points(obj: bpy.types.Object, lock: bool, every: bool) -> int:
             raise ScatterError(
                 f"Scatter '{obj.name}': no point is selected. Select some in Edit Mode"
             )
-        attribute = mesh.attributes.get(_NAME) or mesh.attributes.new(_NAME, "BOOLEAN", "POINT")
+        attribute = own_attribute(mesh, _NAME, "BOOLEAN")
         locked = np.zeros(len(mesh.vertices), dtype=bool)
         attribute.data.foreach_get("value", locked)
         locked[chosen] = lock

@@ -120,9 +120,18 @@ def read_points(mesh: bpy.types.Mesh) -> Floats:
 def write_columns(mesh: bpy.types.Mesh, columns: Columns, types: dict[str, str]) -> None:
     """Store columns as attributes on the points of a mesh."""
     for name, kind in types.items():
-        attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+        attribute = own_attribute(mesh, name, kind)
         values: NDArray[Any] = np.ascontiguousarray(columns[name], dtype=_NUMPY[kind])
         attribute.data.foreach_set(_FIELD[kind], values.ravel())
+
+
+def own_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    """The attribute of that name on the points of a mesh; one of another kind makes room."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type != kind or attribute.domain != "POINT"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    return attribute or mesh.attributes.new(name, kind, "POINT")
 
 
 def read_columns(mesh: bpy.types.Mesh, types: dict[str, str]) -> Columns:
@@ -132,8 +141,13 @@ def read_columns(mesh: bpy.types.Mesh, types: dict[str, str]) -> Columns:
 
 def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
     attribute = mesh.attributes.get(name)
-    if attribute is None or attribute.data_type != kind or attribute.domain != "POINT":
+    if attribute is None:
         raise ScatterError(f"Mesh '{mesh.name}' has no {kind} attribute '{name}' on its points")
+    if attribute.data_type != kind or attribute.domain != "POINT":
+        raise ScatterError(
+            f"Attribute '{name}' of '{mesh.name}' is {attribute.data_type} on {attribute.domain}, "
+            f"it must be {kind} on POINT: remove it and optimise"
+        )
     values: NDArray[Any] = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
     attribute.data.foreach_get(_FIELD[kind], values)
     return values.reshape(-1, 3) if _WIDTH[kind] == 3 else values

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
+from ..core.errors import ScatterError
 from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
@@ -19,7 +20,7 @@ from .scatter import is_scatter, is_surface, rest_note
 from .store import clear_keys
 from .translation import OWN, counted, operator_label, reported, told
 from .work import bake_steps, optimise_steps, rebind_steps, tile_steps
-from .workfiles import all_work_files, drop_finished
+from .workfiles import all_work_files, finished_files
 
 _DEFAULT = Settings()
 
@@ -254,8 +255,14 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
         return there and context.object.dapple.baked_keys > 0
 
     def execute(self, context: bpy.types.Context) -> Answer:
-        drop_finished(context.object)
-        clear_keys(context.object)
+        left = finished_files(context.object)
+        try:
+            clear_keys(context.object)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for files in left:
+            files.clear()
         return {"FINISHED"}
 
 

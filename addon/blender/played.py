@@ -11,7 +11,7 @@ from .meshio import read_surface
 from .resting import current_binding
 from .scatter import surface_of
 from .staleness import frames
-from .store import stored_object
+from .store import check_keys, stored_object
 from .times import time_of
 
 
@@ -27,6 +27,7 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
         binding, _ = current_binding(obj, surface, arrays)
         own = Binding(binding.corners[rows], binding.barycentric[rows], binding.carry[rows])
         return own.positions(arrays.vertices)
+    check_keys(obj)
     first, second, share = _around(obj, rows, time_of(context.scene))
     corners = np.concatenate([first.corners, second.corners])
     if corners.min() < 0 or corners.max() >= len(arrays.vertices):

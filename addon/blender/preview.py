@@ -240,6 +240,9 @@ def _end(preview: _Preview, why: str) -> None:
 def _write(obj: bpy.types.Object, binding: Binding) -> None:
     modifier = ensure_modifier(obj)
     store = get_input(modifier, _INPUT)
+    if store is not None and (store.type != "MESH" or _INPUT not in store):  # of a broken file
+        set_input(modifier, _INPUT, None)
+        store = None
     if store is None:
         label = f"{obj.name} {_INPUT}"
         store = bpy.data.objects.new(label, bpy.data.meshes.new(label))

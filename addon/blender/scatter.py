@@ -11,7 +11,7 @@ from ..core.settings import BakeSettings, ClassSettings, DensitySettings, Settin
 from ..core.solve import Report
 from ..core.stale import changed_baking, changed_settings
 from ..core.tiles import TileSettings
-from ..nodes import INSTANCE_INPUTS, VERSION_KEY, has_input, input_name, set_input
+from ..nodes import INSTANCE_INPUTS, has_input, input_name, set_input, version_of
 from .translation import Say, english, told
 
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -20,8 +20,7 @@ _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The modifier that plays the scatter back."""
     for modifier in obj.modifiers:
-        group = modifier.node_group if modifier.type == "NODES" else None
-        if group is not None and group.get(VERSION_KEY, 0) > 0:
+        if modifier.type == "NODES" and version_of(modifier.node_group) > 0:
             return modifier
     return None
 

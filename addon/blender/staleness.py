@@ -30,7 +30,7 @@ from .scatter import (
     settings_reason,
     solve_again,
 )
-from .store import stored_object
+from .store import key_points, stored_object
 from .times import time_of, times_of, whole_time
 from .translation import counted, told
 
@@ -174,8 +174,7 @@ def _other_surface(obj: bpy.types.Object) -> str:
 def _points_reason(obj: bpy.types.Object, present: Present) -> str:
     """Whether points were edited by hand, or added and removed under the keys."""
     if obj.dapple.baked_keys:
-        known = get_input(scatter_modifier(obj), "Key Points")
-        if len(obj.data.vertices) != known:
+        if len(obj.data.vertices) != key_points(obj):
             return solve_again(obj, told("Points were added or removed since the bake"))
     elif obj.dapple.report.count != len(obj.data.vertices):
         return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
@@ -338,4 +337,11 @@ def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
 
 def frames(obj: bpy.types.Object) -> dict[str, np.ndarray]:
     """The table of the baked frames."""
-    return read_columns(stored_object(obj, "Frames").data, FRAME_ATTRIBUTES)
+    found = read_columns(stored_object(obj, "Frames").data, FRAME_ATTRIBUTES)
+    count = len(found["dapple_key"])
+    if count != obj.dapple.baked_frames:
+        raise ScatterError(
+            f"Scatter '{obj.name}' has {count} baked frames, not {obj.dapple.baked_frames}: bake "
+            "again"
+        )
+    return found

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import ScatterError
-from ..core.keys import Baked
+from ..core.keys import Baked, wrong_index
 from ..core.locked import Locked
 from ..core.population import Born
 from ..core.records import (
@@ -30,6 +30,7 @@ from ..core.records import (
     Columns,
     binding_from,
     check_binding,
+    check_columns,
     check_ids,
     repeated,
     unbound,
@@ -43,12 +44,12 @@ from ..nodes import (
     GROUP_NAME,
     INPUTS,
     KEPT_SINCE,
-    VERSION_KEY,
     ensure_group,
     get_input,
     has_input,
     is_current,
     set_input,
+    version_of,
 )
 from .library import own_mesh
 from .meshio import read_columns, read_points, to_local, to_world, write_columns, write_points
@@ -62,6 +63,8 @@ from .scatter import (
     write_stale_input,
 )
 
+# What check_binding looks at, which knows points that were added by hand, and the surface.
+_BOUND = {"dapple_v0", "dapple_v1", "dapple_v2", "dapple_barycentric"}
 _STORES = ("Keys", "Triangles", "Frames")  # inputs of the node group that hold a bake
 
 
@@ -95,7 +98,7 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
 
 def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
     """What a node group for another number of classes is told, by name; none of old versions."""
-    if modifier.node_group is None or modifier.node_group.get(VERSION_KEY, 0) < KEPT_SINCE:
+    if version_of(modifier.node_group) < KEPT_SINCE:
         return {}
     names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
     return {name: get_input(modifier, name) for name in names if has_input(modifier, name)}
@@ -183,7 +186,9 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
 
 def read_at_rest(obj: bpy.types.Object) -> AtRest:
     """Where the points are on the rest shape; older files know no parts of it."""
-    types = {name: kind for name, kind in REST_ATTRIBUTES.items() if name in obj.data.attributes}
+    types = dict(REST_ATTRIBUTES)
+    if "dapple_part" not in obj.data.attributes:
+        del types["dapple_part"]
     columns = {"dapple_part": np.zeros(int(own_points(obj).sum()), np.int32)}
     return AtRest({**columns, **own_columns(obj, types)}, obj.dapple.bound_parts)
 
@@ -217,20 +222,26 @@ def locked_points(obj: bpy.types.Object) -> Locked | None:
     kept = read_columns(obj.data, {"dapple_locked": "BOOLEAN"})["dapple_locked"] & own_points(obj)
     if not kept.any():
         return None
-    columns = read_columns(obj.data, POINT_ATTRIBUTES)
-    places = to_world(obj, read_points(obj.data))
-    return Locked(places[kept], columns["id"][kept], columns["dapple_class"][kept])
+    types = {"id": "INT", "dapple_class": "INT", "position": "FLOAT_VECTOR"}
+    columns = {name: values[kept] for name, values in read_columns(obj.data, types).items()}
+    check_columns(columns, obj.name)
+    places = to_world(obj, read_points(obj.data)[kept])
+    return Locked(places, columns["id"], columns["dapple_class"])
 
 
 def places_of(obj: bpy.types.Object) -> Floats:
     """Stored positions (n, 3) in world space, without added points."""
-    return to_world(obj, read_points(obj.data)[own_points(obj)])
+    places = read_points(obj.data)[own_points(obj)]
+    check_columns({"position": places}, obj.name)
+    return to_world(obj, places)
 
 
 def own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
     """Columns of the points without those that a bake has added."""
     own = own_points(obj)
-    return {name: values[own] for name, values in read_columns(obj.data, types).items()}
+    found = {name: values[own] for name, values in read_columns(obj.data, types).items()}
+    check_columns({name: one for name, one in found.items() if name not in _BOUND}, obj.name)
+    return found
 
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
@@ -343,6 +354,12 @@ def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     found = get_input(modifier, name) if modifier and has_input(modifier, name) else None
     if found is None:
         raise ScatterError(f"Scatter '{obj.name}' has no baked {name}: bake again")
+    if not isinstance(found, bpy.types.Object) or found.type != "MESH":
+        kind = getattr(found, "type", "number").lower()
+        raise ScatterError(
+            f"{name} '{getattr(found, 'name', found)}' of '{obj.name}' is a {kind}, no mesh: bake "
+            "again"
+        )
     return found
 
 
@@ -353,8 +370,25 @@ def key_tables(obj: bpy.types.Object) -> tuple[Ints, Columns, Columns, int]:
         read_columns(keys, KEY_ATTRIBUTES)["dapple_face"],
         read_columns(triangles, TRIANGLE_ATTRIBUTES),
         read_columns(frames, FRAME_ATTRIBUTES),
-        get_input(scatter_modifier(obj), "Key Points"),
+        key_points(obj),
     )
+
+
+def check_keys(obj: bpy.types.Object) -> None:
+    """ScatterError if a bake points to what is not there."""
+    wrong = wrong_index(*key_tables(obj))
+    if wrong:
+        raise ScatterError(f"Scatter '{obj.name}': the keys are damaged ({wrong}): bake again")
+
+
+def key_points(obj: bpy.types.Object) -> int:
+    """Points of each key; ScatterError where that is no number."""
+    modifier = scatter_modifier(obj)
+    there = modifier is not None and has_input(modifier, "Key Points")
+    found = get_input(modifier, "Key Points") if there else None
+    if not isinstance(found, int) or found < 0:
+        raise ScatterError(f"Scatter '{obj.name}' does not know how many points it has: bake again")
+    return found
 
 
 def stores_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
@@ -363,7 +397,7 @@ def stores_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
     if modifier is None:
         return []
     found = (get_input(modifier, name) for name in _STORES if has_input(modifier, name))
-    return [store for store in found if store is not None]
+    return [store for store in found if isinstance(store, bpy.types.Object)]
 
 
 def read_baked(obj: bpy.types.Object) -> Baked:
@@ -395,9 +429,10 @@ def clear_keys(obj: bpy.types.Object) -> None:
     obj.update_tag()
     for store in stores:
         if store.users == 0 and store.library is None:
-            mesh = store.data
+            data = store.data
             bpy.data.objects.remove(store)
-            bpy.data.meshes.remove(mesh)
+            if data is not None and data.users == 0:
+                bpy.data.batch_remove([data])
 
 
 def _write_solved_report(obj: bpy.types.Object) -> None:

@@ -11,10 +11,11 @@ import numpy as np
 from ..core.density import names_of
 from ..core.errors import ScatterError
 from ..core.raw import RawImage, brightness
+from ..core.records import check_columns
 from ..core.settings import Settings
 from ..core.sources import digest_of
 from ..core.surface import Floats, Ints, SurfaceArrays, Surroundings
-from .meshio import evaluated_mesh, read_points, read_surface, to_world
+from .meshio import evaluated_mesh, read_columns, read_points, read_surface, to_world
 from .scatter import is_scatter
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
@@ -184,7 +185,9 @@ def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:
         if is_scatter(obj):
-            places = to_world(obj, read_points(obj.data))
+            places = read_points(obj.data)
+            check_columns({"position": places}, obj.name)
+            places = to_world(obj, places)
             points.append(places)
             radii.append(np.maximum(_radii(obj, len(places)), margin))
     joined, sizes = np.concatenate(points), np.concatenate(radii)
@@ -196,7 +199,7 @@ def _radii(obj: bpy.types.Object, count: int) -> Floats:
     own = np.array([kind.radius for kind in obj.dapple.classes])
     if not len(own) or "dapple_class" not in obj.data.attributes:
         return np.zeros(count)
-    classes = np.empty(count, dtype=np.int32)
-    obj.data.attributes["dapple_class"].data.foreach_get("value", classes)
-    found: Floats = own[np.minimum(classes, len(own) - 1)]
+    columns = read_columns(obj.data, {"dapple_class": "INT"})
+    check_columns(columns, obj.name)
+    found: Floats = own[np.minimum(columns["dapple_class"], len(own) - 1)]
     return found

@@ -196,7 +196,7 @@ class DAPPLE_PT_instances(_ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         _draw_class_list(layout, settings)
         kinds, at = settings.classes, settings.class_index
-        shown = kinds[at] if at < len(kinds) else settings
+        shown = kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
         if kinds:
             _draw_class(layout, shown)
         for names in (("instance", "collection"), _SIZE, _DIRECTION):

@@ -11,7 +11,7 @@ from ..core.raw import RawValues, at_vertices, checked_density
 from ..core.surface import Floats, Ints
 from .corners import corner_vertices
 
-GROUP_PART = 20_000  # vertices
+GROUP_PART = 5_000  # vertices
 
 _FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
 _COLOURS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}

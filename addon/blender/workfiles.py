@@ -25,6 +25,7 @@ from .store import own_columns
 from .translation import told
 
 _FOLDER = re.compile(r".*?-([0-9a-f]{8})(-[0-9a-f]{8})?")
+_KEY = re.compile("[0-9a-f]{8}")
 _START_COLUMNS = {**ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
 
 
@@ -69,11 +70,9 @@ def left_over(obj: bpy.types.Object) -> int:
     return _counted(obj)[1]
 
 
-def drop_finished(obj: bpy.types.Object) -> None:
-    """Remove the work files of the bake that a scatter plays."""
-    for files in all_work_files(obj):
-        if _is_finished(obj, files):
-            files.clear()
+def finished_files(obj: bpy.types.Object) -> list[Sidecar]:
+    """The work files of the bake that a scatter plays."""
+    return [files for files in all_work_files(obj) if _is_finished(obj, files)]
 
 
 def new_key() -> str:
@@ -120,7 +119,9 @@ def _keys() -> dict[int, str]:
     if _known.objects != len(bpy.data.objects):
         _known.keys, seen = {}, set()
         for obj in filter(is_scatter, bpy.data.objects):  # by name: copies come later
-            key = obj.dapple.bake_key or _digest(obj.name)
+            key = obj.dapple.bake_key
+            if not _KEY.fullmatch(key):  # of an older version, or no name for a folder
+                key = _digest(obj.name)
             key = _digest(key + obj.name) if key in seen else key
             seen.add(key)
             _known.keys[obj.session_uid] = key

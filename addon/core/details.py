@@ -11,6 +11,7 @@ from .native import package
 from .surface import Floats
 
 BINS = 24
+_MOST, _MOST_GAP = 100_000, 2**31  # energies, and points of a bin: more cannot be
 FARTHEST = 1.2  # of the local spacing: the last bin's end
 
 
@@ -30,9 +31,12 @@ def details_from(text: str) -> Details:
     """What text() told; nothing where it is not that."""
     try:
         stored = json.loads(text)
-        return Details(tuple(map(float, stored["energies"])), tuple(map(int, stored["gaps"])))
-    except (ValueError, TypeError, KeyError):
+        found = Details(tuple(map(float, stored["energies"])), tuple(map(int, stored["gaps"])))
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
         return Details()
+    whole = len(found.energies) <= _MOST and len(found.gaps) <= BINS
+    sane = np.isfinite(found.energies).all() and all(0 <= gap <= _MOST_GAP for gap in found.gaps)
+    return found if whole and sane else Details()
 
 
 def details_of(samples: Any, density: Floats) -> Details:

@@ -61,6 +61,9 @@ POINT_ATTRIBUTES = {
 # where it is. Older files have neither.
 ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN"}
 
+MOST_CLASSES = 10_000
+_LIMITS = {"id": 2**30, "dapple_class": MOST_CLASSES - 1, "dapple_part": 2**20}  # largest values
+
 Columns = dict[str, np.ndarray]
 
 
@@ -122,6 +125,25 @@ def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
             f"Scatter '{name}': dapple_barycentric[{point}] is not finite: "
             f"{binding.barycentric[point].tolist()}"
         )
+
+
+def check_columns(columns: Columns, name: str) -> None:
+    """ScatterError unless stored columns of a scatter or its keys hold what Dapple writes there."""
+    for column, values in columns.items():
+        limit = _LIMITS.get(column)
+        if limit is not None:
+            wrong = (values < 0) | (values > limit)
+            rule = f"it must be from 0 to {limit}"
+        elif values.dtype.kind == "f":
+            wrong = ~np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
+            rule = ""
+        else:
+            continue
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            found = values[row].tolist()
+            said = f"is {found}, {rule}" if rule else f"is not finite: {found}"
+            raise ScatterError(f"Scatter '{name}': {column}[{row}] {said}")
 
 
 def unbound(binding: Binding) -> NDArray[np.bool_]:

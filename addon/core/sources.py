@@ -58,7 +58,7 @@ def sources_from(text: str) -> Sources | None:
         near = {str(name): _unpacked(*packed) for name, packed in stored["near"].items()}
         moving = tuple(map(str, stored["moving"]))
         return Sources(float(stored["frame"]), float(stored["mass"]), exact, near, moving)
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 
 

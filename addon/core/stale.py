@@ -70,7 +70,7 @@ def changed_baking(stored: str, now: BakeSettings) -> list[str]:
 def _read(stored: str) -> dict[str, Any]:
     try:
         values = json.loads(stored)
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
     return _rounded(values) if isinstance(values, dict) else {}
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
-from .groups import VERSION, VERSION_KEY
+from .groups import VERSION, VERSION_KEY, version_of
 from .inputs import get_input, has_input, set_input
 from .scatter import (
     GROUP_NAME,
@@ -26,4 +26,5 @@ __all__ = [
     "input_name",
     "is_current",
     "set_input",
+    "version_of",
 ]

@@ -16,6 +16,12 @@ VERSION_KEY = "dapple_version"  # -VERSION for groups inside others
 _PART_KEY = "dapple_part"
 
 
+def version_of(group: bpy.types.NodeTree | None) -> int:
+    """Of a group that plays a scatter; 0 of any other."""
+    found = 0 if group is None else group.get(VERSION_KEY, 0)
+    return found if isinstance(found, int) else 0
+
+
 def inner(b: Builder, part: ModuleType, *feeds: object) -> bpy.types.Node:
     """A node with the group that a module builds; feeds go to its inputs in their order."""
     return b.group(ensure(part), *feeds)

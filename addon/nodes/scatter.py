@@ -5,7 +5,7 @@ import bpy
 
 from . import of_class, points, things, viewport
 from .builder import Builder, Socket, new_group
-from .groups import VERSION, VERSION_KEY, inner
+from .groups import VERSION, VERSION_KEY, inner, version_of
 
 GROUP_NAME = "Dapple Scatter"
 KEPT_SINCE = 4  # groups from this version on are told the same by INPUTS
@@ -29,9 +29,14 @@ def ensure_group(classes: int = 0) -> bpy.types.NodeTree:
 
 def is_current(group: bpy.types.NodeTree | None, classes: int) -> bool:
     """Whether a group is of this version and for so many classes."""
-    if group is None or group.get(VERSION_KEY) != VERSION:
+    if group is None or version_of(group) != VERSION or group.get(_KINDS_KEY, 0) != classes:
         return False
-    return bool(group.get(_KINDS_KEY, 0) == classes)
+    sockets = {
+        (item.name, item.socket_type)
+        for item in group.interface.items_tree
+        if item.item_type == "SOCKET" and item.in_out == "INPUT"
+    }
+    return sockets >= set(_inputs(classes))
 
 
 def input_name(name: str, kind: int | None) -> str:
@@ -39,12 +44,21 @@ def input_name(name: str, kind: int | None) -> str:
     return name if kind is None else f"{name} {kind + 1}"
 
 
+def _kinds(classes: int) -> list[int | None]:
+    return list(range(classes)) or [None]
+
+
+def _inputs(classes: int) -> list[tuple[str, str]]:
+    """Names and socket types."""
+    own = [(input_name(name, k), kind) for k in _kinds(classes) for name, kind in INSTANCE_INPUTS]
+    return INPUTS + own
+
+
 def build(classes: int = 0) -> bpy.types.NodeTree:
     """New group, marked with its version."""
-    kinds: list[int | None] = list(range(classes)) or [None]
-    inputs = [(input_name(name, k), socket) for k in kinds for name, socket in INSTANCE_INPUTS]
+    kinds = _kinds(classes)
     name = f"{GROUP_NAME} {classes} Classes" if classes else GROUP_NAME
-    tree = new_group(name, INPUTS + inputs, [("Geometry", "NodeSocketGeometry")])
+    tree = new_group(name, _inputs(classes), [("Geometry", "NodeSocketGeometry")])
     tree.is_modifier = True
     tree[VERSION_KEY], tree[_KINDS_KEY] = VERSION, classes
     b = Builder(tree)
