@@ -171,7 +171,7 @@ def _doubt(one: _Asked) -> None:
 def _wake() -> None:
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)  # it may sleep between two glances
-    bpy.app.timers.register(tick, first_interval=_PAUSE)
+    bpy.app.timers.register(tick, first_interval=_PAUSE, persistent=True)
 
 
 def _busy() -> bool:

@@ -99,7 +99,7 @@ def start(obj: bpy.types.Object) -> None:
         space = bpy.types.SpaceView3D
         _shown.handle = space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
     if not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=_POLL)
+        bpy.app.timers.register(_tick, first_interval=_POLL, persistent=True)
     _redraw()
 
 

@@ -114,7 +114,7 @@ def _begin_steps(preview: _Preview) -> Steps:
 
 def _ensure_timer() -> None:
     if not bpy.app.timers.is_registered(tick):
-        bpy.app.timers.register(tick, first_interval=_TICK)
+        bpy.app.timers.register(tick, first_interval=_TICK, persistent=True)
 
 
 def stop(obj: bpy.types.Object) -> None:

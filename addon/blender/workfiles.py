@@ -278,7 +278,9 @@ def register() -> None:
     for handlers, handler in _handlers():
         bpy.app.handlers.persistent(handler)
         handlers.append(handler)
-    bpy.app.timers.register(_begin, first_interval=0.0)  # no file is there yet at start-up
+    # No file is there yet at start-up. Persistent: one that is dropped by opening a file keeps
+    # Python's bpy module from closing.
+    bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)
 
 
 def _begin() -> None:
