@@ -2,6 +2,7 @@
 """The extension itself: enabling, layers, manifest, one name for each option."""
 
 import importlib
+import os
 import re
 import subprocess
 import sys
@@ -272,3 +273,30 @@ def test_a_second_enabled_copy_works_when_the_first_is_disabled(second):
     assert len(scenes.positions(obj)) == 60
     addon_host.enable()  # now this one waits
     assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60
+
+
+OPENED = """
+import bpy
+import addon.blender as addon
+
+addon.register()
+bpy.ops.wm.read_factory_settings(use_empty=True)
+addon.unregister()
+print("done")
+"""
+
+
+@pytest.mark.skipif(bool(bpy.app.binary_path), reason="Blender itself ends in another way")
+@pytest.mark.skipif(bool(addon_host.TESTED_ZIP), reason="it is imported from the checkout")
+def test_python_closes_after_a_file_was_opened(tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(addon_host.CHECKOUT.parent)}
+    environment["BLENDER_USER_RESOURCES"] = str(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-c", OPENED],
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "done" in done.stdout
