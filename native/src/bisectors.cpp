@@ -15,15 +15,34 @@ void Bisectors::reset(std::int32_t site) {
   fetched_ = 0;
   rivals_.clear();
   next_rival_ = 0;
-  if (index_->tree())
-    fetch(kFirstNeighbours + 1);
-  else
+  if (index_->has_graph())
     take_links();
+  else
+    fetch(kFirstNeighbours + 1);
+}
+
+// All sites may be at one place: any lower one settles that this is not the owner.
+std::int32_t Bisectors::owner() {
+  std::int32_t best = index_->leader(site_);
+  if (best != site_) return best;
+  const auto look_at = [&](std::int32_t site, double squared_distance) {
+    if (squared_distance == 0.0 && sites_->original(site) < sites_->original(best)) best = site;
+  };
+  if (index_->has_graph()) {
+    for (const Bisector& b : bisectors_) look_at(b.site, b.squared_distance);
+    return best;
+  }
+  while (true) {
+    for (const Neighbour& found : found_) look_at(found.index, found.squared_distance);
+    if (best != site_ || fetched_ == index_->population() || found_.back().squared_distance > 0.0)
+      return best;
+    fetch(2 * fetched_);
+  }
 }
 
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
   site_ = site;
-  fetched_ = sites_->size();
+  fetched_ = index_->population();
   bisectors_.clear();
   settled_ = 0;
   rivals_.clear();
@@ -49,7 +68,7 @@ void Bisectors::take_rivals() {
 }
 
 void Bisectors::fetch(std::size_t count) {
-  index_->tree()->nearest(sites_->position(site_), count, found_);
+  index_->nearest(sites_->position(site_), count, found_);
   fetched_ = found_.size();
   bisectors_.clear();
   for (const Neighbour& found : found_)
@@ -63,7 +82,7 @@ void Bisectors::take_links() {
   for (const auto& [site, d] : index_->links(site_))
     bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), index_->ordered(site)});
   settled_ = bisectors_.size();
-  fetched_ = sites_->size();
+  fetched_ = index_->population();
 }
 
 void Bisectors::add(std::int32_t other) {
@@ -99,7 +118,7 @@ void Bisectors::drop_twins() {
 // only when a longer list has found all of them.
 void Bisectors::settle() {
   settled_ = bisectors_.size();
-  if (fetched_ == sites_->size() || bisectors_.empty()) return;
+  if (fetched_ == index_->population() || bisectors_.empty()) return;
   const double last = found_.back().squared_distance;
   while (settled_ > 0 && bisectors_[settled_ - 1].squared_distance >= last) --settled_;
 }

@@ -26,10 +26,14 @@ class Bisectors {
   /// Turn to a site, with `others` alone, whether it is one of them or not.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
+  /// The site that owns the cell: of those at the same place the one of the lowest (caller's) index
+  /// that is known so far. It may have a lower one itself, but nothing is fetched to tell.
+  [[nodiscard]] std::int32_t owner();
+
   /// Bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
     while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
-    while (k >= settled_ && fetched_ < sites_->size()) fetch(2 * fetched_);
+    while (k >= settled_ && fetched_ < index_->population()) fetch(2 * fetched_);
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 

@@ -15,12 +15,9 @@ CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const Si
       stamps_(surface.face_count(), 0) {}
 
 bool CellFlood::reset(std::int32_t site) {
-  site_ = owner_ = site;
+  site_ = site;
   bisectors_.reset(site);
-  for (std::size_t k = 0; const Bisector* b = bisectors_.at(k); ++k) {
-    if (b->squared_distance > 0.0) break;
-    if (sites_->original(b->site) < sites_->original(owner_)) owner_ = b->site;
-  }
+  owner_ = bisectors_.owner();
   return owner_ == site_;
 }
 

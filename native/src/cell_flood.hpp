@@ -12,8 +12,8 @@ class CellFlood {
   /// The arguments must outlive the flood.
   CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
-  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell: see
-  /// owner().
+  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
+  /// owner(), or another one that this leads to.
   bool reset(std::int32_t site);
 
   /// Turn to a site that competes with `others` only.

@@ -3,28 +3,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <unordered_set>
 
 #include "parallel.hpp"
 #include "triangle.hpp"
 
 namespace dapple {
+
+/// The nearest point found so far, on an ordered face.
+struct LocalProjection::Hit {
+  double squared_distance;
+  std::int32_t face;
+  Vec3 barycentric;
+};
+
 namespace {
 
 constexpr std::size_t kGrain = 64;
 constexpr double kRounding = 1e-9;  // of a distance ...
 constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes from
 constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
-
-/// The nearest point found so far, on an ordered face.
-struct Hit {
-  double squared_distance;
-  std::int32_t face;
-  Vec3 barycentric;
-};
+constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
 
 class Walk {
  public:
+  using Hit = LocalProjection::Hit;
+
   Walk(const Surface& surface, const Vec3& point) : surface_(surface), point_(point) {}
 
   /// The nearest point among the faces connected to `start` within the ball that touches it.
@@ -86,10 +91,42 @@ class Walk {
   std::vector<std::int32_t> pending_;
 };
 
-bool suspicious(const Surface& surface, std::int32_t from, std::int32_t hit) {
-  if (from == hit) return false;
-  if (surface.component(from) != surface.component(hit)) return true;
-  return surface.geometry(from).normal.dot(surface.geometry(hit).normal) < kTurned;
+/// The edge of a face (its half-edge) beyond which a point lies, seen along the face's normal; none
+/// if it lies over the face.
+std::optional<std::int32_t> edge_towards(const Surface& surface, std::int32_t face,
+                                         const Vec3& point) {
+  const Face& corners = surface.corners(face);
+  const Vec3& normal = surface.geometry(face).normal;
+  std::optional<std::int32_t> best;
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& a = surface.vertex(corners[k]);
+    const Vec3 along = surface.vertex(corners[(k + 1) % 3]) - a;
+    const double beyond = normal.cross(along).dot(a - point) / along.norm();
+    if (!(beyond > farthest + kDigits * point.cwiseAbs().maxCoeff())) continue;
+    farthest = beyond;
+    best = 3 * face + static_cast<std::int32_t>(k);
+  }
+  return best;
+}
+
+/// Whether going straight from one face leads to the hit: if it lies on another sheet it does not,
+/// not even on one that lies at the same place.
+bool leads_to(const Surface& surface, std::int32_t from, std::int32_t hit, const Vec3& point) {
+  for (int step = 0; step < kStraight && from != hit; ++step) {
+    const std::optional<std::int32_t> edge = edge_towards(surface, from, point);
+    if (!edge) return false;
+    const std::int32_t across = surface.next_around(*edge);
+    if (across == *edge || surface.next_around(across) != *edge) return false;
+    from = across / 3;
+  }
+  return from == hit;
+}
+
+/// A hit on another component, or on a face turned away.
+bool on_another_sheet(const Surface& surface, std::int32_t from, std::int32_t hit) {
+  return surface.component(from) != surface.component(hit) ||
+         surface.geometry(from).normal.dot(surface.geometry(hit).normal) < kTurned;
 }
 
 }  // namespace
@@ -111,15 +148,29 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
   parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t start = surface_->ordered_face(from[k]);
-      if (!suspicious(*surface_, start, surface_->ordered_face(hits.faces[k]))) continue;
-      walk_to(points[k], start, k, hits);
+      const std::int32_t hit = surface_->ordered_face(hits.faces[k]);
+      if (start == hit) continue;
+      if (on_another_sheet(*surface_, start, hit))
+        walk_to(points[k], start, k, hits);
+      else if (!leads_to(*surface_, start, hit, hits.positions[k]))
+        stay(points[k], start, k, hits);
     }
   });
 }
 
 void LocalProjection::walk_to(const Vec3& point, std::int32_t start, std::size_t k,
                               Projection& hits) const {
+  put(Walk(*surface_, point).from(start), k, hits);
+}
+
+void LocalProjection::stay(const Vec3& point, std::int32_t start, std::size_t k,
+                           Projection& hits) const {
   const Hit hit = Walk(*surface_, point).from(start);
+  const double same = hits.distances[k] * (1.0 + kRounding) + kDigits * point.cwiseAbs().maxCoeff();
+  if (std::sqrt(hit.squared_distance) <= same) put(hit, k, hits);
+}
+
+void LocalProjection::put(const Hit& hit, std::size_t k, Projection& hits) const {
   hits.faces[k] = surface_->original_face(hit.face);
   hits.barycentric[k] = hit.barycentric;
   hits.positions[k] = surface_->point(hits.faces[k], hit.barycentric);

@@ -19,13 +19,20 @@ class LocalProjection {
                                 std::span<const std::int32_t> from) const;
 
   /// Mend the hits of `points`, which left the faces `from`, in place. Only hits on another
-  /// component or on a face turned away are looked at.
+  /// component or on a face turned away are looked at, and those to which going straight over the
+  /// faces does not lead: of two sheets at one place a point stays on its own.
   void mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
             Projection& hits) const;
+
+  struct Hit;
 
  private:
   /// Put the point where a walk from the ordered face `start` ends.
   void walk_to(const Vec3& point, std::int32_t start, std::size_t k, Projection& hits) const;
+
+  /// The same if that is as near as the hit that is there.
+  void stay(const Vec3& point, std::int32_t start, std::size_t k, Projection& hits) const;
+  void put(const Hit& hit, std::size_t k, Projection& hits) const;
 
   const Surface* surface_;
 };

@@ -220,7 +220,7 @@ class Builder {
     std::vector<std::int32_t> known = {nearest_to(face)};
     std::vector<Share> result;
     for (std::size_t k = 0; k < known.size(); ++k) {
-      if (!flood.reset(known[k]) && !flood.reset(flood.owner())) continue;
+      for (std::int32_t site = known[k]; !flood.reset(site);) site = flood.owner();
       flood.clip(face);
       const auto add = [&](std::int32_t j) {
         if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);

@@ -5,6 +5,11 @@
 #include <numeric>
 
 namespace dapple {
+namespace {
+
+constexpr std::size_t kCrowd = 16;  // sites on one face: fewer are looked through in no time
+
+}  // namespace
 
 OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) : originals(sites.size()) {
   std::vector<std::int32_t> ordered(sites.size());
@@ -24,7 +29,8 @@ OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) : origina
 SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
     : sites_(&sites), graph_(graph) {
   if (!graph) {
-    tree_.emplace(sites.positions);
+    leave_crowds_out();
+    tree_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
     return;
   }
   ordered_.resize(sites.size());
@@ -32,10 +38,48 @@ SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
     ordered_[static_cast<std::size_t>(sites.originals[k])] = static_cast<std::int32_t>(k);
 }
 
+// Sites are sorted by face and caller's index, so those of a face are one run.
+void SiteIndex::leave_crowds_out() {
+  const std::vector<std::int32_t>& faces = sites_->faces;
+  for (std::size_t first = 0, last = 0; first < faces.size(); first = last) {
+    while (last < faces.size() && faces[last] == faces[first]) ++last;
+    if (last - first >= kCrowd) find_crowds(first, last);
+  }
+  for (std::size_t k = 0; k < leaders_.size(); ++k) {
+    if (leaders_[k] != static_cast<std::int32_t>(k)) continue;
+    kept_.push_back(static_cast<std::int32_t>(k));
+    kept_positions_.push_back(sites_->positions[k]);
+  }
+}
+
+/// Name the leaders of those sites in [first, last) that share their place with others.
+void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
+  std::vector<std::pair<std::array<double, 3>, std::size_t>> run;
+  for (std::size_t k = first; k < last; ++k) {
+    const Vec3& p = sites_->positions[k];
+    run.push_back({{p.x(), p.y(), p.z()}, k});
+  }
+  std::sort(run.begin(), run.end());
+  for (std::size_t k = 1; k < run.size(); ++k) {
+    if (run[k].first != run[k - 1].first) continue;
+    if (leaders_.empty()) {
+      leaders_.resize(sites_->size());
+      std::iota(leaders_.begin(), leaders_.end(), 0);
+    }
+    leaders_[run[k].second] = leaders_[run[k - 1].second];
+  }
+}
+
+void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const {
+  tree_->nearest(point, count, found);
+  if (!kept_.empty())
+    for (Neighbour& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
+}
+
 std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
-  if (!tree_) return walk(point, from);
+  if (graph_) return walk(point, from);
   std::vector<Neighbour> found;
-  tree_->nearest(point, 1, found);
+  nearest(point, 1, found);
   return found[0].index;
 }
 

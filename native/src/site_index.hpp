@@ -32,8 +32,18 @@ class SiteIndex {
   /// The arguments must outlive the index. \param graph of the caller's sites, or null
   SiteIndex(const OrderedSites& sites, const SiteGraph* graph);
 
-  /// Null with a graph.
-  [[nodiscard]] const Neighbours* tree() const { return tree_ ? &*tree_ : nullptr; }
+  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
+  /// Only without a graph: the `count` sites nearest to a point, nearest first. Of a crowd of sites
+  /// at one place on one face only the first (of the caller's order) is there.
+  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const;
+  /// How many there are to be found.
+  [[nodiscard]] std::size_t population() const {
+    return kept_.empty() ? sites_->size() : kept_.size();
+  }
+  /// The site that stands for the crowd that a site is in; the site itself outside one.
+  [[nodiscard]] std::int32_t leader(std::int32_t site) const {
+    return leaders_.empty() ? site : leaders_[static_cast<std::size_t>(site)];
+  }
   /// Only with a graph; they name the caller's sites.
   [[nodiscard]] std::span<const SiteGraph::Link> links(std::int32_t site) const {
     return graph_->of(static_cast<std::size_t>(sites_->original(site)));
@@ -47,6 +57,8 @@ class SiteIndex {
   [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
 
  private:
+  void leave_crowds_out();
+  void find_crowds(std::size_t first, std::size_t last);
   [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
   [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
     return (sites_->position(site) - point).squaredNorm();
@@ -54,7 +66,11 @@ class SiteIndex {
 
   const OrderedSites* sites_;
   const SiteGraph* graph_;
-  std::optional<Neighbours> tree_;     // without a graph
+  std::optional<Neighbours> tree_;  // without a graph
+  // Where there are crowds: a tree would look at all of a crowd for each of its sites.
+  std::vector<std::int32_t> leaders_;  // per site
+  std::vector<std::int32_t> kept_;     // the sites in the tree
+  std::vector<Vec3> kept_positions_;
   std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
 };
 

@@ -149,5 +149,27 @@ TEST(SurfaceDomain, KeepsSitesWhereThereIsDensity) {
   }
 }
 
+/// A cloth folded flat onto itself: both halves are one component, at the same place and turned the
+/// same way where it is folded twice.
+TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
+  Shape shape = grid(8);
+  const auto count = static_cast<std::int32_t>(shape.faces.size());
+  const auto vertices = static_cast<std::int32_t>(shape.vertices.size());
+  Shape copy = shape;
+  shape = joined(shape, copy);
+  for (std::size_t f = static_cast<std::size_t>(count); f < shape.faces.size(); ++f)
+    for (std::int32_t& v : shape.faces[f])
+      if (shape.vertices[static_cast<std::size_t>(v)].x() == 0.0) v -= vertices;  // the fold
+  const Surface surface = shape.surface();
+  ASSERT_EQ(surface.components(), 1);
+  Random random(1);
+  const Sites sites = random_sites(shape, 200, random, true);
+  std::vector<Vec3> moved;
+  for (const Vec3& p : sites.positions) moved.emplace_back(p + Vec3(0.04, 0.03, 0.01));
+  const Sites found = SurfaceDomain(surface).project(moved, sites.faces);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    EXPECT_EQ(found.faces[k] < count, sites.faces[k] < count) << "site " << k;
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -187,6 +187,30 @@ TEST(RestrictedVoronoi, GivesAllToTheFirstOfCoincidentSites) {
 
 /// Twins on different faces around a vertex come in another order along the surface: what borders
 /// on them must border on the first, not on one whose cell is empty.
+/// Each of them asking for all others would take an hour.
+TEST(RestrictedVoronoi, ACrowdAtOnePlaceCostsNoMoreThanAsManySites) {
+  const Shape shape = icosphere(2);
+  const std::size_t count = 300'000;
+  const Sites sites{std::vector<Vec3>(count, shape.point(5, Vec3(0.2, 0.3, 0.5))),
+                    std::vector<std::int32_t>(count, 5)};
+  for (const Cells cells : {Cells::kConnected, Cells::kEuclidean}) {
+    const RestrictedVoronoi diagram = restricted_voronoi(shape.surface(), sites, nullptr, cells);
+    EXPECT_NEAR(diagram.cells[0].capacity, shape.area(), 1e-12 * shape.area());
+    for (std::size_t k = 1; k < count; ++k) ASSERT_EQ(diagram.cells[k].area, 0.0);
+  }
+}
+
+/// Coincident sites on different faces of an edge among a crowd on one of them.
+TEST(RestrictedVoronoi, ACrowdBelongsToTheFirstOfAllItsSites) {
+  const Shape shape = grid(1);
+  const Vec3 middle = 0.5 * (shape.vertices[static_cast<std::size_t>(shape.faces[0][0])] +
+                             shape.vertices[static_cast<std::size_t>(shape.faces[0][2])]);
+  Sites sites{std::vector<Vec3>(40, middle), std::vector<std::int32_t>(40, 0)};
+  sites.faces[0] = 1;
+  const RestrictedVoronoi diagram = restricted_voronoi(shape.surface(), sites);
+  EXPECT_NEAR(diagram.cells[0].capacity, 1.0, 1e-12);
+}
+
 TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbour) {
   const Shape shape = grid(4);
   const Surface surface = shape.surface();
