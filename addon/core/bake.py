@@ -7,7 +7,7 @@ without a stop.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from .binding import placed_of, rebound, samples_of
 from .errors import ScatterError
@@ -22,7 +22,7 @@ from .rest import Shape, bound_at_rest, rest_columns
 from .settings import Settings
 from .sidecar import Fingerprint, Sidecar, Solved
 from .solve import Report, named, report_of
-from .surface import Floats, Ints, SurfaceArrays, check_same_topology
+from .surface import REBIND, Floats, Ints, SurfaceArrays, check_same_topology
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,8 @@ class Baker:
 
     Where changes() says so, cross() comes before enter().
     """
+
+    remedy: ClassVar[str] = REBIND  # where the topology changes and must not
 
     bound: SurfaceArrays  # where the current topology begins
     start: Start
@@ -78,7 +80,7 @@ class Baker:
     def changes(self, frame: SurfaceArrays) -> bool:
         """Whether the next frame has another topology; ScatterError if it may not."""
         if not self.rebind:
-            check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
+            check_same_topology(self.bound, frame, f"frame {self.first + self.done}", self.remedy)
         return frame.topology != self.bound.topology
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:

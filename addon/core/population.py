@@ -7,7 +7,7 @@ not there yet or no more.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -37,6 +37,7 @@ class Born:
 class PopulationBaker(Baker):
     """Bakes births and deaths; frames are not kept in files before the end."""
 
+    remedy: ClassVar[str] = "Set Over Time to Keep Count"
     fade: int = 12  # frames that a point takes to appear or to vanish
 
     def __post_init__(self) -> None:

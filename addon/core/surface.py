@@ -13,6 +13,10 @@ from .errors import ChangedError, ScatterError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+REBIND = (
+    "Set On Topology Change to Re-bind to go on from the nearest places, "
+    "or Bind To to Rest Position"
+)
 
 
 @dataclass(frozen=True)
@@ -76,16 +80,17 @@ def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
     return digest.hexdigest()
 
 
-def check_same_topology(first: SurfaceArrays, later: SurfaceArrays, when: str) -> None:
-    """ScatterError unless both frames have the same polygons."""
+def check_same_topology(
+    first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REBIND
+) -> None:
+    """ScatterError unless both frames have the same polygons; remedy tells what to do."""
     if first.topology == later.topology:
         return
     before, after = len(first.vertices), len(later.vertices)
     detail = f"{after} vertices, was {before}" if before != after else "other faces"
     raise ScatterError(
         f"Surface '{first.name}' changes its topology at {when} ({detail}): "
-        "points can only be carried over frames with the same faces. Set On Topology Change to "
-        "Re-bind to go on from the nearest places"
+        f"points can only be carried over frames with the same faces. {remedy}"
     )
 
 

@@ -2,7 +2,7 @@
 """Frames that are solved together, so that motion is smooth both ways in time and loops close."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from .bake import Baker
 from .errors import ScatterError
@@ -16,6 +16,7 @@ from .surface import SurfaceArrays
 class TogetherBaker(Baker):
     """Holds the frames back until solve() is called; none is kept in files before."""
 
+    remedy: ClassVar[str] = "Set Smoothing to Forwards"
     closed: bool = False  # the last frame leads back to the first
 
     def __post_init__(self) -> None:

@@ -324,6 +324,27 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
         assert np.abs(seen["positions"] - expected).max() < NEAR * spacing
 
 
+@pytest.mark.parametrize(
+    ("setting", "value", "said"),
+    [
+        ("bake_smoothing", "BOTH_WAYS", "Set Smoothing to Forwards"),
+        ("count_over_time", "KEEP_DENSITY", "Set Over Time to Keep Count"),
+    ],
+)
+def test_what_needs_the_same_faces_in_all_frames_says_what_does_not(setting, value, said):
+    bpy.ops.object.metaball_add()
+    surface = bpy.context.object
+    other = surface.data.elements.new()
+    for frame, x in ((1, 0.5), (4, 2.0)):
+        other.co.x = x
+        other.keyframe_insert("co", frame=frame)
+    bpy.context.scene.frame_set(1)
+    obj = scenes.scattered(surface)
+    setattr(obj.dapple, setting, value)
+    with pytest.raises(RuntimeError, match=f"changes its topology at frame 2.*{said}"):
+        bpy.ops.dapple.bake()
+
+
 def test_a_metaball_of_another_ones_surface_says_so():
     for _ in range(2):
         bpy.ops.object.metaball_add()
