@@ -62,9 +62,10 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: 
     group = obj.vertex_groups.get(name)
     if group is None:
         raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
-    own = (
-        next((one.weight for one in vertex.groups if one.group == group.index), 0.0)
-        for vertex in mesh.vertices[part]
+    vertices, index = mesh.vertices, group.index
+    own = (  # one by one: Blender finds the beginning of a slice by walking there
+        next((one.weight for one in vertices[at].groups if one.group == index), 0.0)
+        for at in range(*part.indices(len(vertices)))
     )
     return np.fromiter(own, float)
 
