@@ -99,9 +99,10 @@ void write_mesh_arrays(const std::filesystem::path& path, const py::object& vert
 }
 
 void bind_surface_class(py::module_& m) {
-  py::class_<Topology>(m, "Topology",
-                       "How the faces of a surface are connected (through OpenMesh); border edges at "
-                       "the same place are, see Surface.")
+  py::class_<Topology>(
+      m, "Topology",
+      "How the faces of a surface are connected (through OpenMesh); border edges at "
+      "the same place are, see Surface.")
       .def_readonly("components", &Topology::components, "Sets of faces connected over edges.")
       .def_readonly("border_edges", &Topology::border_edges, "Edges with one face.")
       .def_readonly("border_loops", &Topology::border_loops,
