@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "hexagonal.hpp"
+#include "validate.hpp"
 
 namespace dapple {
 namespace {
@@ -126,6 +127,8 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
 
 std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
                                   const RestrictedVoronoi& diagram) {
+  check_sites(surface, sites);
+  check_same_length("the diagram", diagram.cells.size(), "positions", sites.size());
   std::vector<bool> result(sites.size(), false);
   if (sites.size() == 0) return result;
   ComponentSites tree(surface, sites);
@@ -147,6 +150,9 @@ std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
 
 double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,
                   const std::vector<bool>& left_out) {
+  check_same_length("normals", normals.size(), "the diagram", diagram.cells.size());
+  if (!left_out.empty())
+    check_same_length("left_out", left_out.size(), "the diagram", diagram.cells.size());
   double sum = 0.0;
   std::size_t counted = 0;
   for (std::size_t i = 0; i < diagram.cells.size(); ++i) {

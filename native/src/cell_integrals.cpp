@@ -15,6 +15,14 @@ double distance_to_segment(const Vec3& p, const Vec3& q) {
   return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
 }
 
+/// From a point near it: the differences are exact, where the centroid itself is rounded to the
+/// digits that coordinates have far from the origin.
+Vec3 centroid_of(const Surface& surface, std::int32_t face, const Vec3& from) {
+  const auto [a, b, c] = surface.corners(face);
+  return ((surface.vertex(a) - from) + (surface.vertex(b) - from) + (surface.vertex(c) - from)) /
+         3.0;
+}
+
 }  // namespace
 
 void CellIntegrals::reset() {
@@ -30,7 +38,7 @@ void CellIntegrals::add(std::int32_t face, bool whole) {
     add_shifted(moments_, geometry.moments, centroid);
     return;
   }
-  set_density(geometry, centroid);
+  set_density(geometry, centroid_of(*surface_, face, flood_->position()));
   add_area(geometry);
   add_boundary(geometry);
 }

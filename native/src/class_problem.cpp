@@ -43,6 +43,16 @@ void check_radii(const ClassProblem& problem) {
                       number(problem.classes[largest].radius));
 }
 
+void check_counts(const ClassProblem& problem) {
+  std::size_t sum = 0;
+  for (std::size_t c = 0; c < problem.classes.size(); ++c) {
+    check_count(problem.classes.size() == 1 ? "count" : entry("classes", c) + ".count",
+                problem.classes[c].count);
+    sum += problem.classes[c].count;
+  }
+  check_count("the sum of all counts", sum);
+}
+
 void check_locked(const ClassProblem& problem) {
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
     const ClassProblem::Member& member = problem.classes[c];
@@ -50,12 +60,15 @@ void check_locked(const ClassProblem& problem) {
       throw ArgumentError("locked holds " + std::to_string(member.locked.size()) +
                           " sites of class " + std::to_string(c) + ", whose count is " +
                           std::to_string(member.count) + ": the count includes them");
+    check_same_length("locked.barycentric", member.locked.barycentric.size(), "locked.positions",
+                      member.locked.size());
     member.domain->check(member.locked);
   }
 }
 
 void check(const ClassProblem& problem, const ClassOptions& options) {
   check_at_least("union_weight", options.union_weight, 0.0);
+  check_counts(problem);
   check_radii(problem);
   check_locked(problem);
 }

@@ -17,7 +17,7 @@ Samples sample_classes(const Surface& surface, std::span<const SampleClass> clas
                        const ClassOptions& options, Context* context) {
   const Clock clock;
   if (context) context->check();
-  check_at_least("threads", options.sample.threads, 0);
+  check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
   Samples samples = with_threads(options.sample.threads, [&] {
     const ClassProblem problem = surface_classes(surface, classes, options.sample.cells);
     const ClassMinimum found = solve(problem, options, context);

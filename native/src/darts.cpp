@@ -10,6 +10,8 @@
 namespace dapple {
 namespace {
 
+constexpr double kCells = 0x1p62;  // numbers of cells along an axis
+
 /// What is left of the quotas once some are taken; where a component holds more than its quota, the
 /// others give up places, the richest first.
 void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& taken) {
@@ -120,7 +122,11 @@ Vec3 DartGrid::offset(const Vec3& from, const Vec3& to) const {
 }
 
 DartGrid::Address DartGrid::address(const Vec3& p) const {
-  const auto along = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
+  // Far out the numbers of cells begin anew: two may be one, as they may in a bucket.
+  const auto along = [&](double x) {
+    const double cell = std::fmod(std::floor(x / cell_), kCells);
+    return std::isfinite(cell) ? static_cast<std::int64_t>(cell) : 0;
+  };
   return {along(p.x()), along(p.y()), along(p.z())};
 }
 

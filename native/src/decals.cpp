@@ -72,6 +72,7 @@ class Decals {
 
 void check(const Surface& surface, const Samples& samples, std::span<const double> radii,
            std::span<const Vec3> tangents, const Texels& texels) {
+  check_samples(surface, samples);
   check_same_length("radii", radii.size(), "samples", samples.size());
   check_same_length("tangents", tangents.size(), "samples", samples.size());
   for (std::size_t k = 0; k < radii.size(); ++k)

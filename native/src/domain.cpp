@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <dapple/analysis.hpp>
 #include <dapple/domain.hpp>
@@ -18,6 +20,7 @@ SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
     : surface_(surface), cells_(cells), steps_(steps), cuts_(std::make_shared<CutSurfaces>()) {}
 
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
+  check_sites(surface_, sites);
   const std::shared_ptr<const CutSurface> cut = cuts_->at(surface_, sites.size());
   return cut ? restricted_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_)
              : restricted_voronoi(surface_, sites, context, cells_);
@@ -26,6 +29,7 @@ RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* contex
 Sites SurfaceDomain::project(std::span<const Vec3> points,
                              std::span<const std::int32_t> hints) const {
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
+  if (walks) check_hints(surface_, points, hints);
   Projection found =
       walks ? LocalProjection(surface_).walk(points, hints) : projector().project(points, hints);
   if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found);
@@ -33,8 +37,10 @@ Sites SurfaceDomain::project(std::span<const Vec3> points,
 }
 
 const Projector& SurfaceDomain::projector() const {
+  // While Embree waits for its own tasks, this thread must not begin another that waits for it.
   std::call_once(once_, [&] {
-    projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true);
+    tbb::this_task_arena::isolate(
+        [&] { projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true); });
   });
   return *projector_;
 }

@@ -70,7 +70,6 @@ Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
 }
 
 void check(const TrackerOptions& options) {
-  check_at_least("threads", options.threads, 0);
   check_at_least("union_weight", options.union_weight, 0.0);
   check_at_least("longest_motion", options.longest_motion, 0.0);
   if (!(options.memory >= 0.0 && options.memory <= 1.0))

@@ -17,7 +17,8 @@ constexpr std::size_t kGrain = 32;   // cells a chunk
 constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
 constexpr double kCellsShare = 0.4;  // of the progress
 
-void check(const Samples& samples, const MosaicOptions& options) {
+void check(const Surface& surface, const Samples& samples, const MosaicOptions& options) {
+  check_samples(surface, samples);
   check_at_least("grout", options.grout, 0.0);
   check_at_least("thickness", options.thickness, 0.0);
   check_at_least("tolerance", options.tolerance, 0.0);
@@ -128,7 +129,7 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
 
 Mosaic mosaic(const Surface& surface, const Samples& samples, const MosaicOptions& options,
               Context* context) {
-  check(samples, options);
+  check(surface, samples, options);
   if (context) context->check();
   const std::vector<MadeTile> tiles =
       with_threads(options.threads, [&] { return make_tiles(surface, samples, options, context); });

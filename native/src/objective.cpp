@@ -102,6 +102,7 @@ State evaluate(const Objective& objective, Sites sites,
                const std::vector<std::vector<double>>& radii, const Context* context) {
   State state;
   state.sites = std::move(sites);
+  objective.domain().check(state.sites);
   for (const std::int32_t face : state.sites.faces)
     state.normals.push_back(objective.domain().normal(face));
   for (const Term& term : objective.terms) {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// OpenMesh's headers are not clean under the warnings used here, and its own order matters: readers
-// before kernels.
-#include <OpenMesh/Core/IO/MeshIO.hh>
+// OpenMesh's headers are not clean under the warnings used here.
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/System/omstream.hh>
 
 namespace dapple {
+
+// What it prints about faces that do not fit is no news: whoever adds them looks at what comes
+// back.
+inline const bool kOpenMeshIsQuiet = (omerr().disable(), true);
 
 struct DoubleTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;

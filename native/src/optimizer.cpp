@@ -2,11 +2,13 @@
 #include <dapple/optimizer.hpp>
 
 #include "minimizer.hpp"
+#include "validate.hpp"
 
 namespace dapple {
 
 OptimizerResult optimize(const Domain& domain, const Sites& start, const OptimizerOptions& options,
                          Context* context) {
+  check_finite("barycentric", start.barycentric);
   const Objective objective{
       .capacity_weight = options.capacity_weight,
       .terms = {

@@ -5,6 +5,8 @@
 #include <dapple/energy.hpp>
 #include <numeric>
 
+#include "validate.hpp"
+
 namespace dapple {
 namespace {
 
@@ -96,6 +98,7 @@ void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Ve
 
 Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,
                Cells cells) {
+  check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
   const SurfaceDomain domain(surface, cells);
   Report report;

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "validate.hpp"
+
 namespace dapple {
 
 /// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the
@@ -23,8 +25,10 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
 }
 
 /// Run `work()` with at most `threads` threads (0: as many as the machine has).
+/// \throw ArgumentError unless they are in 0..kMostThreads
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
+  check_threads(threads);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   return arena.execute(work);
 }

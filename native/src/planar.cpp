@@ -20,11 +20,20 @@ const Image& checked(const Image& image) {
   return image;
 }
 
+/// Before memory is asked for: two triangles to a cell.
+void check_grid(std::size_t columns, std::size_t rows) {
+  if (columns > kMostSurfaceFaces / 2 / rows)
+    throw ArgumentError("density needs " + std::to_string(rows) + " x " + std::to_string(columns) +
+                        " vertices: at most " + std::to_string(kMostSurfaceFaces / 2) +
+                        " are possible");
+}
+
 /// Triangles over the lines x and y of a grid, two to a cell: 2 (row * columns + column), and one
 /// more above the diagonal. `value(column, row)` is the density at a crossing.
 template <typename Value>
 Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
                      const Value& value) {
+  check_grid(x.size(), y.size());
   std::vector<Vec3> vertices;
   std::vector<double> density;
   for (std::size_t row = 0; row < y.size(); ++row)
@@ -104,6 +113,7 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed,
                         const Context* context) const {
+  check_count("count", count);
   const ClassStarts starts{{{&drawn_on(), count}}, &drawn_on(), period(), seed};
   return project(
       (kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context)).positions,
@@ -239,6 +249,7 @@ RestrictedVoronoi TorusDomain::cells(const Sites& sites, const Context* context)
 }
 
 Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>) const {
+  check_finite("points", points);
   Sites sites;
   for (const Vec3& x : points) {
     const Vec2 p = canonical(x);

@@ -54,7 +54,7 @@ ClassProblem planar_classes(const FlatDomain& domain, std::span<const PlanarClas
         member.density
             ? std::shared_ptr<const Domain>(domain.with_density(*member.density)->with_cells(cells))
             : own;
-    problem.classes.push_back({mine, member.count, member.radius});
+    problem.classes.push_back({mine, member.count, member.radius, member.locked});
     filled += member.count > 0 ? 1 : 0;
     if (member.count > 0) problem.all = mine;
   }
@@ -72,15 +72,17 @@ ClassProblem planar_classes(const FlatDomain& domain, std::span<const PlanarClas
 
 PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
                             const SampleOptions& options, Context* context) {
-  const PlanarClass all{.count = count};
-  return sample_planar_classes(domain, {&all, 1}, {.sample = options}, context);
+  const PlanarClass all{.count = count, .locked = options.locked};
+  ClassOptions of_class{.sample = options};
+  of_class.sample.locked = {};
+  return sample_planar_classes(domain, {&all, 1}, of_class, context);
 }
 
 PlanarSamples sample_planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
                                     const ClassOptions& options, Context* context) {
   const Clock clock;
   if (context) context->check();
-  check_at_least("threads", options.sample.threads, 0);
+  check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
   PlanarSamples samples = with_threads(options.sample.threads, [&] {
     const ClassProblem problem = planar_classes(domain, classes, options.sample.cells);
     const ClassMinimum found = solve(problem, options, context);

@@ -2,15 +2,18 @@
 #include <dapple/poisson_start.hpp>
 
 #include "class_start.hpp"
+#include "validate.hpp"
 
 namespace dapple {
 
 Sites random_start(const Surface& surface, std::size_t count, std::uint64_t seed) {
+  check_count("count", count);
   return random_start({{{&surface, count}}, &surface, 0.0, seed});
 }
 
 Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed,
                     const Context* context) {
+  check_count("count", count);
   return poisson_start({{{&surface, count}}, &surface, 0.0, seed}, context);
 }
 

@@ -15,14 +15,24 @@ namespace {
 // number changes, or a breathing body would let the same one come and go.
 constexpr double kReluctance = 0.75;
 
+void check_wanted(double wanted, std::size_t now) {
+  if (!(wanted <= static_cast<double>(kMostSamples)))
+    throw ArgumentError("vertices span a surface that asks for " + number(wanted) +
+                        " samples instead of " + std::to_string(now) + ": at most " +
+                        std::to_string(kMostSamples) + " are possible");
+}
+
 }  // namespace
 
 Population::Population(Surface surface, Samples samples, PopulationOptions options)
-    : tracker_(std::move(surface), std::move(samples), options.tracker), options_(options) {
+    : tracker_(std::move(surface), std::move(samples), options.tracker),
+      options_(options),
+      next_id_(0) {
   check_at_least("fade", options.fade, 1);
   const Samples& first = tracker_.samples();
   density_ = static_cast<double>(first.size()) / tracker_.surface().mass();
-  next_id_ = first.ids.empty() ? 0 : *std::max_element(first.ids.begin(), first.ids.end()) + 1;
+  if (!first.ids.empty())
+    next_id_ = std::int64_t{*std::max_element(first.ids.begin(), first.ids.end())} + 1;
   fades_.assign(first.size(), 1.0);
   join();
 }
@@ -32,6 +42,7 @@ Samples Population::resized(const Tracker& tracker, Context* context) const {
   const Samples& now = tracker.samples();
   const double wanted = density_ * tracker.surface().mass();
   if (std::abs(wanted - static_cast<double>(now.size())) < kReluctance) return now;
+  check_wanted(wanted, now.size());
   SampleOptions options;
   options.optimizer = options_.tracker.optimizer;
   options.cells = options_.tracker.cells;
@@ -40,9 +51,12 @@ Samples Population::resized(const Tracker& tracker, Context* context) const {
   Samples result = resample(tracker.surface(), now, static_cast<std::size_t>(std::llround(wanted)),
                             options, context);
   const std::set<std::int32_t> known(now.ids.begin(), now.ids.end());
-  std::int32_t next = next_id_;
+  const auto is_new = [&](std::int32_t id) { return !known.contains(id); };
+  const auto more = std::count_if(result.ids.begin(), result.ids.end(), is_new);
+  check_ids_left(next_id_ - 1, static_cast<std::size_t>(more));
+  std::int64_t next = next_id_;
   for (std::int32_t& id : result.ids)
-    if (!known.contains(id)) id = next++;
+    if (is_new(id)) id = static_cast<std::int32_t>(next++);
   return result;
 }
 
@@ -74,7 +88,7 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   fades_.clear();
   for (const std::int32_t id : after.ids) {
     fades_.push_back(fade_of.contains(id) ? fade_of[id] : 0.0);
-    next_id_ = std::max(next_id_, id + 1);
+    next_id_ = std::max(next_id_, std::int64_t{id} + 1);
   }
   tracker_ = std::move(tracker);
   vanishing_ = std::move(gone);

@@ -65,11 +65,12 @@ class CutMesh {
   }
 
   /// Ask about the pieces not yet seen; true if an edge is marked.
-  bool mark(const Criterion& criterion) {
+  /// \param all also those of faces without area
+  bool mark(const Criterion& criterion, bool all) {
     std::vector<EdgeMarks> marks(triangles_.size(), EdgeMarks{});
     parallel_chunks(triangles_.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t)
-        if (triangles_[t].fresh && has_area(triangles_[t])) marks[t] = criterion(piece(t));
+        if (triangles_[t].fresh && (all || has_area(triangles_[t]))) marks[t] = criterion(piece(t));
     });
     bool any = false;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -305,21 +306,26 @@ Refined CutMesh::result(bool resolved) && {
   return refined;
 }
 
-}  // namespace
-
-Refined refine(const Surface& surface, const Criterion& criterion, std::size_t max_faces,
-               const Context* context) {
+Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::size_t max_faces,
+            const Context* context) {
   if (max_faces < 1 || max_faces > kMostFaces)
     throw ArgumentError("max_faces is " + std::to_string(max_faces) + ": it must be in 1.." +
                         std::to_string(kMostFaces));
   CutMesh mesh(surface);
   while (true) {
     if (context) context->check();
-    if (!mesh.mark(criterion)) return std::move(mesh).result(true);
+    if (!mesh.mark(criterion, all)) return std::move(mesh).result(true);
     mesh.close();
     if (mesh.size_after_cut() > max_faces) return std::move(mesh).result(false);
     mesh.cut();
   }
+}
+
+}  // namespace
+
+Refined refine(const Surface& surface, const Criterion& criterion, std::size_t max_faces,
+               const Context* context) {
+  return cut(surface, criterion, false, max_faces, context);
 }
 
 Refined refine_edges(const Surface& surface, std::span<const double> longest, std::size_t max_faces,
@@ -336,7 +342,7 @@ Refined refine_edges(const Surface& surface, std::span<const double> longest, st
       marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > limit;
     return marks;
   };
-  return refine(surface, too_long, max_faces, context);
+  return cut(surface, too_long, true, max_faces, context);
 }
 
 }  // namespace dapple

@@ -14,7 +14,7 @@ Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
 }  // namespace
 
 Samples Refined::to_original(const Samples& samples) const {
-  check_face_indices("faces", samples.faces, surface);
+  check_binding("samples", surface, samples.faces, samples.barycentric);
   std::vector<std::int32_t> faces;
   std::vector<Vec3> weights;
   for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -29,7 +29,7 @@ Samples Refined::to_original(const Samples& samples) const {
 }
 
 Samples Refined::from_original(const Samples& samples) const {
-  check_face_indices("faces", samples.faces, original);
+  check_binding("samples", original, samples.faces, samples.barycentric);
   const PieceFinder finder(*this);
   std::vector<std::int32_t> faces;
   std::vector<Vec3> weights;
@@ -64,6 +64,8 @@ Refined Refined::deformed(std::span<const Vec3> coarse) const {
 Refined Refined::then(const Refined& finer) const {
   check_same_length("faces of finer's original", finer.original.face_count(), "the surface",
                     surface.face_count());
+  if (!finer.original.same_faces(surface))
+    throw ArgumentError("finer.original is not made of this surface: refine what this one made");
   Refined result{original, finer.surface, {}, {}, ends, resolved && finer.resolved};
   result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
   for (std::size_t f = 0; f < finer.parents.size(); ++f) {

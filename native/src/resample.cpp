@@ -70,10 +70,13 @@ Samples keep(const Surface& surface, const Samples& samples, std::size_t count) 
   return bind_samples(surface, faces, barycentric, ids);
 }
 
-std::vector<std::int32_t> continued(std::vector<std::int32_t> ids,
-                                    std::span<const std::int32_t> used, std::size_t count) {
-  std::int32_t next = used.empty() ? 0 : *std::max_element(used.begin(), used.end()) + 1;
-  while (ids.size() < count) ids.push_back(next++);
+/// As many more ids as are missing, from above the largest on.
+std::vector<std::int32_t> continued(std::vector<std::int32_t> ids, std::size_t count) {
+  const std::int64_t last = ids.empty() ? -1 : *std::max_element(ids.begin(), ids.end());
+  const std::size_t missing = count - std::min(count, ids.size());
+  check_ids_left(last, missing);
+  for (std::size_t k = 1; k <= missing; ++k)
+    ids.push_back(static_cast<std::int32_t>(last + static_cast<std::int64_t>(k)));
   return ids;
 }
 
@@ -83,9 +86,11 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
                  const SampleOptions& options, Context* context) {
   const Clock clock;
   if (context) context->check();
-  check_at_least("threads", options.threads, 0);
+  check_count("count", count);
+  check_none_locked("locked", options.locked, "all may move a little here");
   Samples result = with_threads(options.threads, [&] {
     const Samples kept = keep(surface, samples, count);
+    const std::vector<std::int32_t> ids = continued(kept.ids, count);
     const ClassStarts starts{
         {{&surface, count, 0.0, {kept.positions, kept.faces, kept.barycentric}}},
         &surface,
@@ -96,8 +101,7 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
       optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kSlack);
     const SurfaceDomain domain(surface, options.cells);
     OptimizerResult found = optimize(domain, poisson_start(starts, context), optimizer, context);
-    Samples even =
-        to_samples(surface, domain, std::move(found), continued(kept.ids, samples.ids, count));
+    Samples even = to_samples(surface, domain, std::move(found), ids);
     measure_slide(even.report, even.positions, kept.positions);
     return even;
   });

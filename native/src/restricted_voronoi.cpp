@@ -273,6 +273,7 @@ class Builder {
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                      const Context* context, Cells cells) {
+  check_sites(surface, sites);
   return Builder(surface, sites, nullptr, cells, context).build();
 }
 
@@ -283,6 +284,7 @@ RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
 
 std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites,
                                                      Cells cells) {
+  check_sites(surface, sites);
   return Builder(surface, sites, nullptr, cells, nullptr).polygons();
 }
 

@@ -17,7 +17,9 @@ SampleOptions paper_options() {
 Samples sample(const Surface& surface, std::size_t count, const SampleOptions& options,
                Context* context) {
   const SampleClass all{.count = count, .locked = options.locked};
-  return sample_classes(surface, {&all, 1}, {.sample = options}, context);
+  ClassOptions of_class{.sample = options};
+  of_class.sample.locked = {};
+  return sample_classes(surface, {&all, 1}, of_class, context);
 }
 
 }  // namespace dapple

@@ -7,20 +7,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kSumTolerance = 1e-4;  // single-precision storage stays far below this
-constexpr double kRounding = 1e-14;     // of weights that already are normalised
-
-void check_barycentric(std::span<const Vec3> rows) {
-  check_finite("barycentric", rows);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (rows[k].minCoeff() < -kSumTolerance)
-      throw ArgumentError(entry("barycentric", k) + " has the negative coordinate " +
-                          number(rows[k].minCoeff()));
-    if (std::abs(rows[k].sum() - 1.0) > kSumTolerance)
-      throw ArgumentError(entry("barycentric", k) + " sums to " + number(rows[k].sum()) +
-                          ": it must sum to 1");
-  }
-}
+constexpr double kRounding = 1e-14;  // of weights that already are normalised
 
 /// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding
 /// again changes nothing.
@@ -44,11 +31,10 @@ Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces
                      std::span<const Vec3> barycentric, std::span<const std::int32_t> ids,
                      std::span<const std::int32_t> classes) {
   const std::size_t count = faces.size();
-  check_same_length("barycentric", barycentric.size(), "faces", count);
+  check_count("the number of faces", count);
+  check_binding("", surface, faces, barycentric);
   if (!ids.empty()) check_same_length("ids", ids.size(), "faces", count);
   if (!classes.empty()) check_same_length("classes", classes.size(), "faces", count);
-  check_face_indices("faces", faces, surface);
-  check_barycentric(barycentric);
   check_ids(ids);
 
   Samples samples;

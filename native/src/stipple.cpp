@@ -48,8 +48,8 @@ void check_ink(const std::string& name, const Image& image) {
 void check(std::span<const Image> inks, std::size_t count, const StippleOptions& options) {
   if (inks.empty()) throw ArgumentError("inks is empty: at least one is needed");
   if (count == 0) throw ArgumentError("count is 0: it must be at least 1");
+  check_count("count", count);
   check_at_least("radius", options.radius, 0.0);
-  check_at_least("threads", options.threads, 0);
   double ink = 0.0;
   for (std::size_t c = 0; c < inks.size(); ++c) {
     check_ink(name_of(c), inks[c]);
@@ -63,6 +63,7 @@ void check(std::span<const Image> inks, std::size_t count, const StippleOptions&
 void check_counts(std::span<const Image> inks, std::size_t count,
                   std::span<const std::size_t> counts) {
   check_same_length("counts", counts.size(), "inks", inks.size());
+  for (std::size_t c = 0; c < counts.size(); ++c) check_count(entry("counts", c), counts[c]);
   const std::size_t sum = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
   if (sum != count)
     throw ArgumentError("counts sum to " + std::to_string(sum) + ", and count is " +

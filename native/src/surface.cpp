@@ -20,14 +20,13 @@ namespace {
 constexpr double kDegenerate = 1e-14;
 constexpr std::size_t kGrain = 4096;  // faces a chunk
 
-void check_faces(std::span<const Face> faces, std::size_t vertex_count) {
-  if (faces.empty()) throw SurfaceError("faces is empty: a surface needs at least one triangle");
-  for (std::size_t k = 0; k < faces.size(); ++k)
-    for (const std::int32_t v : faces[k])
-      if (v < 0 || static_cast<std::size_t>(v) >= vertex_count)
-        throw SurfaceError(entry("faces", k) + " has vertex index " + std::to_string(v) +
-                           ", outside 0.." +
-                           std::to_string(static_cast<long long>(vertex_count) - 1));
+void check_sizes(std::size_t vertices, std::size_t faces) {
+  if (faces > kMostSurfaceFaces)
+    throw SurfaceError("faces has " + std::to_string(faces) + " rows: at most " +
+                       std::to_string(kMostSurfaceFaces) + " are possible");
+  if (vertices > kMostVertices)
+    throw SurfaceError("vertices has " + std::to_string(vertices) + " rows: at most " +
+                       std::to_string(kMostVertices) + " are possible");
 }
 
 /// How many values a density has, and how the message says so.
@@ -294,6 +293,7 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const SurfaceOptions& options) {
+  check_sizes(vertices.size(), faces.size());
   check_finite<SurfaceError>("vertices", vertices);
   check_faces(faces, vertices.size());
   check_density(density, vertices.size(), faces.size());
@@ -307,6 +307,7 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const Joints& joints) {
+  check_sizes(vertices.size(), faces.size());
   check_finite<SurfaceError>("vertices", vertices);
   check_faces(faces, vertices.size());
   check_density(density, vertices.size(), faces.size());
@@ -430,6 +431,8 @@ std::vector<double> Surface::corner_angles(std::span<const std::int32_t> of) con
 
 std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
                                    std::span<const Vec3> weights) const {
+  check_same_length("weights", weights.size(), "faces", faces.size());
+  check_face_indices("faces", faces, *this);
   const std::vector<double> angles = corner_angles(faces);
   std::vector<Vec3> at_vertices(vertex_count(), Vec3::Zero());
   for (std::size_t c = 0; c < angles.size(); ++c)

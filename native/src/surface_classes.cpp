@@ -33,11 +33,18 @@ void check_faces(const Surface& surface, std::span<const SampleClass> classes) {
                           " has a surface of other faces: make it by with_density()");
 }
 
+void check_locked(const Surface& surface, std::span<const SampleClass> classes) {
+  for (std::size_t c = 0; c < classes.size(); ++c)
+    check_bound_sites(classes.size() == 1 ? "locked" : entry("classes", c) + ".locked", surface,
+                      classes[c].locked);
+}
+
 }  // namespace
 
 ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass> classes,
                              Cells cells, Steps steps) {
   check_faces(surface, classes);
+  check_locked(surface, classes);
   const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells, steps);
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one

@@ -194,7 +194,7 @@ void check_runs(const Surface& surface, std::span<const Samples* const> runs) {
     if (runs[run]->size() < 2)
       throw ArgumentError(entry("runs", run) + " has " + std::to_string(runs[run]->size()) +
                           " samples: at least 2 are needed");
-    check_face_indices((entry("runs", run) + ".faces").c_str(), runs[run]->faces, surface);
+    check_samples(surface, *runs[run], entry("runs", run));
   }
 }
 

@@ -16,6 +16,7 @@ void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
   if (rows == 0 || columns == 0)
     throw ArgumentError(std::string(rows == 0 ? "rows" : "columns") +
                         " is 0: at least 1 is needed");
+  check_pixels("the picture", rows, columns);
   check_at_least("margin", margin, 0.0);
 }
 
@@ -78,6 +79,8 @@ class Margin {
       if (texels_.faces[k] >= 0) front_.push_back(k);
   }
 
+  [[nodiscard]] bool grows() const { return !front_.empty(); }
+
   void grow() {
     std::vector<std::size_t> next;
     for (const std::size_t k : front_) {
@@ -118,7 +121,7 @@ Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t ro
   for (std::size_t f = 0; f < uv.size(); ++f)
     fill(TexelTriangle(uv[f], rows, columns), static_cast<std::int32_t>(f), result);
   Margin outside(uv, result);
-  for (int k = 0; k < margin; ++k) outside.grow();
+  for (int k = 0; k < margin && outside.grows(); ++k) outside.grow();
   return result;
 }
 

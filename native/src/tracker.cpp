@@ -19,8 +19,8 @@ constexpr double kStill = 1e-9;  // motion that rounding alone makes, relative t
 constexpr double kHeld = 0.9;    // of the longest slide: a sample so far was held back by it
 
 int part_count(const Motion& motion, double longest) {
-  if (longest == 0.0) return 1;
-  return std::clamp(static_cast<int>(std::ceil(motion.extent / longest)), 1, kMostParts);
+  if (longest == 0.0 || !(motion.extent > longest)) return 1;
+  return static_cast<int>(std::min<double>(std::ceil(motion.extent / longest), kMostParts));
 }
 
 /// Even sites on each part of the way to a frame but the last, which is the frame itself.

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <dapple/errors.hpp>
 #include <dapple/image.hpp>
+#include <dapple/limits.hpp>
 #include <dapple/surface.hpp>
 #include <string>
 
 namespace dapple {
+
+struct Samples;
 
 /// "name[index]", for messages that name the first offender.
 inline std::string entry(const char* name, std::size_t index) {
@@ -27,12 +30,56 @@ void check_finite(const char* name, std::span<const Vec3> points) {
                     number(points[k][axis]));
 }
 
+/// \throw SurfaceError naming the first face with a vertex that is not there; if there is no face
+void check_faces(std::span<const Face> faces, std::size_t vertex_count);
+
 /// \throw ArgumentError naming the first index outside the surface's faces
 void check_face_indices(const char* name, std::span<const std::int32_t> faces,
                         const Surface& surface);
 
-/// \throw ArgumentError naming the first site that is not finite or whose face is out of range
+// What lies on a surface comes in through one of the next four, wherever it comes from.
+
+/// \throw ArgumentError naming the first site that is not finite or whose face is out of range; if
+/// the arrays' lengths differ (there may be no barycentric coordinates)
 void check_sites(const Surface& surface, const Sites& sites);
+
+/// Faces with barycentric coordinates, which need not be normalised to the last digit.
+/// \param owner what they are of, for the message
+/// \throw ArgumentError naming the first face out of range, row that is not finite, below 0 or
+/// does not sum to 1 (all within 1e-4); if the lengths differ
+void check_binding(const std::string& owner, const Surface& surface,
+                   std::span<const std::int32_t> faces, std::span<const Vec3> barycentric);
+
+/// Sites whose positions are where their barycentric coordinates say.
+/// \throw ArgumentError as check_sites() and check_binding(), and naming the first site that is
+/// elsewhere, as those of another surface are
+void check_bound_sites(const std::string& owner, const Surface& surface, const Sites& sites);
+
+/// The same for samples, all arrays of one length.
+void check_samples(const Surface& surface, const Samples& samples,
+                   const std::string& owner = "samples");
+
+/// \param hints a face near each of the points, or none
+/// \throw ArgumentError naming the first point that is not finite or hint that is out of range
+void check_hints(const Surface& surface, std::span<const Vec3> points,
+                 std::span<const std::int32_t> hints);
+
+/// For options that a function has no use for.
+/// \param why there may be none
+/// \throw ArgumentError if there are locked sites
+void check_none_locked(const char* name, const Sites& locked, const char* why);
+
+/// \throw ArgumentError for more samples than kMostSamples
+void check_count(const std::string& name, std::size_t count);
+
+/// \throw ArgumentError unless there are `more` ids above the last
+void check_ids_left(std::int64_t last, std::size_t more);
+
+/// \throw ArgumentError unless they are in 0..kMostThreads
+void check_threads(int threads);
+
+/// \throw ArgumentError for more of them than kMostPixels
+void check_pixels(const char* name, std::size_t rows, std::size_t columns);
 
 /// \throw ArgumentError if the lengths differ
 void check_same_length(const char* name, std::size_t length, const char* other,

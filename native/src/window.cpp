@@ -113,12 +113,24 @@ class Window {
   std::size_t done_ = 0;
 };
 
+void check_frames(const Surface& surface, std::span<const std::vector<Vec3>> frames) {
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    const std::string name = entry("frames", t);
+    if (frames[t].size() != surface.vertex_count())
+      throw SurfaceError(name + " has " + std::to_string(frames[t].size()) +
+                         " rows; the surface has " + std::to_string(surface.vertex_count()) +
+                         " vertices, and a motion keeps their number");
+    check_finite<SurfaceError>(name.c_str(), frames[t]);
+  }
+}
+
 }  // namespace
 
 std::vector<Samples> track_window(const Surface& surface, std::span<const std::vector<Vec3>> frames,
                                   const Samples& samples, const WindowOptions& options,
                                   Context* context) {
   check_at_least("sweeps", options.sweeps, 0);
+  check_frames(surface, frames);
   return with_threads(options.tracker.threads, [&] {
     return Window(surface, frames, samples, options, context).solve(samples);
   });

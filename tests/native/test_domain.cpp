@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <dapple/analysis.hpp>
@@ -169,6 +170,18 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   const Sites found = SurfaceDomain(surface).project(moved, sites.faces);
   for (std::size_t k = 0; k < sites.size(); ++k)
     EXPECT_EQ(found.faces[k] < count, sites.faces[k] < count) << "site " << k;
+}
+
+/// The projector is made when it is first needed, by many threads at once: whoever makes it must
+/// not, while it waits for its own helpers, begin another piece of work that waits for it.
+TEST(SurfaceDomain, IsFirstUsedByManyTasksAtOnce) {
+  const Surface surface = icosphere(5).surface();
+  const std::vector<Vec3> point = {{2.0, 0.1, 0.3}};
+  for (int round = 0; round < 20; ++round) {
+    const SurfaceDomain domain(surface);
+    tbb::parallel_for(
+        0, 64, [&](int) { EXPECT_NEAR(domain.project(point, {}).positions[0].norm(), 1.0, 1e-2); });
+  }
 }
 
 }  // namespace

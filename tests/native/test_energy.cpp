@@ -356,5 +356,20 @@ TEST(Energy, StopsWhenCancelled) {
                Cancelled);
 }
 
+/// Where coordinates have few digits left, a density must not be read at rounded places.
+TEST(Energy, SharesOutADensityFarFromTheOrigin) {
+  for (const double far : {0.0, 1e6, 1e9, 1e12}) {
+    Random random(3);
+    Shape shape = mapped(grid(3), [&](const Vec3& p) { return Vec3(p + far * Vec3(1, 0.7, 0.3)); });
+    for (std::size_t k = 0; k < shape.vertices.size(); ++k)
+      shape.density.push_back(0.1 + random.uniform());
+    const Surface surface = shape.surface();
+    const Energy energy = evaluate_energy(surface, random_sites(shape, 100, random), 30.0);
+    double capacity = 0.0;
+    for (const Moments& cell : energy.diagram.cells) capacity += cell.capacity;
+    EXPECT_NEAR(capacity / surface.mass(), 1.0, 1e-12) << far;
+  }
+}
+
 }  // namespace
 }  // namespace dapple::test

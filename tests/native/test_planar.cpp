@@ -489,5 +489,37 @@ TEST(SamplePlanar, StopsWhenCancelled) {
   EXPECT_THROW((void)sample_planar(TorusDomain(), 100, {}, &context), Cancelled);
 }
 
+TEST(PlanarDomain, NamesASiteBeyondAllMeasure) {
+  for (const double far : {1e12, 1e159, 1e308}) {
+    const std::vector<Vec2> points = {{0.5, 0.5}, {far, -far}};
+    expect_message<ArgumentError>([&] { (void)PlanarDomain::rectangle(1, 1).sites(points); },
+                                  {"positions[1]", "outside the domain"});
+  }
+}
+
+TEST(SamplePlanar, KeepsLockedSites) {
+  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const TorusDomain torus;
+  const std::vector<Vec2> places = {{0.2, 0.25}, {0.7, 0.3}, {0.4, 0.8}};
+  for (const FlatDomain* domain :
+       {static_cast<const FlatDomain*>(&square), static_cast<const FlatDomain*>(&torus)}) {
+    const PlanarSamples samples = sample_planar(*domain, 40, {.locked = domain->sites(places)});
+    ASSERT_EQ(samples.positions.size(), 40u);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      EXPECT_LE((samples.positions[k] - places[k]).norm(), 1e-12);
+    EXPECT_GT(samples.report.evenness.alpha_min, 0.3);
+  }
+}
+
+TEST(SamplePlanar, KeepsLockedSitesOfEachClass) {
+  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const std::vector<Vec2> places = {{0.2, 0.25}, {0.7, 0.3}};
+  const std::vector<PlanarClass> classes = {{.count = 10},
+                                            {.count = 20, .locked = square.sites(places)}};
+  const PlanarSamples samples = sample_planar_classes(square, classes);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    EXPECT_LE((samples.positions[10 + k] - places[k]).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace dapple::test

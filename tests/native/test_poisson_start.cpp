@@ -5,6 +5,7 @@
 #include <dapple/neighbours.hpp>
 #include <dapple/poisson_start.hpp>
 
+#include "darts.hpp"
 #include "invariants.hpp"
 #include "shapes.hpp"
 
@@ -113,6 +114,21 @@ TEST(PoissonStart, StopsWhenCancelled) {
   Context context;
   context.cancel();
   EXPECT_THROW((void)poisson_start(grid(2).surface(), 100, 1, &context), Cancelled);
+}
+
+/// Places that are more cells from the origin than an integer can count.
+TEST(DartGrid, TakesPlacesBeyondAllCells) {
+  const auto near = [](const Dart&, double radius) { return radius; };
+  for (const double cell : {1e-15, 1e-300}) {
+    DartGrid grid(cell, 0.0);
+    Dart dart{};
+    for (const double x : {1e10, -1e10, 1e300}) {
+      dart.position = {x, 1.0, -x};
+      EXPECT_FALSE(grid.refuses(dart, near));
+      grid.insert(dart, 1e-16);
+      EXPECT_TRUE(grid.refuses(dart, near));
+    }
+  }
 }
 
 }  // namespace

@@ -116,5 +116,36 @@ TEST(Population, RefusesNoFrames) {
                                 {"fade", "0"});
 }
 
+std::vector<Vec3> grown(const Shape& shape, double factor) {
+  return mapped(shape, [&](const Vec3& p) { return Vec3(factor * p); }).vertices;
+}
+
+TEST(Population, RefusesToGrowWithoutBound) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  Population population(surface, sample(surface, 20));
+  const Samples before = population.samples();
+  for (const double factor : {1e4, 1e60})
+    expect_message<ArgumentError>([&] { population.advance(grown(shape, factor)); },
+                                  {"20", "samples", "100000000"});
+  EXPECT_TRUE(same_bytes(population.samples(), before));
+  EXPECT_TRUE(same_bytes(population.surface().vertices(), shape.vertices));
+}
+
+TEST(Population, NamesIdsThatAreUsedUp) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  const Samples some = sample(surface, 20);
+  std::vector<std::int32_t> ids = some.ids;
+  ids[3] = 2147483647;
+  const Samples last = bind_samples(surface, some.faces, some.barycentric, ids);
+  Population population(surface, last);
+  EXPECT_EQ(population.advance(shape.vertices).size(), 20u);
+  const Samples before = population.samples();
+  expect_message<ArgumentError>([&] { population.advance(grown(shape, 1.5)); },
+                                {"ids", "2147483647"});
+  EXPECT_TRUE(same_bytes(population.samples(), before));
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -257,5 +257,34 @@ TEST(Projector, NamesTheFirstHintOutOfRange) {
   expect_message<ArgumentError>([&] { (void)projector.project(points, few); }, {"hints", "1", "3"});
 }
 
+/// So far that its square overflows only the direction is left to tell what is nearest.
+TEST(Projector, FindsTheFarthestCornerForPointsBeyondAllMeasure) {
+  const Shape shape = octahedron();
+  for (const double size : {1e-60, 1.0, 1e60})
+    for (const double far : {1e15, 1e155, 1e300}) {
+      if (far <= 1e3 * size) continue;
+      SCOPED_TRACE("size " + std::to_string(size) + ", at " + std::to_string(far));
+      const Surface surface =
+          mapped(shape, [&](const Vec3& p) { return Vec3(size * p); }).surface();
+      const std::vector<Vec3> points = {{far, 0, 0}, {0, -far, 0}, {0.1 * far, 0, far}};
+      const Projection found = Projector(surface).project(points);
+      const std::vector<Vec3> corners = {Vec3::UnitX(), -Vec3::UnitY(), Vec3::UnitZ()};
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        EXPECT_LE((found.positions[k] / size - corners[k]).norm(), 1e-9);
+        EXPECT_NEAR(found.distances[k] / points[k].stableNorm(), 1.0, 1e-9);
+        EXPECT_TRUE(found.faces[k] >= 0 && found.faces[k] < 8);
+      }
+    }
+}
+
+TEST(Projector, GathersNoFaceAroundPointsBeyondAllMeasure) {
+  const Surface surface = octahedron().surface();
+  const std::vector<Vec3> points = {{1e200, 0, 0}, {1e200, 0, 0}, {0, 0, 0}};
+  const auto found = Projector(surface).faces_within(points, std::vector{1.0, 1e201, 1e200});
+  EXPECT_TRUE(found[0].empty());
+  EXPECT_EQ(found[1].size(), 8u);
+  EXPECT_EQ(found[2].size(), 8u);
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -312,5 +312,29 @@ TEST(Refine, StopsWhenCancelled) {
                Cancelled);
 }
 
+TEST(Refine, JoinsOnlyWhatCutItsOwnSurface) {
+  const Refined first = refine_edges(grid(2).surface(), std::vector{0.3}, 10'000);
+  const Shape same_faces = {"", first.surface.vertices(), first.surface.faces()};
+  const Refined stranger = refine_edges(same_faces.surface(), std::vector{0.2}, 10'000);
+  expect_message<ArgumentError>([&] { (void)first.then(stranger); }, {"finer.original"});
+  const Surface dense = first.surface.with_density(
+      {DensityAt::kVertices, std::vector<double>(first.surface.vertex_count(), 2.0)});
+  EXPECT_EQ(first.then(refine_edges(dense, std::vector{0.2}, 10'000)).original.face_count(), 8u);
+}
+
+/// No area is no reason to be called short.
+TEST(Refine, CutsLongFacesOfNoAreaToo) {
+  const Surface surface = zero_area_faces().surface();
+  const Refined refined = refine_edges(surface, std::vector{0.05}, 100'000);
+  ASSERT_TRUE(refined.resolved);
+  const std::vector<Vec3> vertices = refined.surface.vertices();
+  for (const Face& face : refined.surface.faces())
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_LE((vertices[static_cast<std::size_t>(face[k])] -
+                 vertices[static_cast<std::size_t>(face[(k + 1) % 3])])
+                    .norm(),
+                0.05);
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -64,5 +64,26 @@ TEST(Resample, NamesSamplesOfAnotherSurface) {
                                 {"faces["});
 }
 
+TEST(Resample, NamesIdsThatLeaveNoRoomForOthers) {
+  const Surface surface = blob(2).surface();
+  const Samples some = sample(surface, 20);
+  std::vector<std::int32_t> ids = some.ids;
+  ids[7] = 2147483640;
+  const Samples before = bind_samples(surface, some.faces, some.barycentric, ids);
+  EXPECT_EQ(resample(surface, before, 27).ids.back(), 2147483647);
+  expect_message<ArgumentError>([&] { (void)resample(surface, before, 28); },
+                                {"ids", "2147483640", "8"});
+}
+
+/// Samples made by hand may have no ids.
+TEST(Resample, NumbersSamplesWithoutIds) {
+  const Surface surface = blob(2).surface();
+  Samples before = sample(surface, 20);
+  before.ids.clear();
+  const Samples after = resample(surface, before, 30);
+  for (std::size_t k = 0; k < after.size(); ++k)
+    EXPECT_EQ(after.ids[k], static_cast<std::int32_t>(k));
+}
+
 }  // namespace
 }  // namespace dapple::test

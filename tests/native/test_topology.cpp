@@ -120,5 +120,13 @@ TEST(Topology, OfRealMeshes) {
   EXPECT_TRUE(topology(shared_mesh("fandisk").surface()).closed);
 }
 
+/// That faces do not fit together is in the result; a library has nothing to print.
+TEST(Topology, PrintsNothing) {
+  testing::internal::CaptureStderr();
+  for (const Shape& shape : {fin(3), bow_tie(), duplicate_faces(), moebius(12)})
+    (void)topology(shape.surface());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -399,5 +399,15 @@ TEST(Tracker, IsUnchangedWhenCancelledBefore) {
   expect_untouched(tracker, before, shape.vertices);
 }
 
+TEST(Tracker, SplitsAFrameIntoAsManyPartsForEverSmallerMotions) {
+  const Shape shape = body();
+  const std::vector<Vec3> far =
+      mapped(shape, [](const Vec3& p) { return swollen(p, 0.6); }).vertices;
+  for (const double longest : {1e-10, 1e-12, 1e-300, std::numeric_limits<double>::denorm_min()}) {
+    Tracker tracker = tracker_of(shape, kCount, {.longest_motion = longest});
+    EXPECT_EQ(tracker.advance(far).report.parts, 16) << longest;
+  }
+}
+
 }  // namespace
 }  // namespace dapple::test

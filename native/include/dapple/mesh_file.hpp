@@ -13,12 +13,14 @@ struct MeshArrays {
   std::vector<Face> faces;
 };
 
-/// Read a triangle mesh through OpenMesh; polygons are cut into fans.
+/// Read a triangle mesh from .off, .obj, .ply or .stl; polygons are cut into fans.
 /// \throw FileError naming the file and what is wrong with it
 [[nodiscard]] MeshArrays read_mesh(const std::filesystem::path& path);
 
-/// Write a triangle mesh through OpenMesh (.ply in binary, double precision).
-/// \throw FileError
+/// Write a triangle mesh in the format of the suffix: .off and .obj in text with every digit, .ply
+/// in binary and double precision, .stl in binary and single precision. The file is written whole,
+/// or what was there stays. \throw FileError naming the file; SurfaceError naming the first vertex
+/// index out of range
 void write_mesh(const std::filesystem::path& path, std::span<const Vec3> vertices,
                 std::span<const Face> faces);
 

@@ -14,7 +14,8 @@ struct PlanarSamples {
 };
 
 /// Exactly `count` samples, evenly spaced and unpatterned, following the density (paper, Algorithm
-/// 1). \throw ArgumentError for options out of range; Cancelled
+/// 1). `options.locked` are sites of the domain, as FlatDomain::sites() makes them.
+/// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
                                           const SampleOptions& options = {},
                                           Context* context = nullptr);
@@ -24,6 +25,7 @@ struct PlanarClass {
   std::size_t count = 0;
   std::optional<Image> density = {};  ///< of the class; none: the domain's own
   double radius = 0.0;                ///< of its things, as SampleClass::radius
+  Sites locked = {};                  ///< as SampleOptions::locked; from FlatDomain::sites()
 };
 
 /// Several classes at once: see sample_classes(). Images are of one shape, the domain's own too

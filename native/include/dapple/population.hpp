@@ -24,7 +24,9 @@ class Population {
   /// Move to the next frame.
   /// \return samples with `fade`: those that stay, in the order of their ids, then those that
   ///         vanish
-  /// \throw SurfaceError, Cancelled; the population is then unchanged
+  /// \throw SurfaceError, Cancelled; ArgumentError if the surface has grown so much that it asks
+  /// for
+  ///        more samples, or more ids, than there can be; the population is then unchanged
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
   [[nodiscard]] const Surface& surface() const { return tracker_.surface(); }
@@ -45,7 +47,7 @@ class Population {
   Tracker tracker_;
   PopulationOptions options_;
   double density_;             // samples per capacity
-  std::int32_t next_id_;       // above all that were ever used
+  std::int64_t next_id_;       // above all that were ever used
   std::vector<double> fades_;  // of the tracker's samples
   std::vector<Fading> vanishing_;
   Samples samples_;

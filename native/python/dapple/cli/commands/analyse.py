@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 import dapple
 from dapple.cli import meshes, options
-from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.files import about, check_outputs
 from dapple.cli.points import in_space, read_points
 from dapple.cli.report import Reporter
 from dapple.cli.work import Work
+from dapple.writing import replacing
 
 # Figure, its name in the table, its format, what it means.
 ROWS = (
@@ -26,6 +27,7 @@ ROWS = (
     ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
     ("energy", "energy", ".5f", "normalised; 0.16037 for hexagons"),
 )
+FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 
 
 @click.command("analyse", short_help="How even a point set is.")
@@ -123,7 +125,7 @@ def distances_to(surface: dapple.Surface, places: NDArray) -> NDArray:
         ValueError: naming the first point that is not finite, or so far that none is nearest.
     """
     near = dapple.project(surface, places)
-    lost = np.flatnonzero(near.faces < 0)
+    lost = np.flatnonzero(~(near.distances <= FAR * np.sqrt(surface.area)))
     if len(lost):
         raise ValueError(f"point {lost[0]} is too far from the mesh: {places[lost[0]].tolist()}")
     return near.distances
