@@ -44,8 +44,9 @@ std::vector<Vec2> plane_points(const char* name, const py::object& value) {
   return points;
 }
 
-std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs, int half_width, int threads,
-                                         const ContextPtr& context) {
+std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs,
+                                         Whole<int, "half_width", 0, 8192> half_width,
+                                         Threads threads, const ContextPtr& context) {
   const auto sets = each_run(runs, holds_rows(runs), plane_points);
   const std::vector<std::span<const Vec2>> spans(sets.begin(), sets.end());
   const SpectrumOptions options{half_width, threads};
@@ -95,8 +96,8 @@ std::shared_ptr<Report> analyse_samples(const Surface& surface, const py::object
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
                                                        const py::object& runs, double radius,
-                                                       int bins, int threads,
-                                                       const ContextPtr& context) {
+                                                       Whole<int, "bins", 2, 4096> bins,
+                                                       Threads threads, const ContextPtr& context) {
   const bool is_one = py::isinstance<Samples>(runs) || holds_rows(runs);
   const auto sets = each_run(runs, is_one, [&](const char* name, const py::object& run) {
     return samples_of(surface, name, run);

@@ -11,12 +11,12 @@
 namespace dapple::python {
 namespace {
 
-ClassArgument make_class(std::int64_t count, const py::object& density,
-                         const std::string& density_at, double radius, const py::object& locked) {
+ClassArgument make_class(Count count, const py::object& density, const std::string& density_at,
+                         double radius, const py::object& locked) {
   if (!locked.is_none() && !py::isinstance<Samples>(locked))
     throw ArgumentError("locked is " + py::repr(locked).cast<std::string>() +
                         ": Samples or None are needed");
-  return {static_cast<std::int64_t>(checked_count(count)), density, density_at, radius, locked};
+  return {static_cast<std::int64_t>(count.value), density, density_at, radius, locked};
 }
 
 Sites sites_of(const py::object& locked) {
@@ -30,11 +30,11 @@ ClassOptions class_options(double union_weight, bool two_stages, const SampleOpt
 }
 
 std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequence& classes,
-                                        std::uint64_t seed, double union_weight, bool two_stages,
+                                        Seed seed, double union_weight, bool two_stages,
                                         double capacity_weight, double gap_weight, double tolerance,
-                                        int max_evaluations, const std::string& method,
+                                        MaxEvaluations max_evaluations, const std::string& method,
                                         const std::string& start, const std::string& cells,
-                                        int threads, const ContextPtr& context) {
+                                        Threads threads, const ContextPtr& context) {
   const ClassOptions options =
       class_options(union_weight, two_stages,
                     sample_options(seed, capacity_weight, gap_weight, tolerance, max_evaluations,
@@ -58,11 +58,11 @@ std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
 }
 
 std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::sequence& classes,
-                                           std::uint64_t seed, double union_weight, bool two_stages,
+                                           Seed seed, double union_weight, bool two_stages,
                                            double capacity_weight, double gap_weight,
-                                           double tolerance, int max_evaluations,
+                                           double tolerance, MaxEvaluations max_evaluations,
                                            const std::string& method, const std::string& start,
-                                           const std::string& cells, int threads,
+                                           const std::string& cells, Threads threads,
                                            const ContextPtr& context) {
   const ClassOptions options =
       class_options(union_weight, two_stages,
@@ -92,8 +92,9 @@ std::vector<ClassArgument> class_arguments(const py::sequence& classes) {
     const py::object entry = classes[k];
     if (py::isinstance<ClassArgument>(entry))
       result.push_back(entry.cast<ClassArgument>());
-    else if (PyIndex_Check(entry.ptr()))
-      result.push_back({static_cast<std::int64_t>(checked_count(entry.cast<std::int64_t>()))});
+    else if (const py::object number = whole_number(entry))
+      result.push_back({static_cast<std::int64_t>(
+          bounded("classes[" + std::to_string(k) + "].count", number, 0, kMostSamples))});
     else
       throw ArgumentError("classes[" + std::to_string(k) + "] is " +
                           py::repr(entry).cast<std::string>() +
@@ -121,7 +122,7 @@ void bind_class_type(py::module_& m) {
   py::class_<ClassArgument>(m, "SampleClass", R"(What one class of samples is to be.
 
 Args:
-    count: number of samples, >= 0.
+    count: number of samples, 0..100000000.
     density: of the class, or None for the surface's or domain's own. For a Surface an array as Surface takes it; for a
         Plane or Torus an image, all classes' and the domain's own of one shape.
     density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.

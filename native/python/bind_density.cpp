@@ -11,23 +11,25 @@
 namespace dapple::python {
 namespace {
 
-std::size_t checked_max_faces(std::int64_t max_faces) {
-  if (max_faces < 1)
-    throw ArgumentError("max_faces is " + std::to_string(max_faces) +
-                        ": it must be in 1..200000000");
-  return static_cast<std::size_t>(max_faces);
-}
-
 std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object& uv,
                                        const py::object& image, bool repeat, double tolerance,
-                                       double texels, std::int64_t max_faces,
+                                       double texels, MaxFaces max_faces,
                                        const ContextPtr& context) {
   const DoubleArray rows = uv_rows(uv);
   const Image pixels = image_of("image", image);
-  const ImageOptions options{repeat, tolerance, texels, checked_max_faces(max_faces)};
+  const ImageOptions options{repeat, tolerance, texels, max_faces};
   const py::gil_scoped_release released;
   return std::make_shared<Refined>(
       refine_image(surface, as_face_uv(rows), pixels, options, context.get()));
+}
+
+/// \throw ArgumentError for a whole number that is too large for a double
+double number_of(const char* name, const py::object& value) {
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (!PyErr_Occurred()) return number;
+  PyErr_Clear();
+  throw ArgumentError(std::string(name) + " is " + digits_of(value) +
+                      ": it is too large for a number of 64 bits");
 }
 
 /// One number for all of `count`, or one for each.
@@ -35,7 +37,7 @@ DoubleArray numbers_of(const char* name, const py::object& value, py::ssize_t co
   if (!py::isinstance<py::float_>(value) && !py::isinstance<py::int_>(value))
     return doubles(name, value, 0);
   DoubleArray numbers(count);
-  std::fill_n(numbers.mutable_data(), count, value.cast<double>());
+  std::fill_n(numbers.mutable_data(), count, number_of(name, value));
   return numbers;
 }
 
@@ -48,12 +50,12 @@ std::vector<std::uint8_t> areas_of(const py::object& value) {
 
 std::shared_ptr<Refined> obstacles_refined(const Surface& surface, const py::object& points,
                                            const py::object& radii, const py::object& areas,
-                                           double edge, std::int64_t max_faces,
+                                           double edge, MaxFaces max_faces,
                                            const ContextPtr& context) {
   const DoubleArray centres = doubles("points", points, 3);
   const DoubleArray sizes = numbers_of("radii", radii, centres.shape(0));
   const std::vector<std::uint8_t> mask = areas_of(areas);
-  const ObstacleOptions options{edge, checked_max_faces(max_faces)};
+  const ObstacleOptions options{edge, max_faces};
   const py::gil_scoped_release released;
   return std::make_shared<Refined>(refine_obstacles(
       surface, {as_points(centres), as_span(sizes), mask}, options, context.get()));
@@ -113,13 +115,12 @@ void bind_refined(py::module_& m) {
 void bind_edges(py::module_& m) {
   m.def(
       "refine_edges",
-      [](const Surface& surface, const py::object& longest, std::int64_t max_faces,
+      [](const Surface& surface, const py::object& longest, MaxFaces max_faces,
          const ContextPtr& context) {
         const DoubleArray limits = numbers_of("longest", longest, 1);
-        const std::size_t most = checked_max_faces(max_faces);
         const py::gil_scoped_release released;
         return std::make_shared<Refined>(
-            refine_edges(surface, as_span(limits), most, context.get()));
+            refine_edges(surface, as_span(limits), max_faces, context.get()));
       },
       py::arg("surface"), py::arg("longest"), py::kw_only(), py::arg("max_faces") = 1'000'000,
       py::arg("context") = py::none(),
@@ -201,7 +202,9 @@ Raises:
 void bind_curvature(py::module_& m) {
   m.def(
       "curvedness",
-      [](const Surface& surface, int smoothing) { return give(curvedness(surface, smoothing)); },
+      [](const Surface& surface, Smoothing smoothing) {
+        return give(curvedness(surface, smoothing));
+      },
       py::arg("surface"), py::kw_only(), py::arg("smoothing") = CurvatureOptions().smoothing,
       R"(How strongly a surface bends at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal curvatures.
 
@@ -218,7 +221,8 @@ Raises:
     ValueError: smoothing is out of range.)");
   m.def(
       "curvature_density",
-      [](const Surface& surface, double exponent, double floor, double percentile, int smoothing) {
+      [](const Surface& surface, double exponent, double floor, double percentile,
+         Smoothing smoothing) {
         return give(curvature_density(surface, {exponent, floor, percentile, smoothing}));
       },
       py::arg("surface"), py::kw_only(), py::arg("exponent") = CurvatureOptions().exponent,

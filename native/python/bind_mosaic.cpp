@@ -11,7 +11,7 @@ namespace {
 
 std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& samples, double grout,
                                     const py::object& insets, double thickness, double tolerance,
-                                    bool merge, const std::string& cells, int threads,
+                                    bool merge, const std::string& cells, Threads threads,
                                     const ContextPtr& context) {
   MosaicOptions options;
   options.grout = grout;

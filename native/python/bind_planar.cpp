@@ -40,17 +40,16 @@ std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
                            : std::make_shared<TorusDomain>(image_of("density", density));
 }
 
-std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, std::int64_t count,
-                                             std::uint64_t seed, double capacity_weight,
-                                             double gap_weight, double tolerance,
-                                             int max_evaluations, const std::string& method,
-                                             const std::string& start, const std::string& cells,
-                                             int threads, const ContextPtr& context) {
+std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count, Seed seed,
+                                             double capacity_weight, double gap_weight,
+                                             double tolerance, MaxEvaluations max_evaluations,
+                                             const std::string& method, const std::string& start,
+                                             const std::string& cells, Threads threads,
+                                             const ContextPtr& context) {
   const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
                                                max_evaluations, method, start, cells, threads);
-  const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
-  return std::make_shared<PlanarSamples>(sample_planar(domain, checked, options, context.get()));
+  return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, context.get()));
 }
 
 std::shared_ptr<Energy> energy_of(const FlatDomain& domain, const py::object& positions,
@@ -73,8 +72,7 @@ void bind_domains(py::module_& m) {
       .def_property_readonly("area", &FlatDomain::area, "In squared units of the coordinates.")
       .def_property_readonly("mass", &FlatDomain::mass, "Integral of the density.")
       .def(
-          "spacing",
-          [](const FlatDomain& d, std::int64_t count) { return d.spacing(checked_count(count)); },
+          "spacing", [](const FlatDomain& d, Count count) { return d.spacing(count); },
           py::arg("count"),
           "Distance between neighbours if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)).");
@@ -145,7 +143,7 @@ sample_planar(..., **dapple.PAPER) is the paper's own way.
 
 Args:
     domain: a Plane or a Torus.
-    count: number of samples, >= 0.
+    count: number of samples, 0..100000000.
     seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
 
 Returns:

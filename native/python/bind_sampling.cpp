@@ -14,32 +14,29 @@
 namespace dapple::python {
 namespace {
 
-std::shared_ptr<Samples> sample_surface(const Surface& surface, std::int64_t count,
-                                        std::uint64_t seed, double capacity_weight,
-                                        double gap_weight, double tolerance, int max_evaluations,
-                                        const std::string& method, const std::string& start,
-                                        const std::string& cells,
-                                        const std::shared_ptr<Samples>& locked, int threads,
+std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count, Seed seed,
+                                        double capacity_weight, double gap_weight, double tolerance,
+                                        MaxEvaluations max_evaluations, const std::string& method,
+                                        const std::string& start, const std::string& cells,
+                                        const std::shared_ptr<Samples>& locked, Threads threads,
                                         const ContextPtr& context) {
   SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
                                          max_evaluations, method, start, cells, threads);
   if (locked) options.locked = {locked->positions, locked->faces, locked->barycentric};
-  const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
-  return std::make_shared<Samples>(sample(surface, checked, options, context.get()));
+  return std::make_shared<Samples>(sample(surface, count, options, context.get()));
 }
 
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
-                                          std::int64_t count, std::uint64_t seed,
-                                          double capacity_weight, double gap_weight,
-                                          double tolerance, int max_evaluations,
-                                          const std::string& method, const std::string& cells,
-                                          int threads, const ContextPtr& context) {
+                                          Count count, Seed seed, double capacity_weight,
+                                          double gap_weight, double tolerance,
+                                          MaxEvaluations max_evaluations, const std::string& method,
+                                          const std::string& cells, Threads threads,
+                                          const ContextPtr& context) {
   const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
                                                max_evaluations, method, "poisson", cells, threads);
-  const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
-  return std::make_shared<Samples>(resample(surface, samples, checked, options, context.get()));
+  return std::make_shared<Samples>(resample(surface, samples, count, options, context.get()));
 }
 
 std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& faces,
@@ -187,7 +184,7 @@ paper's own way. The same arguments give the same bytes, whatever the number of 
 
 Args:
     surface: a Surface.
-    count: number of samples, >= 0.
+    count: number of samples, 0..100000000.
     seed: of the start, 0..2**64 - 1.
     capacity_weight: lambda >= 0; larger is less regular. The paper finds 20..100 useful.
     gap_weight: kappa >= 0; keeps neighbours apart. 0 is the paper's plain energy.
@@ -198,7 +195,7 @@ Args:
     cells: 'connected' (cells follow the surface: what a site cannot reach along it goes to one that can), or
         'euclidean' (to the nearest in space, as in the paper).
     locked: Samples of the surface that stay where they are and take part, or None; they come first, and count includes them.
-    threads: 0 for as many as the machine has.
+    threads: 0..4096; 0 for as many as the machine has.
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -221,7 +218,7 @@ Samples are taken out far from each other, or thrown into the widest gaps, and a
 Args:
     surface: a Surface of the same faces; its density and vertices may be others.
     samples: Samples.
-    count: number of samples wanted, >= 0.
+    count: number of samples wanted, 0..100000000.
     seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, cells, threads, context: as for sample().
 
 Returns:

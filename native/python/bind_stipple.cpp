@@ -63,24 +63,36 @@ py::array mix_seven(const py::object& value) {
   return to_array(mix(inks));
 }
 
-std::shared_ptr<Stipples> stipple_inks(const py::object& inks, std::int64_t count,
-                                       const std::vector<std::int64_t>& counts, double radius,
-                                       std::uint64_t seed, double union_weight,
-                                       double capacity_weight, double gap_weight, double tolerance,
-                                       int max_evaluations, int threads,
+std::vector<std::size_t> counts_of(const py::sequence& counts) {
+  std::vector<std::size_t> result;
+  for (const py::handle one : counts) {
+    const std::string name = "counts[" + std::to_string(result.size()) + "]";
+    const py::object number = whole_number(one);
+    if (!number)
+      throw ArgumentError(name + " is " + py::repr(one).cast<std::string>() +
+                          ": a whole number is needed");
+    result.push_back(bounded(name, number, 0, kMostSamples));
+  }
+  return result;
+}
+
+std::shared_ptr<Stipples> stipple_inks(const py::object& inks, Count count,
+                                       const py::sequence& counts, double radius, Seed seed,
+                                       double union_weight, double capacity_weight,
+                                       double gap_weight, double tolerance,
+                                       MaxEvaluations max_evaluations, Threads threads,
                                        const ContextPtr& context) {
   StippleOptions options;
   options.seed = seed;
   options.union_weight = union_weight;
   options.optimizer =
       optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, "trust_region");
-  for (const std::int64_t one : counts) options.counts.push_back(checked_count(one));
+  options.counts = counts_of(counts);
   options.radius = radius;
   options.threads = threads;
   const std::vector<Image> images = inks_of(inks);
-  const std::size_t checked = checked_count(count);
   const py::gil_scoped_release released;
-  return std::make_shared<Stipples>(stipple(images, checked, options, context.get()));
+  return std::make_shared<Stipples>(stipple(images, count, options, context.get()));
 }
 
 py::array positions_of(const py::object& self) {
@@ -129,8 +141,8 @@ Returns:
     (3, rows, columns) float64: red, green, blue.)");
 
   m.def("stipple_inks", &stipple_inks, py::arg("inks"), py::arg("count"), py::kw_only(),
-        py::arg("counts") = std::vector<std::int64_t>(), py::arg("radius") = 0.0,
-        py::arg("seed") = 0, py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
+        py::arg("counts") = py::list(), py::arg("radius") = 0.0, py::arg("seed") = 0,
+        py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
         py::arg("gap_weight") = 3.0, py::arg("tolerance") = 2e-4, py::arg("max_evaluations") = 200,
         py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Exactly count dots that render the coverages of one or several inks.
@@ -140,7 +152,7 @@ Error diffusion, then the planar optimisation on a density that is constant on e
 
 Args:
     inks: (inks, rows, columns) float64 >= 0: how much of each pixel each ink covers.
-    count: number of dots, >= 1.
+    count: number of dots, 1..100000000.
     counts: of each ink, with the sum count; empty: in proportion to the inks' sums, by largest remainders.
     radius: of each dot, in pixels; 0: sqrt(sum of all coverages / (pi count)), so that the dots have the area of the ink.
     seed: the same input and seed give the same bytes.

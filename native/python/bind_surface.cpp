@@ -155,8 +155,7 @@ Raises:
       .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
       .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")
       .def(
-          "spacing",
-          [](const Surface& s, std::int64_t count) { return s.spacing(checked_count(count)); },
+          "spacing", [](const Surface& s, Count count) { return s.spacing(count); },
           py::arg("count"),
           "Distance between neighbours if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
@@ -201,7 +200,7 @@ Raises:
 
 void bind_files(py::module_& m) {
   m.def("read_mesh", &read_mesh_arrays, py::arg("path"),
-        R"(Read a triangle mesh from .off, .obj, .ply, .stl or .om; polygons are cut into fans.
+        R"(Read a triangle mesh from .off, .obj, .ply or .stl; polygons are cut into fans.
 
 Returns:
     vertices (v, 3) float64 and faces (m, 3) int32, with every digit of the file.
@@ -210,7 +209,9 @@ Raises:
     FileError: naming the file and what is wrong with it.)");
   m.def(
       "write_mesh", &write_mesh_arrays, py::arg("path"), py::arg("vertices"), py::arg("faces"),
-      R"(Write a triangle mesh in the format of the suffix: .off, .obj, .ply, .stl (single precision) or .om.
+      R"(Write a triangle mesh in the format of the suffix: .off, .obj, .ply or .stl (single precision).
+
+The file is written whole, or what was there stays.
 
 Args:
     path: the file.

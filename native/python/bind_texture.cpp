@@ -14,14 +14,13 @@ std::vector<py::ssize_t> shape_of(const Texels& texels) {
   return {static_cast<py::ssize_t>(texels.rows), static_cast<py::ssize_t>(texels.columns)};
 }
 
-std::shared_ptr<Texels> find_texels(const Surface& surface, const py::object& uv, std::int64_t rows,
-                                    std::int64_t columns, int margin) {
+std::shared_ptr<Texels> find_texels(const Surface& surface, const py::object& uv,
+                                    Whole<std::size_t, "rows", 0, kMostPixels> rows,
+                                    Whole<std::size_t, "columns", 0, kMostPixels> columns,
+                                    Whole<int, "margin", 0, kMostInt> margin) {
   const DoubleArray coordinates = uv_rows(uv);
-  const std::size_t checked_rows = checked_count(rows);
-  const std::size_t checked_columns = checked_count(columns);
   const py::gil_scoped_release released;
-  return std::make_shared<Texels>(
-      texels(surface, as_face_uv(coordinates), checked_rows, checked_columns, margin));
+  return std::make_shared<Texels>(texels(surface, as_face_uv(coordinates), rows, columns, margin));
 }
 
 py::tuple cover_texels(const Surface& surface, const Samples& samples, const py::object& radii,

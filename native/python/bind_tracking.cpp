@@ -16,9 +16,10 @@ namespace {
 
 /// The options that every way of tracking takes.
 TrackerOptions tracker_options(double capacity_weight, double gap_weight, double tolerance,
-                               int max_evaluations, double max_slide, const std::string& method,
-                               const std::string& cells, double stickiness, double memory,
-                               double longest_motion, int threads) {
+                               MaxEvaluations max_evaluations, double max_slide,
+                               const std::string& method, const std::string& cells,
+                               double stickiness, double memory, double longest_motion,
+                               Threads threads) {
   TrackerOptions options;
   options.optimizer =
       optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
@@ -33,11 +34,11 @@ TrackerOptions tracker_options(double capacity_weight, double gap_weight, double
 
 std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
                                       double capacity_weight, double gap_weight, double tolerance,
-                                      int max_evaluations, double max_slide,
+                                      MaxEvaluations max_evaluations, double max_slide,
                                       const std::string& method, const std::string& cells,
                                       const py::object& classes, double union_weight,
                                       double stickiness, double memory, double longest_motion,
-                                      int threads) {
+                                      Threads threads) {
   TrackerOptions options =
       tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide, method,
                       cells, stickiness, memory, longest_motion, threads);
@@ -63,11 +64,12 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
 }
 
 std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
-                                            int fade, double capacity_weight, double gap_weight,
-                                            double tolerance, int max_evaluations, double max_slide,
-                                            const std::string& method, const std::string& cells,
-                                            double stickiness, double memory, double longest_motion,
-                                            int threads) {
+                                            Whole<int, "fade", 1, kMostInt> fade,
+                                            double capacity_weight, double gap_weight,
+                                            double tolerance, MaxEvaluations max_evaluations,
+                                            double max_slide, const std::string& method,
+                                            const std::string& cells, double stickiness,
+                                            double memory, double longest_motion, Threads threads) {
   const PopulationOptions options{
       .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
                                  method, cells, stickiness, memory, longest_motion, threads),
@@ -85,9 +87,10 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
 
 std::vector<std::shared_ptr<Samples>> window_of(
     const Surface& surface, const py::iterable& frames, const Samples& samples, bool closed,
-    int sweeps, double capacity_weight, double gap_weight, double tolerance, int max_evaluations,
-    double max_slide, const std::string& method, const std::string& cells, double stickiness,
-    double memory, double longest_motion, int threads, const ContextPtr& context) {
+    Whole<int, "sweeps", 0, kMostInt> sweeps, double capacity_weight, double gap_weight,
+    double tolerance, MaxEvaluations max_evaluations, double max_slide, const std::string& method,
+    const std::string& cells, double stickiness, double memory, double longest_motion,
+    Threads threads, const ContextPtr& context) {
   std::vector<std::vector<Vec3>> vertices;
   for (const py::handle frame : frames) {
     const DoubleArray points = doubles("frames", py::reinterpret_borrow<py::object>(frame), 3);
@@ -211,6 +214,7 @@ Returns:
 
 Raises:
     SurfaceError: vertices of another number or not finite.
+    ValueError: the surface has grown so much that more samples or ids are needed than there can be.
     Cancelled: through the context.)")
       .def_property_readonly(
           "surface", [](const Population& p) { return std::make_shared<Surface>(p.surface()); },

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "whole.hpp"
 
 namespace dapple::python {
 
@@ -18,12 +19,6 @@ using ContextPtr = std::shared_ptr<Context>;
 template <typename Class, typename Member>
 auto array_property(Member Class::*member) {
   return [member](const py::object& self) { return view(self, self.cast<const Class&>().*member); };
-}
-
-inline std::size_t checked_count(std::int64_t count) {
-  if (count < 0 || count > std::numeric_limits<std::int32_t>::max())
-    throw ArgumentError("count is " + std::to_string(count) + ": it must be in 0..2147483647");
-  return static_cast<std::size_t>(count);
 }
 
 /// \throw ArgumentError for another name

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._native import Context, Report, separate_inks, stipple_inks
+from .writing import replacing
 
 __all__ = [
     "COLOURS",
@@ -352,5 +353,10 @@ def encode(dots: Dots, suffix: str, *, scale: float = 4.0) -> bytes:
 
 
 def write(dots: Dots, path: str | os.PathLike[str], *, scale: float = 4.0) -> None:
-    """Write the dots to a file; its suffix, one of SUFFIXES, says how. See encode()."""
-    Path(path).write_bytes(encode(dots, Path(path).suffix, scale=scale))
+    """Write the dots to a file; its suffix, one of SUFFIXES, says how. See encode().
+
+    The file is written whole, or what was there stays.
+    """
+    content = encode(dots, Path(path).suffix, scale=scale)
+    with replacing(Path(path)) as file:
+        file.write(content)

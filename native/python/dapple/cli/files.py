@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files are written whole or not at all, and errors name the file."""
+"""Files that are read and written: errors name the file."""
 
-import os
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
 
 import click
 import numpy as np
@@ -23,18 +21,6 @@ def about(path: Path | str) -> Iterator[None]:
         yield
     except ValueError as error:
         raise click.ClickException(f"{path}: {' '.join(str(error).split())}") from error
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[IO[bytes]]:
-    """A binary file beside the path that takes its place once all is written."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("xb") as file:
-            yield file
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def check_outputs(inputs: Iterable[Path | None], outputs: Iterable[Path | None]) -> None:

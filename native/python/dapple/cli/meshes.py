@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces from files: PLY, OBJ, STL, OFF, OM, and npz with densities."""
+"""Surfaces from files: PLY, OBJ, STL, OFF, and npz with densities."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -46,9 +46,6 @@ def read_mesh(path: Path) -> Mesh:
     Raises:
         FileError, ClickException: naming the file and what is wrong with it.
     """
-    if path.suffix.lower() == ".ply":
-        with about(path):
-            ply.check_header(path)  # CGAL's reader crashes where a property has no element
     if path.suffix.lower() != ".npz":
         return Mesh(path, *dapple.read_mesh(path))
     arrays = load_npz(path)

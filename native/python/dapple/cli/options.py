@@ -13,7 +13,7 @@ Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 INPUT = click.Path(exists=True, dir_okay=False, path_type=Path)
 OUTPUT = click.Path(path_type=Path)
 NOT_NEGATIVE = click.FloatRange(min=0)
-COUNT = click.IntRange(min=1, max=2**31 - 1)
+COUNT = click.IntRange(min=1, max=100_000_000)
 
 # Arguments of the library by name: the type of the option, and its help.
 KNOWN: dict[str, tuple[click.ParamType, str]] = {
@@ -35,7 +35,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
         "Relative decrease of the energy at which to stop (no unit): less is more regular, slower.",
     ),
     "max_evaluations": (
-        click.IntRange(min=1),
+        click.IntRange(1, 2**31 - 1),
         "Of the energy, at most; of a motion for each frame.",
     ),
     "method": (
@@ -50,7 +50,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
         click.Choice(["connected", "euclidean"]),
         "Cells follow the surface, or go to the site that is nearest in space.",
     ),
-    "threads": (click.IntRange(min=0), "0 is as many as the machine has; same bytes for any."),
+    "threads": (click.IntRange(0, 4096), "0 is as many as the machine has; same bytes for any."),
     "union_weight": (
         NOT_NEGATIVE,
         "Mu, evenness of all classes together against that of each (no unit).",
@@ -70,7 +70,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
         "Share of the surface's size that it may move at once; farther frames are split; "
         "0 never splits.",
     ),
-    "sweeps": (click.IntRange(min=0), "With --together: passes forwards and backwards."),
+    "sweeps": (click.IntRange(0, 2**31 - 1), "With --together: passes forwards and backwards."),
 }
 
 

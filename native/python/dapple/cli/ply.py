@@ -46,18 +46,6 @@ def write(file: IO[bytes], columns: Arrays) -> None:
     file.write(rows.tobytes())
 
 
-def check_header(path: Path) -> None:
-    """Look at the header alone.
-
-    Raises:
-        ValueError: it is broken, or has no vertices.
-    """
-    with path.open("rb") as file:
-        _, elements = _read_header(file)
-    if not elements or elements[-1].name != "vertex":
-        raise ValueError("has no element 'vertex'")
-
-
 def read(path: Path) -> Arrays:
     """The properties of the vertices by name, each (n,) of its own type.
 

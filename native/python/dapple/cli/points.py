@@ -4,7 +4,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import click
 import numpy as np
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 import dapple
 from dapple.cli import ply, text
-from dapple.cli.files import Arrays, about, listed, load_npz, replacing
+from dapple.cli.files import Arrays, about, listed, load_npz
+from dapple.writing import replacing, write_npz
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ class Points:
 
 
 NAMES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
+WHOLE = ("ids", "classes", "faces")
 
 
 def points_of(samples: dapple.Samples) -> Points:
@@ -123,6 +125,26 @@ def _columns(points: Points) -> Arrays:
     return columns
 
 
+def whole(name: str, values: NDArray) -> NDArray[np.int32]:
+    """The values as int32.
+
+    Raises:
+        ValueError: naming the first that is no whole number of 32 bits.
+    """
+    if values.ndim != 1 or values.dtype.kind not in "fiu":
+        raise ValueError(
+            f"{name} is {values.dtype.name} {values.shape}: whole numbers (n,) are needed"
+        )
+    limits = np.iinfo(np.int32)
+    fits = (values >= limits.min) & (values <= limits.max) & (values == np.floor(values))
+    if not fits.all():
+        k = int(np.flatnonzero(~fits)[0])
+        raise ValueError(
+            f"{name} of point {k} is {values[k]:.17g}: a whole number of 32 bits is needed"
+        )
+    return values.astype(np.int32)
+
+
 def _from_columns(columns: Mapping[str, NDArray]) -> Points:
     def stacked(*names: str) -> NDArray | None:
         if not all(name in columns for name in names):
@@ -130,7 +152,7 @@ def _from_columns(columns: Mapping[str, NDArray]) -> Points:
         return np.column_stack([columns[name] for name in names]).astype(np.float64)
 
     def integers(name: str) -> NDArray | None:
-        return columns[name].astype(np.int32) if name in columns else None
+        return whole(name, columns[name]) if name in columns else None
 
     positions = stacked("x", "y", "z") if "z" in columns else stacked("x", "y")
     if positions is None:
@@ -154,12 +176,14 @@ def _read_npz(path: Path) -> Points:
             raise ValueError(
                 f"{name} has the shape {value.shape}: {len(positions)} rows are needed"
             )
+    for name in WHOLE:
+        if name in stored:
+            stored[name] = whole(name, stored[name])
     return Points(**stored | {"positions": positions.astype(np.float64)})
 
 
 def _write_npz(file: IO[bytes], points: Points) -> None:
-    arrays: dict[str, Any] = points.arrays()
-    np.savez(file, **arrays)
+    write_npz(file, points.arrays())
 
 
 def _write_ply(file: IO[bytes], points: Points) -> None:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple
-from dapple.cli.files import listed, replacing
+from dapple.cli.files import listed
+from dapple.writing import replacing, write_npz
 
 MORE = 4  # numbers of a polygon in a PLY file beside the corners: their number, cell, class, side
 
@@ -113,7 +114,7 @@ def _write_npz(file: IO[bytes], mosaic: dapple.Mosaic, cells: NDArray[np.int32])
     per_polygon: dict[str, Any] = {"cells": cells, "classes": mosaic.classes, "sides": mosaic.sides}
     per_tile = {name: getattr(mosaic, name) for name in ("cell_areas", "areas", "parts", "loops")}
     shape = {name: getattr(mosaic, name) for name in ("vertices", "corners", "starts")}
-    np.savez(file, **shape, **per_polygon, **per_tile)
+    write_npz(file, shape | per_polygon | per_tile)
 
 
 def _polygons(mosaic: dapple.Mosaic) -> list[list[int]]:

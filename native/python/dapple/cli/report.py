@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 import dapple
-from dapple.cli.files import replacing
+from dapple.writing import replacing
 
 STANDARD_OUTPUT = "-"
 

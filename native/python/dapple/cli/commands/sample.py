@@ -50,7 +50,7 @@ def command(
 ) -> None:
     """Put COUNT points on MESH, evenly spaced and unpatterned, into OUT.
 
-    MESH is .ply, .obj, .stl, .off, .om or .npz (arrays 'vertices' (v, 3) and 'faces' (m, 3), others
+    MESH is .ply, .obj, .stl, .off or .npz (arrays 'vertices' (v, 3) and 'faces' (m, 3), others
     for --density). OUT is .ply or .csv (positions, normals, ids, classes), .npz (also the face and
     the barycentric coordinates of each point), .obj or .off (positions and normals). Numbers keep
     all their digits.

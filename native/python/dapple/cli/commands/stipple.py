@@ -10,9 +10,10 @@ import click
 import dapple
 from dapple import stippling
 from dapple.cli import options
-from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.files import about, check_outputs
 from dapple.cli.report import Reporter, figures
 from dapple.cli.work import Work
+from dapple.writing import replacing
 
 
 @click.command("stipple", short_help="A picture as dots.")

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 import dapple
 from dapple.cli import meshes, options
-from dapple.cli.files import about, check_outputs, replacing
+from dapple.cli.files import about, check_outputs
 from dapple.cli.points import bound
 from dapple.cli.report import Reporter, figures
 from dapple.cli.work import Work
+from dapple.writing import replacing, write_npz
 
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 TRACKER = dapple.Tracker.__init__
@@ -212,13 +213,8 @@ def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
     reports = [samples.report.to_dict() for samples in results]
     texts = [json.dumps({k: v for k, v in report.items() if k != "seconds"}) for report in reports]
     with replacing(path) as file:
-        np.savez(
+        write_npz(
             file,
-            positions=stacked("positions"),
-            normals=stacked("normals"),
-            faces=stacked("faces"),
-            barycentric=stacked("barycentric"),
-            ids=results[0].ids,
-            classes=results[0].classes,
-            reports=np.array(texts),
+            {name: stacked(name) for name in ("positions", "normals", "faces", "barycentric")}
+            | {"ids": results[0].ids, "classes": results[0].classes, "reports": np.array(texts)},
         )
