@@ -59,6 +59,11 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         name="Capacity Spread",
         description="Standard deviation of the areas that belong to the points, over their mean",
     )
+    whole_count_spread: FloatProperty(
+        name="By Whole Counts",
+        description="What of the capacity spread comes of separate parts of the surface having "
+        "whole numbers of points each",
+    )
     evaluations: IntProperty(name="Evaluations")
     milliseconds: FloatProperty(name="Milliseconds")
     converged: BoolProperty(name="Converged")

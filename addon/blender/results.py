@@ -9,6 +9,9 @@ from .labels import at_right
 from .scatter import is_scatter
 from .translation import counted, told
 
+_NOTICED = 0.02  # of a capacity spread, that is worth a line ...
+_SHARE = 0.3  # ... if it is that much of the whole
+
 
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
     """What is to be said about the last result: (text, icon)."""
@@ -20,6 +23,14 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
         (_effort(obj), "NONE"),
     ]
+    if report.whole_count_spread > max(_NOTICED, _SHARE * report.capacity_spread):
+        whole = 100 * report.whole_count_spread
+        lines.append(
+            (
+                told("Separate parts hold whole numbers of points: {whole:.2g} %", whole=whole),
+                "INFO",
+            )
+        )
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
     return [*lines, _fit(freshness.answer(obj, context))]
@@ -89,8 +100,9 @@ class DAPPLE_PT_details(bpy.types.Panel):
         if len(details.energies) > 1:
             _draw_energies(sides.column(align=True), details)
         column = layout.column(align=True)
-        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations"):
+        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "whole_count_spread"):
             column.prop(report, name)
+        column.prop(report, "evaluations")
         column.enabled = False
 
 

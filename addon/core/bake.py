@@ -151,6 +151,7 @@ class Baker:
             alpha_min=min(report.alpha_min for report in reports),
             alpha_mean=sum(report.alpha_mean for report in reports) / count,
             capacity_spread=max(report.capacity_spread for report in reports),
+            whole_count_spread=max(report.whole_count_spread for report in reports),
             evaluations=round(sum(report.evaluations for report in reports) / count),
             milliseconds=sum(report.milliseconds for report in reports) / count,
             converged=all(report.converged for report in reports),

@@ -53,11 +53,11 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
 
 py::dict quality_dict(const Quality& quality) {
   using namespace py::literals;
-  return py::dict("count"_a = quality.count, "spacing"_a = quality.spacing,
-                  "alpha_min"_a = quality.evenness.alpha_min,
-                  "alpha_mean"_a = quality.evenness.alpha_mean,
-                  "capacity_spread"_a = quality.evenness.capacity_spread,
-                  "bond_order"_a = quality.bond_order, "energy"_a = quality.energy);
+  return py::dict(
+      "count"_a = quality.count, "spacing"_a = quality.spacing,
+      "alpha_min"_a = quality.evenness.alpha_min, "alpha_mean"_a = quality.evenness.alpha_mean,
+      "capacity_spread"_a = quality.evenness.capacity_spread, "bond_order"_a = quality.bond_order,
+      "energy"_a = quality.energy, "whole_count_spread"_a = quality.whole_count_spread);
 }
 
 py::dict report_dict(const Report& report) {
@@ -93,7 +93,10 @@ void bind_reports(py::module_& m) {
                     "psi6, how like a hexagonal lattice: white noise 0.36, dart throwing 0.42, "
                     "hexagons 1. Cells at borders are left out.")
       .def_readonly("energy", &Quality::energy,
-                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.");
+                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+      .def_readonly("whole_count_spread", &Quality::whole_count_spread,
+                    "What of the capacity spread comes of each component of the surface having a "
+                    "whole number of samples; 0 on one component.");
 
   py::class_<Report, Quality, std::shared_ptr<Report>>(
       m, "Report",

@@ -2,6 +2,7 @@
 #include "outcome.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <dapple/energy.hpp>
 #include <numeric>
 
@@ -18,6 +19,26 @@ std::int32_t term_of(const Objective& objective, std::size_t c) {
   for (std::size_t t = 1; t < objective.terms.size(); ++t)
     if (is_of_class(objective.terms[t].members[0])) return static_cast<std::int32_t>(t);
   return objective.terms.size() == 1 && !objective.classes.empty() && is_of_class(0) ? 0 : -1;
+}
+
+/// Each component's samples share its mass at best.
+double whole_count_spread(const Surface& surface, const Sites& sites) {
+  if (surface.components() < 2 || sites.size() == 0) return 0.0;
+  const auto components = static_cast<std::size_t>(surface.components());
+  std::vector<double> masses(components, 0.0), counts(components, 0.0);
+  const auto component_of = [&](std::int32_t ordered) {
+    return static_cast<std::size_t>(surface.component(ordered));
+  };
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const auto face = static_cast<std::int32_t>(f);
+    masses[component_of(face)] += surface.geometry(face).moments.capacity;
+  }
+  for (const std::int32_t face : sites.faces) ++counts[component_of(surface.ordered_face(face))];
+  const double mean = surface.mass() / static_cast<double>(sites.size());
+  double sum = 0.0;
+  for (std::size_t c = 0; c < components; ++c)
+    if (counts[c] > 0.0) sum += counts[c] * std::pow(masses[c] / (counts[c] * mean) - 1.0, 2);
+  return std::sqrt(sum / static_cast<double>(sites.size()));
 }
 
 Quality measure_class(const Objective& objective, const Minimum& found, std::size_t c,
@@ -42,7 +63,8 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
       .spacing = domain.spacing(sites.size()),
       .evenness = measure_evenness(energy.diagram),
       .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
-      .energy = energy.normalised};
+      .energy = energy.normalised,
+      .whole_count_spread = whole_count_spread(domain.drawn_on(), domain.to_drawn(sites))};
 }
 
 Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,

@@ -255,5 +255,13 @@ TEST(Sampler, RefusesToBeginWhenCancelled) {
   EXPECT_THROW((void)sample(blob(2).surface(), 0, {}, &context), Cancelled);
 }
 
+TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheSpread) {
+  const Report one = sample(box(3).surface(), 100).report;
+  EXPECT_EQ(one.whole_count_spread, 0.0);
+  const Report many = sample(many_components(40).surface(), 100).report;
+  EXPECT_GT(many.whole_count_spread, 0.05);
+  EXPECT_LE(many.whole_count_spread, many.evenness.capacity_spread + 1e-12);
+}
+
 }  // namespace
 }  // namespace dapple::test

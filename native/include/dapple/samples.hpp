@@ -13,6 +13,9 @@ struct Quality {
   Evenness evenness;
   double bond_order = 0.0;  ///< psi6, see bond_order(); cells at borders are left out
   double energy = 0.0;      ///< normalised, see Energy::normalised
+  /// What of the capacity spread comes of each component having a whole number of samples: no
+  /// optimisation can lower it. 0 on one component.
+  double whole_count_spread = 0.0;
 };
 
 /// What was done to get the samples, and how good they are: all together, and each class.

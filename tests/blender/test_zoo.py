@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ordinary objects and modifiers come out as even as plain ones, or it is said why not."""
+
+import bpy
+import numpy as np
+import pytest
+
+
+def scattered(count=300):
+    bpy.ops.dapple.add(count=count)
+    return bpy.context.object
+
+
+def monkey(kind=None, **values):
+    bpy.ops.mesh.primitive_monkey_add()
+    if kind:
+        modifier = bpy.context.object.modifiers.new(kind, kind)
+        for name, value in values.items():
+            setattr(modifier, name, value)
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("angle", [0.0, np.radians(30)])
+def test_split_edges_are_no_walls(angle):
+    monkey()
+    plain = scattered().dapple.report
+    monkey("EDGE_SPLIT", split_angle=angle)
+    split = scattered().dapple.report
+    assert split.capacity_spread <= 1.3 * plain.capacity_spread
+    assert split.alpha_min >= plain.alpha_min - 0.03
+    assert split.evaluations <= 1.2 * plain.evaluations
+
+
+def test_split_edges_stay_even_in_a_bake():
+    bpy.context.scene.frame_end = 3
+    bpy.ops.mesh.primitive_cube_add()
+    surface = bpy.context.object
+    surface.modifiers.new("Split", "EDGE_SPLIT")
+    for frame, scale in ((1, 1.0), (3, 1.1)):
+        surface.scale.z = scale
+        surface.keyframe_insert("scale", frame=frame)
+    scatter = scattered()
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert scatter.dapple.report.capacity_spread < 0.02
+    assert scatter.dapple.report.alpha_min > 0.6
+
+
+def test_a_mirror_over_itself_is_like_two_sheets():
+    monkey("MIRROR")
+    report = scattered().dapple.report
+    assert report.capacity_spread < 0.1, "0.36 while steps hopped between the halves"
+
+
+def test_whole_counts_on_separate_parts_are_said(addon):
+    vertices, faces = [], []
+    for k in range(60):
+        faces.append([len(vertices) + c for c in range(4)])
+        size = 0.1 + 0.01 * k
+        vertices += [(k, 0, 0), (k + size, 0, 0), (k + size, size, 0), (k, size, 0)]
+    mesh = bpy.data.meshes.new("Leaves")
+    mesh.from_pydata(vertices, [], faces)
+    obj = bpy.data.objects.new("Leaves", mesh)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    scatter = scattered(120)
+    assert scatter.dapple.report.whole_count_spread > 0.1
+    lines = [text for text, _ in addon.blender.results.result_lines(scatter, bpy.context)]
+    assert any("whole numbers" in line for line in lines)
