@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "class_start.hpp"
+#include "progress.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -14,6 +16,9 @@ constexpr double kUnionGap = 5.0 / 6.0;  // of the gap's radius, between sites o
 constexpr double kThings = 20.0;         // weight of overlapping things in the first round ...
 constexpr double kHarder = 10.0;         // ... and by how much it grows
 constexpr int kRounds = 4;
+constexpr double kStarted = 0.05;  // of the progress: the start is there ...
+constexpr double kAlone = 0.35;    // ... and every class is even by itself
+constexpr double kRound = 0.6;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
 constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
 
@@ -106,6 +111,11 @@ void settle_alone(const ClassProblem::Member& member, const ClassOptions& option
   sum.iterations += found.iterations;
 }
 
+/// Sites of classes that are done, as a share of all.
+double progress_of(std::size_t done, const Sites& all) {
+  return static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+}
+
 std::vector<std::int32_t> members_of(const std::vector<std::int32_t>& classes, std::size_t c) {
   std::vector<std::int32_t> members;
   for (std::size_t k = 0; k < classes.size(); ++k)
@@ -119,7 +129,8 @@ std::vector<double> union_weights(const ClassProblem& problem) {
   std::vector<double> weights;
   weights.reserve(problem.classes.size());
   for (const ClassProblem::Member& member : problem.classes)
-    weights.push_back(static_cast<double>(member.count) / member.domain->mass());
+    weights.push_back(static_cast<double>(member.count) / member.domain->mass() *
+                      member.domain->density_unit());
   return weights;
 }
 
@@ -176,12 +187,16 @@ Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
 
 ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
                    Context* context) {
-  Minimum found = minimize(objective, start, options, context);
+  double done = objective.things.empty() ? 1.0 : kRound;
+  Stretch first(context, 0.0, done);
+  Minimum found = minimize(objective, start, options, first.context());
   for (int round = 1; round < kRounds && !objective.things.empty(); ++round) {
     const ClosePair* worst = worst_pair(found.state.things);
     if (!worst || worst->lack <= kOverlap) break;
     objective.things_weight *= kHarder;
-    Minimum next = minimize(objective, found.state.sites, options, context);
+    const double before = std::exchange(done, done + kRound * (1.0 - done));
+    Stretch harder(context, before, done);
+    Minimum next = minimize(objective, found.state.sites, options, harder.context());
     next.evaluations += found.evaluations;
     next.iterations += found.iterations;
     found = std::move(next);
@@ -192,16 +207,23 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
 ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
   check(problem, options);
   Sites start = make_start(problem, options.sample.start, options.sample.seed, context);
+  if (context) context->advance(kStarted);
+  const bool stages = options.two_stages && problem.classes.size() > 1;
+  const double together = stages ? kAlone : kStarted;
+  Stretch alone(context, kStarted, together);
+  Stretch finishing(context, together, 1.0);
   Minimum before;
   std::size_t first = 0;
   for (const ClassProblem::Member& member : problem.classes) {
-    if (options.two_stages && member.count > 0 && problem.classes.size() > 1)
-      settle_alone(member, options, first, start, before, context);
+    Stretch step(alone.context(), progress_of(first, start),
+                 progress_of(first + member.count, start));
+    if (stages && member.count > 0)
+      settle_alone(member, options, first, start, before, step.context());
     first += member.count;
   }
   ClassMinimum found =
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
-            options.sample.optimizer, context);
+            options.sample.optimizer, finishing.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
   return found;

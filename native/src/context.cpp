@@ -8,6 +8,7 @@ void Context::advance(double value) {
   double seen = progress_.load();
   while (value > seen && !progress_.compare_exchange_weak(seen, value)) {
   }
+  if (whole_) whole_->advance(value < 1.0 ? from_ + value * (to_ - from_) : to_);
 }
 
 void Context::check() const {

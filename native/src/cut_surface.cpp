@@ -75,7 +75,7 @@ Sites CutSurface::on_pieces(const Sites& sites) const {
 
 std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count) {
   const double cell = surface.mass() / static_cast<double>(order_of(count));
-  if (!has_large_face(surface, kMany * cell)) return nullptr;
+  if (!has_large_face(surface, kMany * cell * surface.density_unit())) return nullptr;
   const auto criterion = [&](const Piece& piece) {
     const double capacity = capacity_of(surface, piece);
     if (!(capacity > kFew * cell)) return EdgeMarks{};

@@ -8,6 +8,7 @@
 #include "cut_surface.hpp"
 #include "hexagonal.hpp"
 #include "local_projection.hpp"
+#include "unit_voronoi.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -22,8 +23,9 @@ SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
   check_sites(surface_, sites);
   const std::shared_ptr<const CutSurface> cut = cuts_->at(surface_, sites.size());
-  return cut ? restricted_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_)
-             : restricted_voronoi(surface_, sites, context, cells_);
+  if (!cut) return unit_voronoi(surface_, sites, context, cells_);
+  return without_unit(unit_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_),
+                      cut->surface().density_unit() / density_unit());
 }
 
 Sites SurfaceDomain::project(std::span<const Vec3> points,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/energy.hpp>
 
+#include "unit_voronoi.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -37,11 +38,21 @@ Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) 
   return energy;
 }
 
+Energy without_unit(Energy energy, double density_unit) {
+  const double once = 1.0 / density_unit;
+  energy.diagram = without_unit(std::move(energy.diagram), density_unit);
+  for (double* sum : {&energy.total, &energy.cvt, &energy.capacity_term}) *sum = *sum * once * once;
+  for (Vec3& g : energy.gradient) g = g * once * once;
+  return energy;
+}
+
 }  // namespace
 
 Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
                        const Context* context, Cells cells) {
-  return evaluate_energy(SurfaceDomain(surface, cells), sites, capacity_weight, context);
+  const SurfaceDomain domain(surface, cells);
+  return without_unit(evaluate_energy(domain, sites, capacity_weight, context),
+                      domain.density_unit());
 }
 
 Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,

@@ -105,8 +105,8 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
   sites.faces = samples.faces;
   const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size());
   const Surface& drawn = cut ? cut->surface() : surface;
-  const std::vector<CellPolygon> pieces =
-      restricted_voronoi_polygons(drawn, cut ? cut->on_pieces(sites) : sites, options.cells);
+  const std::vector<CellPolygon> pieces = restricted_voronoi_polygons(
+      drawn, cut ? cut->on_pieces(sites) : sites, options.cells, context);
   if (context) context->advance(kCellsShare);
   const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
   const Tiler tiler(drawn, samples, options);
@@ -137,6 +137,7 @@ Mosaic mosaic(const Surface& surface, const Samples& samples, const MosaicOption
   result.starts.push_back(0);
   for (std::size_t k = 0; k < tiles.size(); ++k)
     append(result, static_cast<std::int32_t>(k), samples.classes[k], tiles[k]);
+  if (context) context->advance(1.0);
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "delaunay_graph.hpp"
+#include "density_unit.hpp"
 #include "parallel.hpp"
 #include "pixel_integrals.hpp"
 #include "validate.hpp"
@@ -19,8 +20,15 @@ namespace {
 constexpr std::size_t kGrain = 64;   // cells a chunk
 constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
 
+/// In a unit of its own if its values are far from 1.
 Image checked(Image density) {
   check_image("density", density);
+  const double most = *std::max_element(density.values.begin(), density.values.end());
+  double sum = 0.0;
+  for (const double value : density.values) sum += value / most;
+  const double unit = density_unit(most, sum / static_cast<double>(density.values.size()));
+  if (unit != 1.0)
+    for (double& value : density.values) value *= unit;
   return density;
 }
 

@@ -8,6 +8,7 @@
 #include "cell_integrals.hpp"
 #include "parallel.hpp"
 #include "shared_faces.hpp"
+#include "unit_voronoi.hpp"
 
 namespace dapple {
 namespace {
@@ -43,6 +44,7 @@ class Builder {
     build();
     std::vector<std::vector<CellPolygon>> cells(count());
     parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
       for (std::size_t s = begin; s < end; ++s)
         collect(static_cast<std::int32_t>(s), cells[original(static_cast<std::int32_t>(s))]);
     });
@@ -271,10 +273,28 @@ class Builder {
 
 }  // namespace
 
+RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, const Context* context,
+                               Cells cells) {
+  return Builder(surface, sites, nullptr, cells, context).build();
+}
+
+RestrictedVoronoi without_unit(RestrictedVoronoi diagram, double density_unit) {
+  if (density_unit == 1.0) return diagram;
+  const double once = 1.0 / density_unit;  // twice at once may leave the range of numbers
+  for (Moments& cell : diagram.cells) {
+    cell.capacity *= once;
+    cell.mass = cell.mass * once * once;
+    cell.first = cell.first * once * once;
+    cell.second = cell.second * once * once;
+  }
+  for (CellBoundary& side : diagram.boundaries) side.flux *= once;
+  return diagram;
+}
+
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                      const Context* context, Cells cells) {
   check_sites(surface, sites);
-  return Builder(surface, sites, nullptr, cells, context).build();
+  return without_unit(unit_voronoi(surface, sites, context, cells), surface.density_unit());
 }
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
@@ -283,9 +303,9 @@ RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
 }
 
 std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites,
-                                                     Cells cells) {
+                                                     Cells cells, const Context* context) {
   check_sites(surface, sites);
-  return Builder(surface, sites, nullptr, cells, nullptr).polygons();
+  return Builder(surface, sites, nullptr, cells, context).polygons();
 }
 
 }  // namespace dapple

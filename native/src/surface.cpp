@@ -5,6 +5,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "density_unit.hpp"
 #include "hexagonal.hpp"
 #include "integrate.hpp"
 #include "morton.hpp"
@@ -340,13 +341,14 @@ Surface Surface::with_density(const Density& density) const {
 
 void Surface::measure() {
   auto result = std::make_shared<SurfaceGeometry>();
+  const double unit = result->density_unit = find_density_unit();
   result->faces.resize(face_count());
   parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const auto face = static_cast<std::int32_t>(f);
       const auto [a, b, c] = corners(face);
       result->faces[f] =
-          measure_face({vertex(a), vertex(b), vertex(c)}, densities(face), uniform());
+          measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face), uniform());
     }
   });
   for (const FaceGeometry& face : result->faces) {
@@ -354,7 +356,22 @@ void Surface::measure() {
     result->mass += face.moments.capacity;
   }
   check_total(*result);
+  result->mass /= unit;
   geometry_ = std::move(result);
+}
+
+double Surface::find_density_unit() const {
+  if (uniform()) return 1.0;
+  const double most = *std::max_element(density_->values.begin(), density_->values.end());
+  if (dapple::density_unit(most, 1.0) == 1.0) return 1.0;
+  double area = 0.0, sum = 0.0;  // the largest value may lie where there is no area
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(face_count()); ++f) {
+    const auto [a, b, c] = corners(f);
+    const double twice = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a)).norm();
+    area += twice;
+    sum += twice * (densities(f) / most).mean();
+  }
+  return dapple::density_unit(most, sum / area);
 }
 
 Vec3 Surface::densities(std::int32_t ordered) const {

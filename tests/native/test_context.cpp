@@ -31,6 +31,32 @@ TEST(Context, NeverGoesBack) {
   EXPECT_EQ(context.progress(), 0.5);
 }
 
+TEST(Context, CountsAPartWithinItsShare) {
+  Context whole;
+  Context part(whole, 0.25, 0.75);
+  part.advance(0.5);
+  EXPECT_EQ(part.progress(), 0.5);
+  EXPECT_EQ(whole.progress(), 0.5);
+  Context inner(part, 0.5, 1.0);
+  inner.advance(0.5);
+  EXPECT_EQ(whole.progress(), 0.625);
+  inner.advance(1.0);
+  EXPECT_EQ(whole.progress(), 0.75);
+  EXPECT_EQ(part.progress(), 1.0);
+  part.advance(0.1);
+  EXPECT_EQ(whole.progress(), 0.75);
+}
+
+TEST(Context, CancelsWholeAndPartTogether) {
+  Context whole;
+  Context part(whole, 0.0, 0.5);
+  whole.cancel();
+  EXPECT_THROW(part.check(), Cancelled);
+  Context other;
+  Context(other, 0.0, 1.0).cancel();
+  EXPECT_TRUE(other.cancelled());
+}
+
 TEST(Context, KeepsTheHighestOfManyThreads) {
   Context context;
   std::vector<std::thread> threads;

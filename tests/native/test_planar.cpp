@@ -364,6 +364,28 @@ void expect_gradient_is_slope(const TorusDomain& torus, std::size_t count) {
     }
 }
 
+TEST(FlatDomains, GiveTheSameUnderADensityOfAnyScale) {
+  const auto scaled = [](double scale) {
+    Image image = wavy(5, 6);
+    for (double& value : image.values) value *= scale;
+    return image;
+  };
+  const auto solve = [&](double scale, bool torus) {
+    const Image image = scaled(scale);
+    return torus ? sample_planar(TorusDomain(image), 150)
+                 : sample_planar(PlanarDomain::image(1.0, 1.0, image), 150);
+  };
+  for (const bool torus : {false, true}) {
+    const PlanarSamples expected = solve(1.0, torus);
+    for (const double scale : {1e-200, 1e200}) {
+      const PlanarSamples samples = solve(scale, torus);
+      for (std::size_t k = 0; k < 150; ++k)
+        ASSERT_LT((samples.positions[k] - expected.positions[k]).norm(), 1e-9) << scale << ' ' << k;
+      EXPECT_NEAR(samples.report.energy, expected.report.energy, 1e-9);
+    }
+  }
+}
+
 TEST(Torus, HasTheGradientOfItsEnergy) {
   for (const std::size_t count : {3u, 4u, 12u, 80u}) {
     expect_gradient_is_slope(TorusDomain(), count);

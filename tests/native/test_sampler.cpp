@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
-#include <dapple/sampler.hpp>
 #include <limits>
 
 #include "invariants.hpp"
@@ -208,6 +209,62 @@ TEST_P(SamplerInUnits, IsAsEvenAsInAnyOther) {
   const Samples samples = sample(surface, 300);
   check(surface, samples);
   EXPECT_NEAR(samples.report.energy, sample(shape.surface(), 300).report.energy, tolerance);
+}
+
+/// The density's unit is the caller's: only its ratios count. Where the scale is no power of two,
+/// the values differ in their last digits, and every step makes a little more of that.
+TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
+  const auto scaled = [](double scale) {
+    return with_density(blob(3),
+                        [scale](const Vec3& p) { return scale * (1.2 + std::sin(2.0 * p.x())); })
+        .surface();
+  };
+  const Samples expected = sample(scaled(1.0), 300);
+  for (const double scale : {1e-300, 1e-200, 1e-100, 1e100, 1e200, 1e300}) {
+    const Surface surface = scaled(scale);
+    const Samples samples = sample(surface, 300);
+    EXPECT_TRUE(samples.report.converged) << scale;
+    EXPECT_NEAR(samples.report.energy, expected.report.energy, 1e-3) << scale;
+    EXPECT_NEAR(samples.report.evenness.capacity_spread, expected.report.evenness.capacity_spread,
+                2e-3)
+        << scale;
+    EXPECT_NEAR(analyse(surface, expected).energy, expected.report.energy, 1e-12) << scale;
+    EXPECT_NEAR(surface.mass() / scale, scaled(1.0).mass(), 1e-12 * scaled(1.0).mass());
+  }
+  // A power of two changes no digit of the values, and none of the samples.
+  for (const double scale : {0x1p-1000, 0x1p-664, 0x1p-40, 0x1p664, 0x1p1000})
+    EXPECT_TRUE(same_bytes(sample(scaled(scale), 300), expected)) << scale;
+}
+
+TEST(Sampler, GivesTheSameClassesUnderDensitiesOfAnyScale) {
+  const Surface surface = blob(3).surface();
+  const auto classes = [&](double first, double second) {
+    std::vector<double> one, two;
+    for (const Vec3& x : surface.vertices()) {
+      one.push_back(first * (1.5 + std::sin(x.x())));
+      two.push_back(second * (1.5 + std::sin(x.y())));
+    }
+    return std::vector<SampleClass>{
+        {.count = 80, .surface = surface.with_density({DensityAt::kVertices, one})},
+        {.count = 120, .surface = surface.with_density({DensityAt::kVertices, two})}};
+  };
+  const Samples expected = sample_classes(surface, classes(1.0, 1.0));
+  EXPECT_TRUE(same_bytes(sample_classes(surface, classes(0x1p-664, 0x1p664)), expected));
+}
+
+TEST(Sampler, GivesCapacitiesInTheCallersUnit) {
+  for (const double scale : {1e-200, 1e-30, 1e30, 1e200}) {
+    const Shape shape =
+        with_density(blob(2), [scale](const Vec3& p) { return scale * (1.5 + std::sin(p.x())); });
+    const Surface surface = shape.surface();
+    const Samples samples = sample(surface, 50);
+    const RestrictedVoronoi diagram = restricted_voronoi(surface, sites_of(samples));
+    double sum = 0.0;
+    for (const Moments& cell : diagram.cells) sum += cell.capacity;
+    EXPECT_NEAR(sum / shape.mass(), 1.0, 1e-10) << scale;
+    EXPECT_NEAR(evaluate_energy(surface, sites_of(samples), 30.0).normalised, samples.report.energy,
+                0.1);
+  }
 }
 
 // ---- options, progress ----

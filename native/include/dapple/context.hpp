@@ -10,9 +10,15 @@ namespace dapple {
 /// Every member may be called from any thread. The work never calls back: a watcher polls.
 class Context {
  public:
+  Context() = default;
+
+  /// For the work: one of a part of it, which counts its own progress from 0 to 1 and with that the
+  /// whole's from `from` to `to`. Cancel is one and the same for both. The whole must outlive it.
+  Context(Context& whole, double from, double to) : whole_(&whole), from_(from), to_(to) {}
+
   /// Ask the work to stop; it then throws Cancelled at its next check.
-  void cancel() { cancelled_.store(true); }
-  [[nodiscard]] bool cancelled() const { return cancelled_.load(); }
+  void cancel() { whole_ ? whole_->cancel() : cancelled_.store(true); }
+  [[nodiscard]] bool cancelled() const { return whole_ ? whole_->cancelled() : cancelled_.load(); }
 
   /// Share of the work done, in [0, 1]; it never falls.
   [[nodiscard]] double progress() const { return progress_.load(); }
@@ -26,6 +32,8 @@ class Context {
  private:
   std::atomic<bool> cancelled_ = false;
   std::atomic<double> progress_ = 0.0;
+  Context* whole_ = nullptr;  // none if this is the whole
+  double from_ = 0.0, to_ = 1.0;
 };
 
 }  // namespace dapple

@@ -14,7 +14,7 @@ class Domain {
  public:
   virtual ~Domain() = default;
 
-  /// The cells of the sites, relative to each site. \throw Cancelled
+  /// The cells of the sites, relative to each site; integrals as mass(). \throw Cancelled
   [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites,
                                                 const Context* context) const = 0;
 
@@ -26,7 +26,10 @@ class Domain {
   [[nodiscard]] virtual Vec3 normal(std::int32_t face) const = 0;
 
   [[nodiscard]] virtual double area() const = 0;
-  [[nodiscard]] virtual double mass() const = 0;  ///< integral of the density
+  /// Integral of the density. Like the cells' integrals, it is of the density times density_unit().
+  [[nodiscard]] virtual double mass() const = 0;
+  /// See Surface::density_unit.
+  [[nodiscard]] virtual double density_unit() const { return 1.0; }
   [[nodiscard]] virtual bool uniform() const = 0;
 
   /// Per site, whether its cell ends at the domain's border.
@@ -69,7 +72,8 @@ class SurfaceDomain final : public Domain {
                               std::span<const std::int32_t> hints) const override;
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
-  [[nodiscard]] double mass() const override { return surface_.mass(); }
+  [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
+  [[nodiscard]] double density_unit() const override { return surface_.density_unit(); }
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;

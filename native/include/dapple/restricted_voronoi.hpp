@@ -65,8 +65,9 @@ enum class Cells {
                                                    Cells cells = Cells::kEuclidean);
 
 /// The same cells as polygons, sorted by site; memory grows with the number of pieces.
-[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface,
-                                                                   const Sites& sites,
-                                                                   Cells cells = Cells::kEuclidean);
+/// \throw Cancelled
+[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(
+    const Surface& surface, const Sites& sites, Cells cells = Cells::kEuclidean,
+    const Context* context = nullptr);
 
 }  // namespace dapple

@@ -76,9 +76,10 @@ struct SurfaceDensity {
 
 /// What follows from positions and density; in the surface's own order.
 struct SurfaceGeometry {
-  std::vector<FaceGeometry> faces;
+  std::vector<FaceGeometry> faces;  // of the density times the unit
   double area = 0.0;
-  double mass = 0.0;
+  double mass = 0.0;          // the caller's
+  double density_unit = 1.0;  // see Surface::density_unit
 };
 
 /// Immutable, checked triangles with a density that is linear on each face.
@@ -148,6 +149,11 @@ class Surface {
   /// Distance between neighbours if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
   [[nodiscard]] double spacing(std::size_t count) const;
 
+  /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
+  /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
+  /// integrals stay in the range of numbers.
+  [[nodiscard]] double density_unit() const { return geometry_->density_unit; }
+
   // The ordered view, for the algorithms.
   [[nodiscard]] std::int32_t ordered_face(std::int32_t face) const {
     return connectivity_->ordered_face[static_cast<std::size_t>(face)];
@@ -192,6 +198,7 @@ class Surface {
   void measure();
   template <typename Corners>
   [[nodiscard]] std::vector<Face> original_faces(const Corners& corners_of) const;
+  [[nodiscard]] double find_density_unit() const;
   [[nodiscard]] std::vector<double> corner_angles(std::span<const std::int32_t> of) const;
 
   std::shared_ptr<const SurfaceConnectivity> connectivity_;
