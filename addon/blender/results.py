@@ -32,7 +32,7 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
             )
         )
     if not report.converged and not obj.dapple.baked_keys:
-        lines.append((told("Tolerance not reached: raise Max Evaluations"), "INFO"))
+        lines.append((_shortfall(obj), "INFO"))
     return [*lines, _fit(freshness.answer(obj, context))]
 
 
@@ -45,6 +45,13 @@ def _fit(answer: freshness.Answer | None) -> tuple[str, str]:
     if answer.verdict.note:
         return answer.verdict.note, "INFO"
     return told("Fresh: fits the surface"), "CHECKMARK"
+
+
+def _shortfall(obj: bpy.types.Object) -> str:
+    """Why the result is not at the tolerance."""
+    if obj.dapple.report.evaluations >= obj.dapple.max_evaluations:
+        return told("Tolerance not reached: raise Max Evaluations")
+    return told("Tolerance not reached: no step found that helps")
 
 
 def _effort(obj: bpy.types.Object) -> str:

@@ -116,7 +116,9 @@ void bind_reports(py::module_& m) {
       .def_readonly("iterations", &Report::iterations, "Steps taken.")
       .def_readonly("parts", &Report::parts,
                     "Tracker: that the frame was split into, because the surface moves far.")
-      .def_readonly("converged", &Report::converged, "False if the evaluations ran out first.")
+      .def_readonly(
+          "converged", &Report::converged,
+          "False if the evaluations ran out first, or no step was found where more was promised.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_readonly(
           "energies", &Report::energies,
@@ -216,7 +218,8 @@ Raises:
       py::arg("context") = nullptr,
       R"(Another count or density for samples that are there, most of which stay nearly where they are.
 
-Samples are taken out far from each other, or thrown into the widest gaps, and all are made as even as they were.
+Each neighborhood first gets the number that its share of the density asks for: samples are taken out far from each
+other, or put into the widest gaps. Then all are made as even as they were.
 
 Args:
     surface: a Surface of the same faces; its density and vertices may be others.

@@ -123,8 +123,9 @@ OptimizerOptions FrameSolver::aims() const {
   return options;
 }
 
-Samples FrameSolver::restore(const Surface& surface, const Sites& start, const Vectors& moves,
-                             const Sites* home, bool idle, Context* context) const {
+FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
+                                           const Vectors& moves, const Sites* home, bool idle,
+                                           Context* context) const {
   const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
@@ -132,7 +133,7 @@ Samples FrameSolver::restore(const Surface& surface, const Sites& start, const V
       minimize(frame.objective, move(start, moves, frame.objective), options, context, home);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
-  return samples;
+  return {std::move(samples), found.settled};
 }
 
 FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,

@@ -24,12 +24,16 @@ class FrameSolver {
   /// \param now those, carried to this one
   [[nodiscard]] Vectors recall(const Surface& surface, const Sites& before, const Sites& now) const;
 
+  struct Restored {
+    Samples samples;
+    bool settled;  ///< the same frame again would gain nothing, see Minimum
+  };
   /// Even samples on a frame.
   /// \param start, moves where the search begins: at the sites, moved
   /// \param home where max_slide and stickiness hold them; null: where the search begins
   /// \param idle whether to measure only
-  [[nodiscard]] Samples restore(const Surface& surface, const Sites& start, const Vectors& moves,
-                                const Sites* home, bool idle, Context* context) const;
+  [[nodiscard]] Restored restore(const Surface& surface, const Sites& start, const Vectors& moves,
+                                 const Sites* home, bool idle, Context* context) const;
 
   struct Passed {
     Sites sites;

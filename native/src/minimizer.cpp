@@ -51,6 +51,8 @@ constexpr double kGapMost = 0.25;  // share of the sites that may be held back f
 constexpr int kRescues = 8;        // of sites without a cell, in one run
 constexpr double kLocal = 1e-2;    // of the tolerance: what is left to restore is in a few places
 constexpr int kFewFailures = 2;    // while restoring
+constexpr double kStuck = 5e-4;  // of the energy: what the model may promise where steps are small
+constexpr double kRounding = 1e-9;  // of the energy: a promise that rounding may break
 constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
 
 class Minimizer {
@@ -79,8 +81,10 @@ class Minimizer {
       rescue();
       report_progress();
     }
-    result_.converged = settled();
+    result_.settled = settled();
+    result_.converged = at_minimum();
     result_.state = std::move(state_);
+    if (context_) context_->advance(1.0);
     return std::move(result_);
   }
 
@@ -119,6 +123,23 @@ class Minimizer {
     return normalised_energy(objective_, state_) <= options_.target_energy ||
            small_decreases_ >= options_.patience ||
            failures_ >= (restoring() ? kFewFailures : kFailures);
+  }
+
+  /// Whether it ended where it should: settled() also ends where no step is found.
+  [[nodiscard]] bool at_minimum() const {
+    if (restoring() && restored()) return true;
+    if (normalised_energy(objective_, state_) <= options_.target_energy) return true;
+    if (small_decreases_ >= options_.patience) return missed_ <= options_.tolerance && !stuck();
+    return failures_ > 0 && missed_ <= kRounding;
+  }
+
+  /// Whether a full step of the model promises far more than the steps gave: then they are small
+  /// because something holds them back, not because nothing is left to gain.
+  [[nodiscard]] bool stuck() const {
+    if (options_.method != Method::kTrustRegion) return false;
+    const GaussNewton model(objective_, state_, kSteps);
+    const double promised = 0.5 * dot(model.solve(state_.gradient, least_delta_), state_.gradient);
+    return promised > std::max(kStuck, options_.tolerance) * state_.total;
   }
 
   State evaluate(Sites sites) {
@@ -160,8 +181,10 @@ class Minimizer {
     if (options_.method == Method::kTrustRegion) answer(next.has_value(), t);
     // A quasi-Newton step promises half its slope: where even that is small, or hidden by a jump,
     // failing to get it is convergence.
-    const double promised = -0.5 * slope > jump_ ? -0.5 * slope : 0.0;
-    judge(next ? state_.total - next->total : promised, next.has_value());
+    const double promised = -0.5 * slope;
+    const double hoped = promised > jump_ ? promised : 0.0;
+    missed_ = next ? 0.0 : std::max(missed_, promised / state_.total);
+    judge(next ? state_.total - next->total : hoped, next.has_value());
     if (next)
       accept(std::move(*next));
     else
@@ -204,6 +227,7 @@ class Minimizer {
     if (!(next.total < state_.total)) return;
     memory_.forget();
     small_decreases_ = failures_ = 0;
+    missed_ = 0.0;
     settle_at(std::move(next));
   }
 
@@ -429,6 +453,7 @@ class Minimizer {
   double decrease_ = 0.0;    // of the last step, relative
   int small_decreases_ = 0;  // in a row
   int failures_ = 0;         // in a row
+  double missed_ = 0.0;      // the most that failed steps in a row promised, relative
   int rescues_ = 0;
   double jump_ = 0.0;  // of the energy, that the last step met
   Minimum result_;

@@ -13,7 +13,8 @@ struct Minimum {
   std::vector<double> energies;  ///< see OptimizerResult
   int evaluations = 0;
   int iterations = 0;
-  bool converged = false;
+  bool settled = false;    ///< nothing is gained by going on: converged, or no step is found
+  bool converged = false;  ///< see OptimizerResult
 };
 
 /// See optimize(); gaps are the terms' own.

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "progress.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -77,9 +78,10 @@ std::vector<Population::Fading> Population::vanishing(const Samples& before,
 
 const Samples& Population::advance(std::span<const Vec3> vertices, Context* context) {
   Tracker tracker = tracker_;
-  tracker.advance(vertices, context);
+  Stretch moving(context, 0.0, 0.5), resizing(context, 0.5, 1.0);
+  tracker.advance(vertices, moving.context());
   const Samples before = tracker.samples();
-  const Samples after = resized(tracker, context);
+  const Samples after = resized(tracker, resizing.context());
   std::vector<Fading> gone = vanishing(before, after);
   std::map<std::int32_t, double> fade_of;
   for (std::size_t k = 0; k < before.size(); ++k)
@@ -93,6 +95,7 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   tracker_ = std::move(tracker);
   vanishing_ = std::move(gone);
   join();
+  if (context) context->advance(1.0);
   return samples_;
 }
 

@@ -9,6 +9,7 @@
 #include "motion.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -33,7 +34,8 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
     const Sites now = carried(way, passed.sites);
     const Sites home = carried(way, first);
     const int evaluations = passed.evaluations;
-    passed = solver.pass(way, now, solver.recall(way, passed.sites, now), home, context);
+    Stretch step(context, static_cast<std::size_t>(part - 1), static_cast<std::size_t>(parts));
+    passed = solver.pass(way, now, solver.recall(way, passed.sites, now), home, step.context());
     passed.evaluations += evaluations;
   }
   return passed;
@@ -67,14 +69,16 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     const Sites now = carried(surface, last.sites);
     const Sites home = carried(surface, before);
     const Vectors moves = solver_->recall(surface, last.sites, now);
-    Samples samples = solver_->restore(surface, now, moves, &home, still && settled_, context);
+    const auto last_part = static_cast<std::size_t>(parts - 1);
+    Stretch step(context, last_part, last_part + 1);
+    auto [samples, settled] =
+        solver_->restore(surface, now, moves, &home, still && settled_, step.context());
     samples.report.evaluations += last.evaluations;
     samples.report.parts = parts;
     measure_slide(samples.report, samples.positions, home.positions);
     samples.report.seconds = clock.seconds();
-    settled_ =
-        (still && settled_) || (samples.report.converged &&
-                                samples.report.slide_max < kHeld * options.optimizer.max_slide);
+    settled_ = (still && settled_) ||
+               (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
     surface_ = std::move(surface);
     samples_ = std::move(samples);
   });

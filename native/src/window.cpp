@@ -4,6 +4,7 @@
 #include "frame_solver.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "validate.hpp"
 
 namespace dapple {
@@ -26,7 +27,8 @@ class Window {
             options.tracker, {}) {}
 
   std::vector<Samples> solve(const Samples& samples) {
-    steps_ = frames_.size() * static_cast<std::size_t>(1 + options_.sweeps + options_.closed);
+    const int closing = options_.closed ? 2 : 0;  // the pass backwards, and the way over to it
+    steps_ = frames_.size() * static_cast<std::size_t>(1 + closing + options_.sweeps);
     samples_ = pass(samples, true);
     if (options_.closed) close(pass(samples, false));
     for (int k = 0; k < options_.sweeps; ++k) sweep(k % 2 == 1);
@@ -49,8 +51,8 @@ class Window {
     result[0] = tracker.samples();
     for (std::size_t k = 1; k < count(); ++k) {
       const std::size_t t = forwards ? k : count() - k;
-      result[t] = tracker.advance(frames_[t - 1], nullptr);
-      progress();
+      Stretch step = next_step();
+      result[t] = tracker.advance(frames_[t - 1], step.context());
     }
     return result;
   }
@@ -68,10 +70,7 @@ class Window {
 
   void sweep(bool forwards) {
     const std::size_t last = count() - 1;
-    for (std::size_t k = 1; k <= last; ++k) {
-      smooth(forwards ? k : last + 1 - k);
-      progress();
-    }
+    for (std::size_t k = 1; k <= last; ++k) smooth(forwards ? k : last + 1 - k);
   }
 
   /// To the middle between the frames before and after.
@@ -89,7 +88,9 @@ class Window {
 
   /// Move the samples of a frame, and restore it as near to that as can be.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
-    samples_[t] = solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, nullptr);
+    Stretch step = next_step();
+    samples_[t] =
+        solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, step.context()).samples;
   }
 
   void measure(std::size_t t) {
@@ -97,10 +98,10 @@ class Window {
     measure_slide(samples_[t].report, samples_[t].positions, from.positions);
   }
 
-  void progress() {
-    if (!context_) return;
-    context_->check();
-    context_->advance(static_cast<double>(++done_) / static_cast<double>(steps_));
+  /// A frame of one pass has the same share as any other.
+  Stretch next_step() {
+    if (context_) context_->check();
+    return {context_, done_++, steps_};
   }
 
   const Surface& first_;
@@ -131,9 +132,11 @@ std::vector<Samples> track_window(const Surface& surface, std::span<const std::v
                                   Context* context) {
   check_at_least("sweeps", options.sweeps, 0);
   check_frames(surface, frames);
-  return with_threads(options.tracker.threads, [&] {
+  std::vector<Samples> result = with_threads(options.tracker.threads, [&] {
     return Window(surface, frames, samples, options, context).solve(samples);
   });
+  if (context) context->advance(1.0);
+  return result;
 }
 
 }  // namespace dapple

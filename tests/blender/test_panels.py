@@ -156,6 +156,16 @@ def test_an_overlap_can_be_selected():
     assert "Worst overlap 25 %" in drawn()
 
 
+def test_more_evaluations_are_asked_for_only_where_they_ran_out():
+    obj = scenes.scattered(scenes.tail(frames=3), count=30)
+    report = obj.dapple.report
+    report.converged, report.evaluations = False, obj.dapple.max_evaluations
+    assert "Tolerance not reached: raise Max Evaluations" in " ".join(drawn())
+    report.evaluations = 12
+    assert "Tolerance not reached: no step found that helps" in " ".join(drawn())
+    assert "raise Max Evaluations" not in " ".join(drawn())
+
+
 @pytest.mark.parametrize("mode", ["KEEP_COUNT", "KEEP_DENSITY"])
 def test_a_baked_scatter(mode):
     obj = scenes.scattered(scenes.tail(frames=3), count=30)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <dapple/analysis.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/optimizer.hpp>
 #include <dapple/poisson_start.hpp>
@@ -130,6 +131,32 @@ TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
   EXPECT_TRUE(fine.converged);
   EXPECT_LT(fine.energy.normalised, coarse.energy.normalised);
   EXPECT_GT(fine.evaluations, coarse.evaluations);
+}
+
+/// Samples are missing from the thin part of a steep density alone: the search ends far from even,
+/// where no step is found that goes on.
+TEST(Optimizer, DoesNotCallItConvergedWhereItIsStuck) {
+  const Surface surface = with_face_density(icosphere(5), [](const Vec3& p) {
+                            return p.z() > 0.875 ? 100.0 : 1.0;
+                          }).surface();
+  const SurfaceDomain domain(surface);
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    const Sites even = optimize(domain, poisson_start(surface, 1000, seed), {}).sites;
+    Sites start;
+    int missing = 0;
+    for (std::size_t k = 0; k < even.size(); ++k) {
+      if (even.positions[k].z() < 0.875 && missing++ < 80) continue;
+      start.positions.push_back(even.positions[k]);
+      start.faces.push_back(even.faces[k]);
+      start.barycentric.push_back(even.barycentric[k]);
+    }
+    const OptimizerResult found = optimize(domain, start, {});
+    const double spread = measure_evenness(found.energy.diagram).capacity_spread;
+    std::cout << "capacity spread " << spread << " after " << found.evaluations << " evaluations\n";
+    ASSERT_GT(spread, 0.05) << "it was not stuck";
+    EXPECT_LT(found.evaluations, OptimizerOptions().max_evaluations);
+    EXPECT_FALSE(found.converged);
+  }
 }
 
 /// The size of the decrease is meant, and more than one small one (METHOD): the last two are small,

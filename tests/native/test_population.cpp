@@ -50,6 +50,28 @@ TEST(Population, KeepsTheDensity) {
   EXPECT_GT(most, kCount + 20);
 }
 
+/// A hundred times as many on a cap: where all grows alike, all gain their share.
+TEST(Population, KeepsTheSharesUnderADensity) {
+  const Shape shape =
+      with_face_density(icosphere(4), [](const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; });
+  const Surface surface = shape.surface();
+  Population population(surface, sample(surface, 800), {.fade = kFade});
+  const auto dense_share = [&population] {
+    const Samples& samples = population.samples();
+    double dense = 0.0;
+    for (std::size_t k = 0; k < samples.report.count; ++k)
+      dense += samples.positions[k].normalized().z() > 0.875 ? 1.0 : 0.0;
+    return dense / static_cast<double>(samples.report.count);
+  };
+  const double first = dense_share();
+  for (int frame = 1; frame <= 12; ++frame) {
+    const double size = 1.0 + 0.05 * std::sin(2.0 * std::numbers::pi * frame / 12);
+    population.advance(mapped(shape, [&](const Vec3& p) { return Vec3(size * p); }).vertices);
+    EXPECT_NEAR(dense_share(), first, 0.01) << "frame " << frame;
+    EXPECT_LE(population.samples().report.evenness.capacity_spread, 0.03) << "frame " << frame;
+  }
+}
+
 TEST(Population, FadesByOneStepAFrameAndNeverPops) {
   const Shape shape = blob(4);
   Population population = population_of(shape);

@@ -57,7 +57,9 @@ struct OptimizerResult {
       energies;  ///< what was minimised, normalised, at the start and after each iteration
   int evaluations = 0;
   int iterations = 0;
-  bool converged = false;  ///< false if the evaluations ran out first
+  /// Whether the energy, its decreases or the restoration met what ends the minimization; false if
+  /// the evaluations ran out first, or if steps that promised more were not found.
+  bool converged = false;
 };
 
 /// Minimise the energy over sites in a domain, on the tangential gradient, with projection after

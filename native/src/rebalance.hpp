@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/domain.hpp>
+
+namespace dapple {
+
+/// Sites of another number or under another density, before they are made even.
+struct Rebalanced {
+  std::vector<std::size_t> stay;  ///< indices of the sites that stay, in their order
+  Sites fresh;                    ///< those that are put in
+  int evaluations = 0;            ///< of the cells
+};
+
+/// Take out sites and put in others, so that each neighborhood of a few sites has the number that
+/// its share of the density asks for. Whatever has to be made up over a longer distance is then
+/// made up, and an optimization moves no site far. Those with the smallest cells are taken out, far
+/// from each other; new ones come into the widest gaps of the largest cells. A neighborhood that
+/// has its number to within a sample is left alone.
+/// \param sites with barycentric coordinates; at least one \param count at least one
+/// \throw Cancelled
+[[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
+                                   std::size_t count, std::uint64_t seed, const Context* context);
+
+}  // namespace dapple
