@@ -54,13 +54,13 @@ std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs,
   return std::make_shared<Spectrum>(spectrum(spans, options, context.get()));
 }
 
-py::array ranks_of(const py::object& points, const py::object& classes) {
+py::array ranks_of(const py::object& points, const py::object& classes, const ContextPtr& context) {
   const DoubleArray places = doubles("points", points, 3);
   const IntArray own = classes.is_none() ? IntArray(0) : integers("classes", classes, 0);
   std::vector<std::int32_t> ranks;
   {
     const py::gil_scoped_release released;
-    ranks = progressive_ranks(as_points(places), as_span(own));
+    ranks = progressive_ranks(as_points(places), as_span(own), context.get());
   }
   return give(std::move(ranks));
 }
@@ -198,6 +198,7 @@ Returns:
 Raises:
     ValueError: naming the first point that is not finite.)");
   m.def("progressive_ranks", &ranks_of, py::arg("points"), py::arg("classes") = py::none(),
+        py::kw_only(), py::arg("context") = ContextPtr(),
         R"(An order of points in which every beginning is even, for showing a share of them.
 
 The points whose rank is below m are spread as evenly as m of them can be, for every m; a density is kept. With classes,
@@ -206,12 +207,14 @@ each is even by itself too and keeps its share. Weighted sample elimination (Yuk
 Args:
     points: (n, 3) float64.
     classes: (n,) integers >= 0, or None: all are alike.
+    context: a Context for progress and cancel.
 
 Returns:
     (n,) int32, the rank of each point in 0..n-1.
 
 Raises:
-    ValueError: naming the first point that is not finite or class below 0.)");
+    ValueError: naming the first point that is not finite or class below 0.
+    Cancelled: through the context.)");
   m.def("spectrum", &plane_spectrum, py::arg("runs"), py::kw_only(), py::arg("half_width") = 0,
         py::arg("threads") = 0, py::arg("context") = ContextPtr(),
         R"(Power spectrum of points on the unit torus or square, averaged over runs, by direct sums.

@@ -17,10 +17,12 @@ std::vector<py::ssize_t> shape_of(const Texels& texels) {
 std::shared_ptr<Texels> find_texels(const Surface& surface, const py::object& uv,
                                     Whole<std::size_t, "rows", 0, kMostPixels> rows,
                                     Whole<std::size_t, "columns", 0, kMostPixels> columns,
-                                    Whole<int, "margin", 0, kMostInt> margin) {
+                                    Whole<int, "margin", 0, kMostInt> margin,
+                                    const ContextPtr& context) {
   const DoubleArray coordinates = uv_rows(uv);
   const py::gil_scoped_release released;
-  return std::make_shared<Texels>(texels(surface, as_face_uv(coordinates), rows, columns, margin));
+  return std::make_shared<Texels>(
+      texels(surface, as_face_uv(coordinates), rows, columns, margin, context.get()));
 }
 
 py::tuple cover_texels(const Surface& surface, const Samples& samples, const py::object& radii,
@@ -64,7 +66,7 @@ void bind_texture(py::module_& m) {
           "(rows, columns, 3) float64, sum 1; in the margin outside a face some are negative.");
 
   m.def("texels", &find_texels, py::arg("surface"), py::arg("uv"), py::arg("rows"),
-        py::arg("columns"), py::kw_only(), py::arg("margin") = 4,
+        py::arg("columns"), py::kw_only(), py::arg("margin") = 4, py::arg("context") = nullptr,
         R"(Find the face under the centre of each texel of a picture.
 
 Where texture coordinates overlap, the lowest face has the texel. Texels beside the faces continue the nearest one, so
@@ -76,12 +78,14 @@ Args:
         that of the last. What lies outside [0, 1] is left out.
     rows, columns: of the picture, >= 1; row 0 is at v = 0.
     margin: how far beside the faces, in texels, >= 0.
+    context: a Context for progress and cancel.
 
 Returns:
     Texels.
 
 Raises:
-    ValueError: naming the first texture coordinate that is not finite or beyond 1e6, or the size that is 0.)");
+    ValueError: naming the first texture coordinate that is not finite or beyond 1e6, or the size that is 0.
+    Cancelled: through the context.)");
 
   m.def("decal_cover", &cover_texels, py::arg("surface"), py::arg("samples"), py::arg("radii"),
         py::arg("tangents"), py::arg("texels"), py::kw_only(), py::arg("context") = nullptr,

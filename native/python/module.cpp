@@ -24,6 +24,17 @@ void bind_context(py::module_& m) {
       "Carries cancel and progress of one piece of long work; every member may be used "
       "from any thread while the work runs in another.")
       .def(py::init<>())
+      .def(
+          "part",
+          [](Context& whole, double from, double to) {
+            return std::make_shared<Context>(whole, from, to);
+          },
+          py::arg("start"), py::arg("end"), py::keep_alive<0, 1>(),
+          "A Context for one of several steps: its progress moves this one's from start to end, "
+          "and cancel is the same for both.")
+      .def("advance", &Context::advance, py::arg("progress"),
+           "For the work: raise the progress; a lower value leaves it.")
+      .def("check", &Context::check, "For the work: raise Cancelled if someone asked for it.")
       .def("cancel", &Context::cancel, "Ask the work to stop; it then raises Cancelled.")
       .def_property_readonly("cancelled", &Context::cancelled, "Whether cancel() was called.")
       .def_property_readonly("progress", &Context::progress,

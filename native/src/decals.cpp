@@ -91,9 +91,13 @@ void check(const Surface& surface, const Samples& samples, std::span<const doubl
 DecalCover cover(const Surface& surface, const Samples& samples, std::span<const double> radii,
                  std::span<const Vec3> tangents, const Texels& texels, Context* context) {
   check(surface, samples, radii, tangents, texels);
+  if (context) context->check();
   DecalCover result{std::vector<std::int32_t>(texels.size(), -1),
                     std::vector<Vec2>(texels.size(), Vec2::Zero())};
-  if (samples.size() == 0) return result;
+  if (samples.size() == 0) {
+    if (context) context->advance(1.0);
+    return result;
+  }
   const Decals decals(samples, radii, tangents);
   std::atomic<std::size_t> done = 0;
   parallel_chunks(texels.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -110,6 +114,7 @@ DecalCover cover(const Surface& surface, const Samples& samples, std::span<const
     done += end - begin;
     if (context) context->advance(static_cast<double>(done) / static_cast<double>(texels.size()));
   });
+  if (context) context->advance(1.0);
   return result;
 }
 

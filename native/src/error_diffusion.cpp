@@ -70,10 +70,12 @@ class Diffusion {
         filled_.push_back(total(wanted_.at(row, column)) > 0.0);
   }
 
-  Diffused run() {
-    for (std::size_t row = 0; row < wanted_.rows(); ++row)
+  Diffused run(const Context* context) {
+    for (std::size_t row = 0; row < wanted_.rows(); ++row) {
+      if (context) context->check();
       for (std::size_t k = 0; k < wanted_.columns(); ++k)
         visit(row, row % 2 == 0 ? k : wanted_.columns() - 1 - k, row % 2 == 0 ? 1 : -1);
+    }
     settle_counts();
     return std::move(dots_);
   }
@@ -172,8 +174,8 @@ class Diffusion {
 }  // namespace
 
 Diffused diffuse_errors(std::span<const Image> densities, std::span<const std::size_t> counts,
-                        std::uint64_t seed) {
-  return Diffusion(densities, counts, seed).run();
+                        std::uint64_t seed, const Context* context) {
+  return Diffusion(densities, counts, seed).run(context);
 }
 
 }  // namespace dapple

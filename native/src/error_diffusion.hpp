@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/image.hpp>
 #include <dapple/types.hpp>
 #include <span>
@@ -20,7 +21,9 @@ struct Diffused {
 /// place in its block is random. Blocks are so large that one dot comes to four of them; a pixel is
 /// never divided.
 /// \pre densities are of one shape, >= 0, each with a sum > 0 where counts[c] > 0
+/// \throw Cancelled
 [[nodiscard]] Diffused diffuse_errors(std::span<const Image> densities,
-                                      std::span<const std::size_t> counts, std::uint64_t seed);
+                                      std::span<const std::size_t> counts, std::uint64_t seed,
+                                      const Context* context = nullptr);
 
 }  // namespace dapple

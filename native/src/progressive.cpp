@@ -27,11 +27,13 @@ struct Link {
 /// Points that are to be even among themselves: all of them, or those of a class.
 class Layer {
  public:
-  Layer(std::span<const Vec3> all, Indices members) : all_(all), members_(std::move(members)) {
+  Layer(std::span<const Vec3> all, Indices members, const Context* context)
+      : all_(all), members_(std::move(members)) {
     const std::vector<Vec3> places = places_of(members_);
     const Neighbours tree(places);
     spacing_.resize(members_.size());
     parallel_chunks(members_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context) context->check();
       std::vector<Neighbour> ring;
       for (std::size_t k = begin; k < end; ++k) {
         tree.nearest(places[k], kRing + 1, ring);  // the first is the point itself
@@ -46,7 +48,7 @@ class Layer {
   /// share `left` of the layer were there: (1 - distance / spacing)^8, as in weighted sample
   /// elimination, once for each of both points' spacings.
   void link(const std::vector<std::uint8_t>& alive, double left,
-            std::vector<std::vector<Link>>& links) const {
+            std::vector<std::vector<Link>>& links, const Context* context) const {
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (alive[at(members_[k])]) kept.push_back(k);
@@ -56,6 +58,7 @@ class Layer {
     const Neighbours tree(places);
     std::vector<std::vector<Link>> found(kept.size());
     parallel_chunks(kept.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context) context->check();
       std::vector<Neighbour> near;
       for (std::size_t k = begin; k < end; ++k) {
         const double radius = spacing_[kept[k]] / std::sqrt(left);
@@ -124,21 +127,25 @@ class Shares {
 class Elimination {
  public:
   Elimination(std::span<const Vec3> points, const std::vector<Indices>& classes,
-              const Indices& class_of)
+              const Indices& class_of, const Context* context)
       : class_of_(class_of), shares_(classes), alive_(points.size(), 1), ranks_(points.size()) {
     Indices all(points.size());
     std::iota(all.begin(), all.end(), 0);
-    layers_.emplace_back(points, std::move(all));
+    layers_.emplace_back(points, std::move(all), context);
     if (classes.size() > 1)
-      for (const Indices& one : classes) layers_.emplace_back(points, one);
+      for (const Indices& one : classes) layers_.emplace_back(points, one, context);
     left_ = points.size();
   }
 
-  Indices run() && {
+  Indices run(Context* context) && {
     // Radii grow with the gaps, so neighbours are looked up anew whenever half are gone.
     while (left_ > 0) {
-      begin_level(left_ / 2);
-      for (const std::size_t target = left_ / 2; left_ > target;) remove(next());
+      const std::size_t target = left_ / 2;
+      begin_level(target, context);
+      while (left_ > target) {
+        if (context && left_ % kGrain == 0) report(*context);
+        remove(next());
+      }
     }
     return std::move(ranks_);
   }
@@ -152,11 +159,17 @@ class Elimination {
     }
   };
 
-  void begin_level(std::size_t target) {
+  /// Each half that goes takes half as long as the one before.
+  void report(Context& context) const {
+    context.check();
+    context.advance(1.0 - static_cast<double>(left_) / static_cast<double>(alive_.size()));
+  }
+
+  void begin_level(std::size_t target, const Context* context) {
     const double share =
         static_cast<double>(std::max<std::size_t>(target, 1)) / static_cast<double>(alive_.size());
     links_.assign(alive_.size(), {});
-    for (const Layer& layer : layers_) layer.link(alive_, share, links_);
+    for (const Layer& layer : layers_) layer.link(alive_, share, links_, context);
     weights_.assign(alive_.size(), 0.0);
     queues_.assign(layers_.size() > 1 ? layers_.size() - 1 : 1, {});
     for (std::size_t k = 0; k < alive_.size(); ++k) {
@@ -220,7 +233,9 @@ std::pair<std::vector<Indices>, Indices> grouped(std::size_t count,
 }  // namespace
 
 std::vector<std::int32_t> progressive_ranks(std::span<const Vec3> points,
-                                            std::span<const std::int32_t> classes) {
+                                            std::span<const std::int32_t> classes,
+                                            Context* context) {
+  if (context) context->check();
   check_finite("points", points);
   if (!classes.empty()) check_same_length("classes", classes.size(), "points", points.size());
   for (std::size_t k = 0; k < classes.size(); ++k)
@@ -228,7 +243,9 @@ std::vector<std::int32_t> progressive_ranks(std::span<const Vec3> points,
       throw ArgumentError(entry("classes", k) + " is " + std::to_string(classes[k]) +
                           ": it must be >= 0");
   const auto [members, group] = grouped(points.size(), classes);
-  return Elimination(points, members, group).run();
+  Indices ranks = Elimination(points, members, group, context).run(context);
+  if (context) context->advance(1.0);
+  return ranks;
 }
 
 }  // namespace dapple

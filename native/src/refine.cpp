@@ -11,6 +11,11 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kNone = -1;
+constexpr std::size_t kGrain = 4096;  // triangles between two checks
+// Of the progress: cutting, and of what is left of that each round; nobody knows how many there
+// will be, and the last ones take longest.
+constexpr double kCut = 0.5;
+constexpr double kRound = 0.25;
 constexpr std::size_t kMostFaces = 200'000'000;  // their corners and edges must fit into 32 bits
 
 std::int32_t as_index(std::size_t k) { return static_cast<std::int32_t>(k); }
@@ -47,13 +52,15 @@ std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span
 /// where their vertices are not the same, midpoints at the same place.
 class CutMesh {
  public:
-  explicit CutMesh(const Surface& surface)
+  CutMesh(const Surface& surface, const Context* context)
       : surface_(&surface),
         vertices_(surface.vertices()),
         faces_(surface.faces()),
-        welded_(welded_vertices(faces_, surface.welded_faces(), vertices_.size())) {
+        welded_(welded_vertices(faces_, surface.welded_faces(), vertices_.size())),
+        context_(context) {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
     for (std::size_t f = 0; f < faces_.size(); ++f) {
+      check_at(f);
       Triangle triangle{faces_[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t h = 3 * surface.ordered_face(as_index(f)) + as_index(k);
@@ -69,6 +76,7 @@ class CutMesh {
   bool mark(const Criterion& criterion, bool all) {
     std::vector<EdgeMarks> marks(triangles_.size(), EdgeMarks{});
     parallel_chunks(triangles_.size(), 256, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
       for (std::size_t t = begin; t < end; ++t)
         if (triangles_[t].fresh && (all || has_area(triangles_[t]))) marks[t] = criterion(piece(t));
     });
@@ -111,13 +119,21 @@ class CutMesh {
     for (const std::size_t e : halved) link_halves(edges_[e]);
     std::vector<Triangle> cut;
     cut.reserve(2 * triangles_.size());
-    for (const Triangle& triangle : triangles_) cut_at_longest(triangle, cut);
+    for (const Triangle& triangle : triangles_) {
+      check_at(cut.size());
+      cut_at_longest(triangle, cut);
+    }
     triangles_ = std::move(cut);
   }
 
   [[nodiscard]] Refined result(bool resolved) &&;
 
  private:
+  /// Ask now and then whether to go on.
+  void check_at(std::size_t k) const {
+    if (context_ && k % kGrain == 0) context_->check();
+  }
+
   [[nodiscard]] Edge& edge(std::int32_t e) { return edges_[static_cast<std::size_t>(e)]; }
   [[nodiscard]] const Edge& edge(std::int32_t e) const {
     return edges_[static_cast<std::size_t>(e)];
@@ -276,6 +292,7 @@ class CutMesh {
   std::vector<Vec3> vertices_;
   std::vector<Face> faces_;           // of the surface
   std::vector<std::int32_t> welded_;  // per vertex of the surface
+  const Context* context_;
   std::vector<std::array<std::int32_t, 2>> ends_;
   std::vector<Edge> edges_;
   std::vector<Triangle> triangles_;
@@ -307,29 +324,37 @@ Refined CutMesh::result(bool resolved) && {
 }
 
 Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::size_t max_faces,
-            const Context* context) {
+            Context* context) {
   if (max_faces < 1 || max_faces > kMostFaces)
     throw ArgumentError("max_faces is " + std::to_string(max_faces) + ": it must be in 1.." +
                         std::to_string(kMostFaces));
-  CutMesh mesh(surface);
-  while (true) {
+  CutMesh mesh(surface, context);
+  double done = 0.0;
+  bool resolved = false, full = false;
+  while (!resolved && !full) {
     if (context) context->check();
-    if (!mesh.mark(criterion, all)) return std::move(mesh).result(true);
+    resolved = !mesh.mark(criterion, all);
     mesh.close();
-    if (mesh.size_after_cut() > max_faces) return std::move(mesh).result(false);
-    mesh.cut();
+    full = mesh.size_after_cut() > max_faces;
+    if (!resolved && !full) mesh.cut();
+    done += kRound * (kCut - done);
+    if (context) context->advance(done);
   }
+  if (context) context->advance(kCut);
+  Refined refined = std::move(mesh).result(resolved);
+  if (context) context->advance(1.0);
+  return refined;
 }
 
 }  // namespace
 
 Refined refine(const Surface& surface, const Criterion& criterion, std::size_t max_faces,
-               const Context* context) {
+               Context* context) {
   return cut(surface, criterion, false, max_faces, context);
 }
 
 Refined refine_edges(const Surface& surface, std::span<const double> longest, std::size_t max_faces,
-                     const Context* context) {
+                     Context* context) {
   if (longest.size() != 1)
     check_same_length("longest", longest.size(), "faces", surface.face_count());
   for (std::size_t k = 0; k < longest.size(); ++k)

@@ -4,13 +4,16 @@
 #include <dapple/refine_image.hpp>
 
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
 
+constexpr double kCut = 0.8;          // of the progress: all faces are cut
 constexpr double kPatch = 32.0;       // pixels: larger pieces are not looked at pixel by pixel
 constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
+constexpr std::size_t kGrain = 4096;  // faces between two checks
 constexpr double kLatticeStep = 0.5;  // pixels
 
 /// A triangle on the picture, in pixels; (0, 0) is the centre of the first.
@@ -200,19 +203,21 @@ void check(const Surface& surface, std::span<const FaceUv> uv, const Image& imag
 }  // namespace
 
 Refined refine_image(const Surface& surface, std::span<const FaceUv> uv, const Image& image,
-                     const ImageOptions& options, const Context* context) {
+                     const ImageOptions& options, Context* context) {
   check(surface, uv, image, options);
   const Picture picture(image, options.repeat);
   const Chart chart(picture, uv);
+  Stretch cutting(context, 0.0, kCut);
   Refined refined = refine(
       surface,
       [&](const Piece& piece) {
         return unresolved_edges(picture, chart.triangle(piece.parent, piece.barycentric), options);
       },
-      options.max_faces, context);
+      options.max_faces, cutting.context());
   std::vector<double> density;
   density.reserve(3 * refined.parents.size());
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
+    if (context && f % kGrain == 0) context->check();
     const PixelTriangle t = chart.triangle(refined.parents[f], refined.barycentric[f]);
     const Vec3 before =
         refined.surface.densities(refined.surface.ordered_face(static_cast<std::int32_t>(f)));
@@ -220,6 +225,7 @@ Refined refine_image(const Surface& surface, std::span<const FaceUv> uv, const I
       density.push_back(before[static_cast<Eigen::Index>(k)] * picture(t[k]));
   }
   refined.surface = refined.surface.with_density({DensityAt::kCorners, density});
+  if (context) context->advance(1.0);
   return refined;
 }
 

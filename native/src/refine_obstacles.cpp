@@ -5,13 +5,16 @@
 #include <dapple/refine_obstacles.hpp>
 #include <limits>
 
+#include "progress.hpp"
 #include "triangle.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
 
-constexpr double kRounding = 1e-14;  // of the largest coordinate, in the position of a sample
+constexpr double kCut = 0.8;          // of the progress: all faces are cut
+constexpr std::size_t kGrain = 4096;  // faces between two checks
+constexpr double kRounding = 1e-14;   // of the largest coordinate, in the position of a sample
 
 double largest_coordinate(const Surface& surface) {
   double largest = 0.0;
@@ -80,7 +83,7 @@ std::array<Vec3, 3> corners_of(const Surface& surface, std::int32_t ordered) {
 }  // namespace
 
 Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
-                         const ObstacleOptions& options, const Context* context) {
+                         const ObstacleOptions& options, Context* context) {
   check_positive("edge", options.edge);
   if (!obstacles.areas.empty())
     check_same_length("areas", obstacles.areas.size(), "faces", surface.face_count());
@@ -88,6 +91,7 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
     return !obstacles.areas.empty() && obstacles.areas[static_cast<std::size_t>(face)] != 0;
   };
   const Balls balls(surface, obstacles);
+  Stretch cutting(context, 0.0, kCut);
   Refined refined = refine(
       surface,
       [&](const Piece& piece) {
@@ -95,11 +99,12 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
         return longer_than(options.edge * balls.crossing_radius(piece.parent, piece.corners),
                            piece.corners);
       },
-      options.max_faces, context);
+      options.max_faces, cutting.context());
   const Surface& fine = refined.surface;
   std::vector<double> density;
   bool left = false;
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
+    if (context && f % kGrain == 0) context->check();
     const std::int32_t face = fine.ordered_face(static_cast<std::int32_t>(f));
     const bool taken =
         in_area(refined.parents[f]) || balls.reach(refined.parents[f], corners_of(fine, face));
@@ -109,6 +114,7 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
   }
   if (!left) throw ArgumentError("points and areas take all of the surface: nothing can be placed");
   refined.surface = fine.with_density({DensityAt::kCorners, density});
+  if (context) context->advance(1.0);
   return refined;
 }
 

@@ -12,6 +12,7 @@ namespace dapple {
 namespace {
 
 constexpr double kWidthInUnits = 3.0;  // default half width, in sqrt(n): past the second peak
+constexpr std::size_t kGrain = 1024;   // points between two checks
 constexpr int kWidest = 8192;          // 2 GiB of powers
 
 void check_run(std::size_t run, std::span<const Vec2> points) {
@@ -81,9 +82,10 @@ class Phases {
 
 /// Add `share` of the powers of one run at (-half_width..half_width, y).
 void add_row(std::span<const Vec2> points, int half_width, int y, double share,
-             std::span<double> row) {
+             std::span<double> row, const Context* context) {
   std::vector<std::complex<double>> sums(row.size());
   for (std::size_t k = 0; k < points.size(); k += Phases::kPoints) {
+    if (context && k % kGrain == 0) context->check();
     Phases phases(points.subspan(k), -half_width, y);
     for (std::complex<double>& sum : sums) {
       sum += phases.sum();
@@ -110,7 +112,8 @@ std::vector<double> periodogram(std::span<const std::span<const Vec2>> runs, int
     if (context) context->check();
     const std::span<double> row = std::span(powers).subspan((half + y) * width, width);
     for (const auto& points : runs)
-      add_row(points, half_width, static_cast<int>(y), 1.0 / static_cast<double>(runs.size()), row);
+      add_row(points, half_width, static_cast<int>(y), 1.0 / static_cast<double>(runs.size()), row,
+              context);
     if (context) context->advance(static_cast<double>(++done) / static_cast<double>(half + 1));
   });
   mirror(powers);
@@ -121,6 +124,7 @@ std::vector<double> periodogram(std::span<const std::span<const Vec2>> runs, int
 
 Spectrum spectrum(std::span<const std::span<const Vec2>> runs, const SpectrumOptions& options,
                   Context* context) {
+  if (context) context->check();
   if (runs.empty()) throw ArgumentError("runs is empty: at least one set of points is needed");
   for (std::size_t run = 0; run < runs.size(); ++run) check_run(run, runs[run]);
   check_half_width(options.half_width);

@@ -11,13 +11,16 @@
 #include "error_diffusion.hpp"
 #include "outcome.hpp"
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "raster_domain.hpp"
 #include "validate.hpp"
 
 namespace dapple {
 namespace {
 
-constexpr double kRough = 1e-3;  // tolerance of a class by itself, before all are put together
+constexpr double kDiffused = 0.03;  // of the progress: the errors are diffused ...
+constexpr double kAlone = 0.25;     // ... and every class is even by itself
+constexpr double kRough = 1e-3;     // tolerance of a class by itself, before all are put together
 
 double sum_of(const Image& image) {
   return std::accumulate(image.values.begin(), image.values.end(), 0.0);
@@ -134,14 +137,17 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
   OptimizerOptions rough = options.sample.optimizer;
   rough.tolerance = std::max(rough.tolerance, kRough);
   std::int32_t first = 0;
+  const auto done = [&] { return static_cast<double>(first) / static_cast<double>(sites.size()); };
   for (const ClassProblem::Member& member : problem.classes) {
     std::vector<std::int32_t> members(member.count);
     std::iota(members.begin(), members.end(), first);
+    const double from = done();
     first += static_cast<std::int32_t>(member.count);
     if (members.empty()) continue;
+    Stretch step(context, from, done());
     const ClassProblem alone{member.domain, {member}};
     const ClassMinimum found = solve(make_objective(alone, class_of_sites(alone), options),
-                                     select(sites, members), rough, context);
+                                     select(sites, members), rough, step.context());
     put(sites, members, found.minimum.state.sites);
     sum.evaluations += found.minimum.evaluations;
     sum.iterations += found.minimum.iterations;
@@ -163,14 +169,19 @@ Objective to_objective(const ClassProblem& problem, const ClassOptions& options)
 Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t> counts,
                        const StippleOptions& options, Context* context) {
   const ClassProblem problem = to_problem(inks, counts);
-  Sites start = to_sites(problem, diffuse_errors(inks, counts, options.seed));
+  Sites start = to_sites(problem, diffuse_errors(inks, counts, options.seed, context));
+  if (context) context->advance(kDiffused);
   ClassOptions chosen;
   chosen.sample.optimizer = options.optimizer;
   chosen.union_weight = options.union_weight;
   const Objective objective = to_objective(problem, chosen);
   Minimum before;
-  if (objective.terms.size() > 1) settle_alone(problem, chosen, start, before, context);
-  ClassMinimum found = solve(objective, start, options.optimizer, context);
+  const bool many = objective.terms.size() > 1;
+  const double together = many ? kAlone : kDiffused;
+  Stretch alone(context, kDiffused, together);
+  Stretch finishing(context, together, 1.0);
+  if (many) settle_alone(problem, chosen, start, before, alone.context());
+  ClassMinimum found = solve(objective, start, options.optimizer, finishing.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
   Stipples result;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "parallel.hpp"
+#include "progress.hpp"
 #include "radial.hpp"
 #include "validate.hpp"
 
@@ -22,6 +23,8 @@ constexpr double kFarthest = 3.0;    // frequency, in sqrt(n / A)
 constexpr double kSameSlope = 1e-6;  // c_p = c_q to rounding: the formula's limit is used
 constexpr double kLargestRadius = 100.0;
 constexpr int kMostBins = 4096;
+constexpr double kGathered = 0.8;    // of the progress: all pairs are counted
+constexpr Eigen::Index kBlock = 32;  // rows of a transform between two checks
 
 /// Euclidean distance lengthened by what the normals tell of the bend between (Bowers et al. 2010,
 /// section 3.2); none if p and q face away from each other.
@@ -75,7 +78,8 @@ using Counts = std::vector<std::uint64_t>;
 /// The differentials of one run.
 class Differentials {
  public:
-  Differentials(const Surface& surface, const Samples& samples, double radius, int bins)
+  Differentials(const Surface& surface, const Samples& samples, double radius, int bins,
+                const Context* context)
       : surface_(surface),
         samples_(samples),
         tree_(samples.positions),
@@ -87,7 +91,7 @@ class Differentials {
       spacings_.push_back(local_spacing(k));
       frames_.emplace_back(samples.normals[k]);
     }
-    find_centres();
+    find_centres(context);
   }
 
   [[nodiscard]] std::size_t centres() const { return centres_; }
@@ -118,12 +122,13 @@ class Differentials {
     return uniform * std::sqrt(surface_.mass() / surface_.area() / density);
   }
 
-  void find_centres() {
+  void find_centres(const Context* context) {
     const double step = kBorderStep * surface_.spacing(samples_.size());
     const std::vector<Vec3> border = border_points(surface_, step);
     const Neighbours tree(border);
     std::vector<Neighbour> nearest;
     for (std::size_t k = 0; k < samples_.size(); ++k) {
+      if (context && k % kGrain == 0) context->check();
       bool inside = std::isfinite(spacings_[k]);
       if (inside && !border.empty()) {
         tree.nearest(samples_.positions[k], 1, nearest);
@@ -208,7 +213,7 @@ class Gathering {
         total_(static_cast<std::size_t>(options.bins) * static_cast<std::size_t>(options.bins)) {}
 
   void add(const Surface& surface, const Samples& samples) {
-    const Differentials run(surface, samples, options_.radius, options_.bins);
+    const Differentials run(surface, samples, options_.radius, options_.bins, context_);
     tbb::enumerable_thread_specific<Counts> counts(Counts(total_.size(), 0));
     std::atomic<std::size_t> done = 0;
     parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -289,7 +294,7 @@ Eigen::MatrixXd faded(const std::vector<double>& ratios, const Bins& bins, doubl
 /// 1 + number of sites in a squared spacing * Fourier transform; `step` in cycles per spacing. The
 /// transform of what is equal at d and -d is real: cos x cos y - sin x sin y, one axis at a time.
 std::vector<double> transformed(const Eigen::MatrixXd& values, const Bins& bins, int half_width,
-                                double step) {
+                                double step, Context* context) {
   const int size = 2 * half_width + 1;
   Eigen::MatrixXd cosines(size, bins.count);
   Eigen::MatrixXd sines(size, bins.count);
@@ -299,8 +304,14 @@ std::vector<double> transformed(const Eigen::MatrixXd& values, const Bins& bins,
       cosines(f, k) = std::cos(angle);
       sines(f, k) = std::sin(angle);
     }
-  const Eigen::MatrixXd sums =
-      cosines * values * cosines.transpose() - sines * values * sines.transpose();
+  Eigen::MatrixXd sums(size, size);
+  for (Eigen::Index row = 0; row < size; row += kBlock) {
+    if (context) context->check();
+    const Eigen::Index rows = std::min<Eigen::Index>(kBlock, size - row);
+    sums.middleRows(row, rows) = cosines.middleRows(row, rows) * values * cosines.transpose() -
+                                 sines.middleRows(row, rows) * values * sines.transpose();
+    if (context) context->advance(static_cast<double>(row + rows) / size);
+  }
   std::vector<double> result;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
@@ -315,7 +326,7 @@ void blank_corners(std::vector<double>& ratios, const Bins& bins, double radius)
       if (bins.distance(x, y) >= radius) *ratio = std::numeric_limits<double>::quiet_NaN();
 }
 
-void finish(SurfaceSpectrum& result) {
+void finish(SurfaceSpectrum& result, Context* context) {
   const Bins bins{result.bins, 2.0 * result.radius / result.bins};
   result.radial_differentials = radial_differentials(result.differentials, bins);
   const double step = 0.5 / result.radius;  // what the neighbourhood resolves
@@ -323,8 +334,8 @@ void finish(SurfaceSpectrum& result) {
   result.frequency_step = step / unit;
   result.half_width =
       std::min(static_cast<int>(std::ceil(kFarthest / result.frequency_step)), result.bins / 2);
-  result.power =
-      transformed(faded(result.differentials, bins, result.radius), bins, result.half_width, step);
+  result.power = transformed(faded(result.differentials, bins, result.radius), bins,
+                             result.half_width, step, context);
   result.radial_power = radial_statistics(result.power, result.half_width, result.frequency_step);
   blank_corners(result.differentials, bins, result.radius);
 }
@@ -335,7 +346,9 @@ SurfaceSpectrum surface_spectrum(const Surface& surface, std::span<const Samples
                                  const SurfaceSpectrumOptions& options, Context* context) {
   check_options(options);
   check_runs(surface, runs);
-  Gathering gathering(options, runs.size(), context);
+  if (context) context->check();
+  Stretch counting(context, 0.0, kGathered), finishing(context, kGathered, 1.0);
+  Gathering gathering(options, runs.size(), counting.context());
   with_threads(options.threads, [&] {
     for (const Samples* samples : runs) gathering.add(surface, *samples);
   });
@@ -348,7 +361,8 @@ SurfaceSpectrum surface_spectrum(const Surface& surface, std::span<const Samples
   result.radius = options.radius;
   result.bins = options.bins;
   result.differentials = gathering.ratios();
-  finish(result);
+  finish(result, finishing.context());
+  if (context) context->advance(1.0);
   return result;
 }
 

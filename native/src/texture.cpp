@@ -8,6 +8,7 @@
 namespace dapple {
 namespace {
 
+constexpr double kFilled = 0.8;     // of the progress: only the margin is missing
 constexpr double kOnEdge = -1e-12;  // barycentric coordinate of a texel's centre on an edge
 
 void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
@@ -56,11 +57,13 @@ std::pair<std::size_t, std::size_t> range(double low, double high, std::size_t s
           static_cast<std::size_t>(std::clamp(std::floor(high - 0.5) + 2.0, 0.0, end))};
 }
 
-void fill(const TexelTriangle& triangle, std::int32_t face, Texels& result) {
+void fill(const TexelTriangle& triangle, std::int32_t face, Texels& result,
+          const Context* context) {
   if (triangle.flat()) return;
   const auto [top, bottom] = range(triangle.low().y(), triangle.high().y(), result.rows);
   const auto [left, right] = range(triangle.low().x(), triangle.high().x(), result.columns);
-  for (std::size_t row = top; row < bottom; ++row)
+  for (std::size_t row = top; row < bottom; ++row) {
+    if (context) context->check();
     for (std::size_t column = left; column < right; ++column) {
       const std::size_t k = row * result.columns + column;
       if (result.faces[k] >= 0) continue;
@@ -69,6 +72,7 @@ void fill(const TexelTriangle& triangle, std::int32_t face, Texels& result) {
       result.faces[k] = face;
       result.barycentric[k] = weights;
     }
+  }
 }
 
 /// Texels with a face that touch one without, grown outwards by one texel at a time.
@@ -110,18 +114,29 @@ class Margin {
   std::vector<std::size_t> front_;
 };
 
+void report(Context& context, std::size_t done, std::size_t count) {
+  context.check();
+  context.advance(kFilled * static_cast<double>(done) / static_cast<double>(count));
+}
+
 }  // namespace
 
 Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
-              std::size_t columns, int margin) {
+              std::size_t columns, int margin, Context* context) {
   check(surface, uv, rows, columns, margin);
   Texels result{rows, columns, {}, {}};
   result.faces.assign(rows * columns, -1);
   result.barycentric.assign(rows * columns, Vec3::Zero());
-  for (std::size_t f = 0; f < uv.size(); ++f)
-    fill(TexelTriangle(uv[f], rows, columns), static_cast<std::int32_t>(f), result);
+  for (std::size_t f = 0; f < uv.size(); ++f) {
+    if (context) report(*context, f, uv.size());
+    fill(TexelTriangle(uv[f], rows, columns), static_cast<std::int32_t>(f), result, context);
+  }
   Margin outside(uv, result);
-  for (int k = 0; k < margin && outside.grows(); ++k) outside.grow();
+  for (int k = 0; k < margin && outside.grows(); ++k) {
+    if (context) context->check();
+    outside.grow();
+  }
+  if (context) context->advance(1.0);
   return result;
 }
 

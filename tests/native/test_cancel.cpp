@@ -4,11 +4,22 @@
 // Context::check.
 #include <gtest/gtest.h>
 
+#include <dapple/decals.hpp>
 #include <dapple/errors.hpp>
-#include <dapple/sampler.hpp>
-#include <dapple/tracker.hpp>
+#include <dapple/mosaic.hpp>
+#include <dapple/planar_sampler.hpp>
+#include <dapple/population.hpp>
+#include <dapple/progressive.hpp>
+#include <dapple/refine.hpp>
+#include <dapple/refine_image.hpp>
+#include <dapple/refine_obstacles.hpp>
+#include <dapple/resample.hpp>
+#include <dapple/spectrum.hpp>
+#include <dapple/stipple.hpp>
+#include <dapple/window.hpp>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <thread>
 
 #include "invariants.hpp"
@@ -20,6 +31,28 @@ constexpr int kNever = std::numeric_limits<int>::max();
 std::atomic<int> checks = 0;
 std::atomic<int> cancel_at = kNever;
 
+/// What a context shows at each check while it is watched.
+class Watch {
+ public:
+  void look_at(const dapple::Context* context) {
+    const std::scoped_lock lock(mutex_);
+    context_ = context;
+    seen_.clear();
+  }
+  void note() {
+    const std::scoped_lock lock(mutex_);
+    if (context_) seen_.push_back(context_->progress());
+  }
+  [[nodiscard]] const std::vector<double>& seen() const { return seen_; }
+
+ private:
+  std::mutex mutex_;
+  const dapple::Context* context_ = nullptr;
+  std::vector<double> seen_;
+};
+
+Watch watch;
+
 }  // namespace
 
 extern "C" {
@@ -27,6 +60,7 @@ void __real__ZNK6dapple7Context5checkEv(const dapple::Context* context);
 void __wrap__ZNK6dapple7Context5checkEv(const dapple::Context* context);
 
 void __wrap__ZNK6dapple7Context5checkEv(const dapple::Context* context) {
+  watch.note();
   if (++checks == cancel_at) const_cast<dapple::Context*>(context)->cancel();
   __real__ZNK6dapple7Context5checkEv(context);
 }
@@ -61,6 +95,23 @@ void cancel_everywhere(const Work& work, const std::function<void()>& after) {
     if (testing::Test::HasFailure()) return;
   }
   cancel_at = kNever;
+}
+
+/// While the work still asks, it is not done; what it shows rises, by no leaps, and ends at 1.
+void expect_honest_progress(const Work& work, double longest_leap = 0.5) {
+  Context context;
+  checks = 0;
+  cancel_at = kNever;
+  watch.look_at(&context);
+  work(&context);
+  EXPECT_EQ(context.progress(), 1.0);
+  const std::vector<double> seen = watch.seen();
+  watch.look_at(nullptr);
+  ASSERT_FALSE(seen.empty());
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_LT(seen.back(), 1.0) << "it was said to be done while it worked";
+  for (std::size_t k = 1; k < seen.size(); ++k)
+    EXPECT_LE(seen[k] - seen[k - 1], longest_leap) << "at check " << k << " of " << seen.size();
 }
 
 SampleOptions few_evaluations(int threads) {
@@ -117,6 +168,178 @@ TEST(Cancel, EverywhereInAPoissonStart) {
   }();
   cancel_everywhere([&](Context* context) { (void)sample(surface, 2000, options, context); },
                     [] {});
+}
+
+// ---- every verb: cancelled at each check, and its progress ----
+
+/// \param longest_leap that its progress may take between two checks
+void expect_watched(const Work& work, double longest_leap = 0.6) {
+  cancel_everywhere(work, [] {});
+  expect_honest_progress(work, longest_leap);
+}
+
+OptimizerOptions few_steps() { return {.max_evaluations = 4}; }
+
+TEST(Watched, ASample) {
+  const Surface surface = blob(2).surface();
+  expect_watched(
+      [&](Context* context) { (void)sample(surface, 100, {.optimizer = few_steps()}, context); });
+}
+
+TEST(Watched, ClassesInTwoStagesWithRadii) {
+  const Surface surface = blob(2).surface();
+  const double radius = 0.4 * surface.spacing(80);
+  const std::vector<SampleClass> classes = {{.count = 20, .radius = radius},
+                                            {.count = 60, .radius = radius}};
+  ClassOptions options;
+  options.sample.optimizer = few_steps();
+  options.two_stages = true;
+  expect_watched(
+      [&](Context* context) { (void)sample_classes(surface, classes, options, context); });
+}
+
+TEST(Watched, ClassesInThePlane) {
+  const std::vector<PlanarClass> classes = {{.count = 20}, {.count = 60}};
+  ClassOptions options;
+  options.sample.optimizer = few_steps();
+  options.two_stages = true;
+  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  expect_watched(
+      [&](Context* context) { (void)sample_planar_classes(square, classes, options, context); });
+  const TorusDomain torus;
+  expect_watched(
+      [&](Context* context) { (void)sample_planar_classes(torus, classes, options, context); });
+}
+
+TEST(Watched, AnotherNumberOfSamples) {
+  const Surface surface = blob(2).surface();
+  const Samples samples = sample(surface, 60);
+  expect_watched([&](Context* context) {
+    (void)resample(surface, samples, 200, {.optimizer = few_steps()}, context);
+  });
+}
+
+TEST(Watched, AFrameInParts) {
+  const Shape shape = blob(2);
+  const std::vector<Vec3> next = deformed(shape.vertices, 2.0);
+  const Tracker fresh(shape.surface(), sample(shape.surface(), 80),
+                      {.optimizer = few_steps(), .longest_motion = 0.1});
+  expect_watched([&](Context* context) {
+    Tracker tracker = fresh;
+    EXPECT_GT(tracker.advance(next, context).report.parts, 1);
+  });
+}
+
+TEST(Watched, AFrameOfAPopulation) {
+  const Shape shape = blob(2);
+  const std::vector<Vec3> next =
+      mapped(shape, [](const Vec3& p) { return Vec3(1.3 * p.x(), p.y(), p.z()); }).vertices;
+  const Population fresh(shape.surface(), sample(shape.surface(), 80),
+                         {.tracker = {.optimizer = few_steps()}});
+  Population population = fresh;
+  cancel_everywhere(
+      [&](Context* context) {
+        if (cancel_at == kNever)
+          Population(fresh).advance(next, context);
+        else
+          population.advance(next, context);
+      },
+      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
+  expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
+}
+
+TEST(Watched, AWindowOfFrames) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, 60);
+  std::vector<std::vector<Vec3>> frames;
+  for (const double time : {0.3, 0.6, 0.3}) frames.push_back(deformed(shape.vertices, time));
+  WindowOptions options;
+  options.tracker.optimizer.max_evaluations = 3;
+  options.sweeps = 1;
+  options.closed = true;
+  expect_watched(
+      [&](Context* context) { (void)track_window(surface, frames, samples, options, context); },
+      0.2);
+}
+
+TEST(Watched, AMosaic) {
+  const Surface surface = two_sheets(4, 0.02).surface();  // with orphans, so that all passes run
+  const Samples samples = sample(surface, 120);
+  expect_watched([&](Context* context) {
+    (void)mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01}, context);
+  });
+}
+
+TEST(Watched, Stipples) {
+  Image ink{16, 16, {}}, other{16, 16, {}};
+  for (int k = 0; k < 256; ++k) {
+    ink.values.push_back(0.4 * (k % 16) / 16.0);
+    other.values.push_back(0.4 * (k / 16) / 16.0);
+  }
+  const std::vector<Image> inks = {ink, other};
+  expect_watched(
+      [&](Context* context) { (void)stipple(inks, 90, {.optimizer = few_steps()}, context); });
+}
+
+TEST(Watched, ASpectrum) {
+  Random random(1);
+  std::vector<Vec2> points;
+  for (int k = 0; k < 100; ++k) points.emplace_back(random.uniform(), random.uniform());
+  const std::vector<std::span<const Vec2>> runs = {points, points};
+  expect_watched([&](Context* context) { (void)spectrum(runs, {}, context); });
+}
+
+TEST(Watched, ASpectrumOnASurface) {
+  const Surface surface = blob(3).surface();
+  const Samples samples = sample(surface, 300);
+  const std::vector<const Samples*> runs = {&samples, &samples};
+  expect_watched([&](Context* context) { (void)surface_spectrum(surface, runs, {}, context); });
+}
+
+TEST(Watched, ProgressiveRanks) {
+  const Samples samples = sample(blob(3).surface(), 3000, {.optimizer = few_steps()});
+  std::vector<std::int32_t> classes(samples.size());
+  for (std::size_t k = 0; k < classes.size(); ++k) classes[k] = static_cast<std::int32_t>(k % 2);
+  expect_watched(
+      [&](Context* context) { (void)progressive_ranks(samples.positions, classes, context); });
+}
+
+TEST(Watched, Refinements) {
+  const Surface surface = grid(4).surface();
+  const double longest = 0.02;
+  expect_watched(
+      [&](Context* context) { (void)refine_edges(surface, {&longest, 1}, 100000, context); });
+  std::vector<FaceUv> uv;
+  for (const Face& face : surface.faces()) {
+    uv.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      uv.back()[k] = surface.vertices()[static_cast<std::size_t>(face[k])].head<2>();
+  }
+  Image picture{8, 8, std::vector<double>(64, 0.1)};
+  picture.values[27] = 1.0;
+  const double few_rounds = 0.7;
+  expect_watched([&](Context* context) { (void)refine_image(surface, uv, picture, {}, context); },
+                 few_rounds);
+  const std::vector<Vec3> points = {{0.5, 0.5, 0.0}};
+  const std::vector<double> radii = {0.2};
+  expect_watched(
+      [&](Context* context) { (void)refine_obstacles(surface, {points, radii, {}}, {}, context); });
+}
+
+TEST(Watched, Decals) {
+  const Surface surface = grid(4).surface();
+  const Samples samples = sample(surface, 50);
+  Texels texels;
+  texels.rows = texels.columns = 128;
+  for (int k = 0; k < 128 * 128; ++k) {
+    texels.faces.push_back(k % 32);
+    texels.barycentric.push_back(Vec3::Constant(1.0 / 3.0));
+  }
+  const std::vector<double> radii(50, 0.05);
+  const std::vector<Vec3> tangents(50, Vec3::UnitX());
+  expect_watched(
+      [&](Context* context) { (void)cover(surface, samples, radii, tangents, texels, context); });
 }
 
 /// From another thread, with hundreds of evaluations still to go.

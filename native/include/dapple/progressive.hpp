@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <span>
 #include <vector>
@@ -18,8 +19,9 @@ namespace dapple {
 /// \param classes  >= 0, one per point, or empty: all are alike
 /// \return for the same points, the same ranks; ties are broken by index
 /// \throw ArgumentError naming the first point that is not finite, class below 0; if the lengths
-/// differ
+/// differ; Cancelled
 [[nodiscard]] std::vector<std::int32_t> progressive_ranks(
-    std::span<const Vec3> points, std::span<const std::int32_t> classes = {});
+    std::span<const Vec3> points, std::span<const std::int32_t> classes = {},
+    Context* context = nullptr);
 
 }  // namespace dapple

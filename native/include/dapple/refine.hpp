@@ -57,13 +57,13 @@ struct Refined {
 /// \param max_faces  the round that would exceed it is left out, and `resolved` is false
 /// \throw ArgumentError unless max_faces is in 1..200000000; Cancelled
 [[nodiscard]] Refined refine(const Surface& surface, const Criterion& criterion,
-                             std::size_t max_faces, const Context* context = nullptr);
+                             std::size_t max_faces, Context* context = nullptr);
 
 /// Cut faces, also those without area, until no edge of a piece is longer than its face allows;
 /// neighbours are cut with it.
 /// \param longest  > 0, infinite to leave a face as it is: one per face, or one for all
 /// \throw ArgumentError naming the first that is not > 0; if the lengths differ; as refine()
 [[nodiscard]] Refined refine_edges(const Surface& surface, std::span<const double> longest,
-                                   std::size_t max_faces, const Context* context = nullptr);
+                                   std::size_t max_faces, Context* context = nullptr);
 
 }  // namespace dapple

@@ -26,6 +26,6 @@ struct ImageOptions {
 /// wherever the surface is; Cancelled
 [[nodiscard]] Refined refine_image(const Surface& surface, std::span<const FaceUv> uv,
                                    const Image& image, const ImageOptions& options = {},
-                                   const Context* context = nullptr);
+                                   Context* context = nullptr);
 
 }  // namespace dapple

@@ -25,6 +25,6 @@ struct ObstacleOptions {
 /// out of range; if the lengths differ or nothing is left; Cancelled
 [[nodiscard]] Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
                                        const ObstacleOptions& options = {},
-                                       const Context* context = nullptr);
+                                       Context* context = nullptr);
 
 }  // namespace dapple

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/image.hpp>
 #include <dapple/surface.hpp>
 
@@ -24,8 +25,8 @@ struct Texels {
 /// \param rows, columns of the picture, >= 1
 /// \param margin  in texels, >= 0
 /// \throw ArgumentError naming the first texture coordinate that is not finite or too large, or
-/// the size that is 0
+/// the size that is 0; Cancelled
 [[nodiscard]] Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
-                            std::size_t columns, int margin = 4);
+                            std::size_t columns, int margin = 4, Context* context = nullptr);
 
 }  // namespace dapple

@@ -124,14 +124,18 @@ def bake(
         k = missing[0]
         raise ValueError(f"sample {k} is of class {samples.classes[k]}: decals has {len(decals)}")
     fine = (rows * oversampling, columns * oversampling)
-    grid = texels(surface, uv, *fine, margin=margin * oversampling)
+    context = context or Context()
+    grid = texels(surface, uv, *fine, margin=margin * oversampling, context=context.part(0.0, 0.2))
     radii = np.array([decal.radius for decal in decals])[samples.classes]
     across = np.ascontiguousarray(frames(samples, angles)[:, :, 0])
-    cover = decal_cover(surface, samples, radii, across, grid, context=context)
-    painted = _paint(grid, cover, samples, decals, _texel_size(surface, grid))
+    cover = decal_cover(surface, samples, radii, across, grid, context=context.part(0.2, 0.5))
+    painted = _paint(grid, cover, samples, decals, _texel_size(surface, grid), context)
     painted = _over(painted, np.asarray(background, np.float64))
     mean = painted.reshape(rows, oversampling, columns, oversampling, CHANNELS).mean(axis=(1, 3))
-    return np.clip(_straight(mean), 0.0, 1.0)
+    context.check()
+    result: NDArray[np.float64] = np.clip(_straight(mean), 0.0, 1.0)
+    context.advance(1.0)
+    return result
 
 
 def _paint(
@@ -140,11 +144,13 @@ def _paint(
     samples: Samples,
     decals: Sequence[Decal],
     texel: float,
+    context: Context,
 ) -> NDArray[np.float64]:
     """(rows, columns, 4), premultiplied."""
     owner, places = cover
     result = np.zeros((*grid.faces.shape, CHANNELS))
     for kind, decal in enumerate(decals):
+        context.check()
         there = (owner >= 0) & (samples.classes[owner] == kind)
         pixels = _shrunk(_premultiplied(np.asarray(decal.image, np.float64)), decal.radius, texel)
         result[there] = _bilinear(pixels, places[there])
