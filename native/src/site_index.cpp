@@ -71,6 +71,8 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
 }
 
 void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const {
+  found.clear();
+  if (!tree_) return;
   tree_->nearest(point, count, found);
   if (!kept_.empty())
     for (Neighbour& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
