@@ -51,10 +51,15 @@ Beginning begin(const Surface& surface, const Domain& domain, const Samples& sam
   return {kept, std::move(sites), found.evaluations};
 }
 
-/// As many more ids as are missing, from above the largest that was ever used on.
-std::vector<std::int32_t> continued(std::vector<std::int32_t> ids,
-                                    std::span<const std::int32_t> used, std::size_t count) {
-  const std::int64_t last = used.empty() ? -1 : *std::max_element(used.begin(), used.end());
+/// The largest id; samples without ids are numbered from 0.
+std::int64_t last_id(const Samples& samples) {
+  if (samples.ids.empty()) return static_cast<std::int64_t>(samples.size()) - 1;
+  return *std::max_element(samples.ids.begin(), samples.ids.end());
+}
+
+/// As many more ids as are missing, from above the last that was ever used on.
+std::vector<std::int32_t> continued(std::vector<std::int32_t> ids, std::int64_t last,
+                                    std::size_t count) {
   const std::size_t missing = count - std::min(count, ids.size());
   check_ids_left(last, missing);
   for (std::size_t k = 1; k <= missing; ++k)
@@ -76,7 +81,7 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
     OptimizerOptions optimizer = options.optimizer;
     if (samples.report.energy > 0.0)
       optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kSlack);
-    const std::vector<std::int32_t> ids = continued(first.kept.ids, samples.ids, count);
+    const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
     Stretch evening(context, kBegun, 1.0);
     OptimizerResult found = optimize(domain, first.sites, optimizer, evening.context());
     found.evaluations += first.evaluations;

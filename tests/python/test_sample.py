@@ -13,6 +13,7 @@ REPORT = {
     "capacity_spread": float,
     "bond_order": float,
     "energy": float,
+    "whole_count_spread": float,
     "evaluations": int,
     "iterations": int,
     "parts": int,
