@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include "mesh_text.hpp"
 
@@ -146,14 +147,14 @@ struct PlyHeader {
 };
 
 const std::map<std::string_view, Number>& ply_numbers() {
-  static const std::map<std::string_view, Number> numbers = {
+  static const std::map<std::string_view, Number> kNumbers = {
       {"char", Number::kInt8},     {"int8", Number::kInt8},     {"uchar", Number::kUint8},
       {"uint8", Number::kUint8},   {"short", Number::kInt16},   {"int16", Number::kInt16},
       {"ushort", Number::kUint16}, {"uint16", Number::kUint16}, {"int", Number::kInt32},
       {"int32", Number::kInt32},   {"uint", Number::kUint32},   {"uint32", Number::kUint32},
       {"float", Number::kFloat},   {"float32", Number::kFloat}, {"double", Number::kDouble},
       {"float64", Number::kDouble}};
-  return numbers;
+  return kNumbers;
 }
 
 [[noreturn]] void refuse_header(const Lines& lines) {
@@ -283,7 +284,7 @@ class PlyBody {
 
 class PlyReader {
  public:
-  PlyReader(PlyBody body, MeshArrays& mesh) : body_(body), mesh_(mesh) {}
+  PlyReader(PlyBody body, MeshArrays& mesh) : body_(std::move(body)), mesh_(mesh) {}
 
   void read(const Element& element) {
     std::size_t least = 0;
@@ -302,7 +303,7 @@ class PlyReader {
     Vec3 point = Vec3::Zero();
     for (const Property& property : element.properties) {
       if (property.length) {
-        read_list(element, property);
+        read_list(element, property, *property.length);
         continue;
       }
       const double value = body_.take(property.kind);
@@ -312,8 +313,8 @@ class PlyReader {
     if (is_vertex) mesh_.vertices.push_back(point);
   }
 
-  void read_list(const Element& element, const Property& property) {
-    const double length = body_.take(*property.length);
+  void read_list(const Element& element, const Property& property, Number counted_as) {
+    const double length = body_.take(counted_as);
     if (!(length >= 0.0 && length <= static_cast<double>(body_.bytes_left())))
       throw ReadError("has a list of length " + std::to_string(length) + " in '" + element.name +
                       "'");
