@@ -106,7 +106,7 @@ class Ground:
 
     def _cut_for(self, terms: list[Term], count: int) -> None:
         """Halve the edges of the faces on which terms change, until they are short."""
-        self._refined = package().refine_edges(self.surface, np.inf)
+        self._extend(package().refine_edges(self.surface, np.inf))
         for _ in range(_ROUNDS):
             lengths = _longest_edges(self.surface)
             target = _FINE * _spacing(self.surface, self._product(terms), count)
