@@ -19,7 +19,8 @@ double diagonal(std::span<const Vec3> points) {
   return box.diagonal().norm();
 }
 
-Eigen::Matrix3Xd chosen(const Eigen::Matrix3Xd& points, std::span<const std::int32_t> which) {
+Eigen::Matrix3Xd chosen(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                        std::span<const std::int32_t> which) {
   Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(which.size()));
   for (std::size_t k = 0; k < which.size(); ++k)
     result.col(static_cast<Eigen::Index>(k)) = points.col(which[k]);

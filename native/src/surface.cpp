@@ -67,6 +67,14 @@ void check_density(const Density& density, std::size_t vertex_count, std::size_t
                          ": it must be finite and >= 0");
 }
 
+void check_mesh(std::span<const Vec3> vertices, std::span<const Face> faces,
+                const Density& density) {
+  check_sizes(vertices.size(), faces.size());
+  check_finite<SurfaceError>("vertices", vertices);
+  check_faces(faces, vertices.size());
+  check_density(density, vertices.size(), faces.size());
+}
+
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
   auto operator<=>(const HalfEdgeKey&) const = default;
@@ -294,10 +302,7 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const SurfaceOptions& options) {
-  check_sizes(vertices.size(), faces.size());
-  check_finite<SurfaceError>("vertices", vertices);
-  check_faces(faces, vertices.size());
-  check_density(density, vertices.size(), faces.size());
+  check_mesh(vertices, faces, density);
   if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
   connectivity_ = connect(vertices, faces,
                           [&](SurfaceConnectivity& mesh) { link(vertices, options.weld, mesh); });
@@ -308,10 +313,7 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const Joints& joints) {
-  check_sizes(vertices.size(), faces.size());
-  check_finite<SurfaceError>("vertices", vertices);
-  check_faces(faces, vertices.size());
-  check_density(density, vertices.size(), faces.size());
+  check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
   connectivity_ = connect(vertices, faces, [&](SurfaceConnectivity& mesh) { link(joints, mesh); });
   vertices_ = ordered(*connectivity_, vertices);
@@ -416,11 +418,13 @@ std::vector<Face> Surface::welded_faces() const {
 }
 
 std::vector<std::int32_t> Surface::distinct_vertices() const {
-  std::vector<std::int32_t> result;
+  std::vector<bool> stands_for_itself(vertex_count(), false);  // by the caller's indices
   for (std::size_t v = 0; v < vertex_count(); ++v)
     if (const auto k = static_cast<std::int32_t>(v); welded(k) == k)
-      result.push_back(connectivity_->original_vertex[v]);
-  std::sort(result.begin(), result.end());
+      stands_for_itself[static_cast<std::size_t>(connectivity_->original_vertex[v])] = true;
+  std::vector<std::int32_t> result;
+  for (std::size_t v = 0; v < stands_for_itself.size(); ++v)
+    if (stands_for_itself[v]) result.push_back(static_cast<std::int32_t>(v));
   return result;
 }
 
