@@ -7,6 +7,8 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kFirstNeighbours = 12;  // enough for most cells; more are fetched on demand
+// So many are more than cells have whose faces are near: then it pays to find out which matter.
+constexpr std::size_t kMany = 50;
 
 }  // namespace
 
@@ -77,6 +79,59 @@ void Bisectors::fetch(std::size_t count) {
   settle();
 }
 
+void Bisectors::fetch_more() {
+  if (fetched_ < kMany || !take_all_that_cut()) fetch(2 * fetched_);
+}
+
+/// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, complete
+/// the list without the sites that its faces are nowhere near to. False if that failed.
+bool Bisectors::take_all_that_cut() {
+  std::vector<std::int32_t> found;
+  if (!shrink_to_cell(found)) return false;
+  bisectors_.resize(settled_);
+  for (const std::int32_t site : found) add(first_at_place_of(site));
+  sort();
+  for (Bisector& b : bisectors_) b.idle = !cell_.touches(b.normal, b.offset);
+  settled_ = bisectors_.size();
+  fetched_ = index_->population();
+  return true;
+}
+
+// A convex polyhedron belongs to the site if its vertices do: wherever another site is nearer to
+// one, that site's bisector cuts it off. `found` are the sites that are not in the list.
+bool Bisectors::shrink_to_cell(std::vector<std::int32_t>& found) {
+  if (box_.isEmpty())
+    for (std::size_t v = 0; v < surface_->vertex_count(); ++v)
+      box_.extend(surface_->vertex(static_cast<std::int32_t>(v)));
+  const Vec3& position = sites_->position(site_);
+  cell_.start({box_.min() - position, box_.max() - position});
+  const auto cut = [this](const Bisector& b) {
+    return !cell_.is_cut_by(b.normal, b.offset) || cell_.cut(b.normal, b.offset);
+  };
+  for (std::size_t k = 0; k < settled_; ++k)
+    if (!cut(bisectors_[k])) return false;
+  while (const std::optional<Vec3> vertex = cell_.next_vertex()) {
+    const std::int32_t nearest = index_->nearest(position + *vertex, site_);
+    const Bisector b = bisector_to(nearest);
+    if (!cell_.is_cut_by(b.normal, b.offset)) continue;
+    if (!cell_.cut(b.normal, b.offset)) return false;
+    found.push_back(nearest);
+  }
+  return true;
+}
+
+std::int32_t Bisectors::first_at_place_of(std::int32_t site) {
+  const auto lower = [this](std::int32_t a, std::int32_t b) {
+    return sites_->original(a) < sites_->original(b);
+  };
+  for (std::size_t count = 2;; count *= 2) {
+    index_->nearest(sites_->position(site), count, found_);
+    for (const Neighbour& found : found_)
+      if (found.squared_distance == 0.0) site = std::min(site, found.index, lower);
+    if (found_.size() < count || found_.back().squared_distance > 0.0) return site;
+  }
+}
+
 void Bisectors::take_links() {
   bisectors_.clear();
   for (const auto& [site, d] : index_->links(site_))
@@ -85,9 +140,9 @@ void Bisectors::take_links() {
   fetched_ = index_->population();
 }
 
-void Bisectors::add(std::int32_t other) {
+Bisector Bisectors::bisector_to(std::int32_t other) const {
   const Vec3 d = sites_->position(other) - sites_->position(site_);
-  bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), other});
+  return {d, 0.5 * d.squaredNorm(), d.squaredNorm(), other};
 }
 
 void Bisectors::sort() {

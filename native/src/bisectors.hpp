@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cell_polyhedron.hpp"
 #include "site_index.hpp"
 
 namespace dapple {
@@ -12,13 +13,15 @@ struct Bisector {
   double offset;
   double squared_distance;
   std::int32_t site;  ///< j, ordered
+  bool idle = false;  ///< whether it is known to cut nothing off any face
 };
 
 /// The bisectors of one site in order of distance, fetched as far as someone asks.
 class Bisectors {
  public:
   /// The arguments must outlive the bisectors.
-  Bisectors(const OrderedSites& sites, const SiteIndex& index) : sites_(&sites), index_(&index) {}
+  Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
+      : surface_(&surface), sites_(&sites), index_(&index) {}
 
   /// Turn to a site, with all others.
   void reset(std::int32_t site);
@@ -33,7 +36,7 @@ class Bisectors {
   /// Bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
     while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
-    while (k >= settled_ && fetched_ < index_->population()) fetch(2 * fetched_);
+    while (k >= settled_ && fetched_ < index_->population()) fetch_more();
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
@@ -49,16 +52,24 @@ class Bisectors {
     }
   };
 
+  void fetch_more();
   void fetch(std::size_t count);
+  [[nodiscard]] bool take_all_that_cut();
+  [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
+  [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site);
   void take_rivals();
   void take_links();
-  void add(std::int32_t other);
+  [[nodiscard]] Bisector bisector_to(std::int32_t other) const;
+  void add(std::int32_t other) { bisectors_.push_back(bisector_to(other)); }
   void sort();
   void drop_twins();
   void settle();
 
+  const Surface* surface_;
   const OrderedSites* sites_;
   const SiteIndex* index_;
+  Eigen::AlignedBox3d box_;  // around the surface, once it is needed
+  CellPolyhedron cell_;
   std::int32_t site_ = 0;
   std::size_t fetched_ = 0;
   std::size_t settled_ = 0;

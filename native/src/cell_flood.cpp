@@ -11,7 +11,7 @@ constexpr double kTie = 1e-14;  // of a polygon's squared radius: rounding of x 
 CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
     : surface_(&surface),
       sites_(&sites),
-      bisectors_(sites, index),
+      bisectors_(surface, sites, index),
       stamps_(surface.face_count(), 0) {}
 
 bool CellFlood::reset(std::int32_t site) {
@@ -36,7 +36,7 @@ bool CellFlood::clip(std::int32_t face) {
   std::size_t k = 0;
   for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius;
        b_k = bisectors_.at(++k)) {
-    if (b_k->squared_distance == 0.0) continue;
+    if (b_k->idle || b_k->squared_distance == 0.0) continue;
     const auto [low, high] = polygon_.measure(b_k->normal, b_k->offset);
     if (low >= -kTie * radius && high <= kTie * radius) {
       if (sites_->original(site_) < sites_->original(b_k->site)) continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <dapple/projector.hpp>
 #include <dapple/restricted_voronoi.hpp>
+#include <functional>
 
 #include "brute_force.hpp"
 #include "invariants.hpp"
@@ -209,6 +210,29 @@ TEST(RestrictedVoronoi, ACrowdBelongsToTheFirstOfAllItsSites) {
   sites.faces[0] = 1;
   const RestrictedVoronoi diagram = restricted_voronoi(shape.surface(), sites);
   EXPECT_NEAR(diagram.cells[0].capacity, 1.0, 1e-12);
+}
+
+/// Sites on a part of the unit square, each where the other 200 are near: cells that go far.
+Sites crowded_sites(const Surface& surface, const std::function<Vec3(int)>& place) {
+  std::vector<Vec3> places;
+  for (int k = 0; k < 200; ++k) places.push_back(place(k));
+  const Projection found = Projector(surface).project(places);
+  return {found.positions, found.faces, found.barycentric};
+}
+
+TEST(RestrictedVoronoi, AgreesWithBruteForceWhereASmallPartHasAllSites) {
+  Random random(7);
+  const Shape square = grid(12), ball = icosphere(2);
+  const auto in_corner = [&](int) {
+    return Vec3(0.2 * random.uniform(), 0.3 * random.uniform(), 0);
+  };
+  const auto lattice = [](int k) { return Vec3(0.01 * (k % 20), 0.01 * (k / 20), 0.0); };
+  const auto twins = [&](int k) { return lattice(k / 3); };
+  const auto on_cap = [&](int) -> Vec3 { return Vec3(0.3, 0.2, 1) + 0.2 * random.in_box(); };
+  expect_same_cells(square, square.surface(), crowded_sites(square.surface(), in_corner));
+  expect_same_cells(square, square.surface(), crowded_sites(square.surface(), lattice));
+  expect_same_cells(square, square.surface(), crowded_sites(square.surface(), twins));
+  expect_same_cells(ball, ball.surface(), crowded_sites(ball.surface(), on_cap));
 }
 
 TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbour) {
