@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import bpy
-import dapple
+import dapple3d as dapple
 import numpy as np
-from dapple import texturing
+from dapple3d import texturing
 from mathutils import Matrix
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which se
 from __future__ import annotations
 
 import bpy
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from blend_examples.scene import begin, build_studio, finish, options, run, surface_of

@@ -8,7 +8,7 @@ The picture is scikit-image's astronaut (Eileen Collins, NASA, in the public dom
 from __future__ import annotations
 
 import bpy
-import dapple
+import dapple3d as dapple
 import numpy as np
 import skimage.data
 from skimage.color import rgb2gray

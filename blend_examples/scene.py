@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

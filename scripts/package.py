@@ -17,7 +17,7 @@ TAG = f"cp{PYTHON}".replace(".", "")
 
 METADATA = """\
 Metadata-Version: 2.4
-Name: dapple
+Name: dapple3d
 Version: {version}
 Summary: Blue noise on surfaces by variational optimisation
 License-Expression: GPL-3.0-or-later
@@ -44,7 +44,7 @@ def describe(folder: str, version: str, *licences: str) -> None:
 
     A licence /usr/share/doc/NAME/copyright becomes NAME.txt.
     """
-    info = Path(folder, f"dapple-{version}.dist-info")
+    info = Path(folder, f"dapple3d-{version}.dist-info")
     texts = info / "licenses"
     texts.mkdir(parents=True)
     names = []
@@ -77,8 +77,8 @@ def refuse_wheels(version: str, names: list[str]) -> None:
     pythons = set()
     for name in names:
         distribution, found, python = name.split("-")[:3]
-        if (distribution, found) != ("dapple", version):
-            raise SystemExit(f"{name}: wheels must be of dapple {version}")
+        if (distribution, found) != ("dapple3d", version):
+            raise SystemExit(f"{name}: wheels must be of dapple3d {version}")
         if python in pythons:
             raise SystemExit(f"{name}: there is another wheel for {python}")
         pythons.add(python)

@@ -39,7 +39,7 @@ stage_files() {
   local module
   module=$(find "$work/installed" -name '_native.*.so' -print -quit)
   [ -n "$module" ] || { echo "$build has no Python package: configure it with DAPPLE_PYTHON=ON"; return 1; }
-  mkdir -p "$work/tree" && mv "${module%/*}" "$work/tree/dapple"
+  mkdir -p "$work/tree" && mv "${module%/*}" "$work/tree/dapple3d"
 }
 
 build_wheel() {
@@ -61,11 +61,11 @@ check_wheel() {
     echo 'the wheel uses or offers functions of the names above, which Blender has too'
     return 1
   fi
-  used=$(nm -D --undefined-only "$work"/unpacked/dapple/_native.*.so | grep -o 'dapple_rtc.*' | sort) || {
+  used=$(nm -D --undefined-only "$work"/unpacked/dapple3d/_native.*.so | grep -o 'dapple_rtc.*' | sort) || {
     echo 'the module uses no private Embree'
     return 1
   }
-  offered=$(nm -D --defined-only "$work/unpacked/dapple/libdapple_embree.so" | grep -o 'dapple_rtc.*' | sort)
+  offered=$(nm -D --defined-only "$work/unpacked/dapple3d/libdapple_embree.so" | grep -o 'dapple_rtc.*' | sort)
   comm -23 <(echo "$used") <(echo "$offered") >"$work/missing"
   [ ! -s "$work/missing" ] || { echo "the private Embree lacks: $(<"$work/missing")"; return 1; }
 }
@@ -95,7 +95,7 @@ if [ -z "$build" ]; then
 fi
 blender_ext=$(find "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli -name blender_ext.py)
 stage 'stage the Python package' stage_files
-version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple; print(dapple.__version__)')
+version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple3d; print(dapple3d.__version__)')
 zip=dapple-$version-$platform.zip
 stage 'build the wheel' build_wheel
 stage 'check the wheel' check_wheel

@@ -74,4 +74,6 @@ if ! up_to_date build/release/.stamp "$configure_hash"; then
   echo "$configure_hash" >build/release/.stamp
 fi
 stage 'build' cmake --build build/release -j "$(build_jobs)"
+# The package was named dapple before: what a build of then has installed would be imported still.
+[ ! -f "$site_packages/dapple/_native.pyi" ] || rm -rf "$site_packages/dapple"
 stage 'install the Python package' cmake --install build/release --component python

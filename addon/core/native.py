@@ -7,7 +7,7 @@ from types import ModuleType
 
 from .errors import MissingPackageError
 
-PACKAGE = "dapple"
+PACKAGE = "dapple3d"
 
 
 def package() -> ModuleType:

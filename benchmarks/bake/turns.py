@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from addon.core.bake import Baker, Start

@@ -16,7 +16,7 @@ from pathlib import Path
 from statistics import mean
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 
 from benchmarks.classes.cases import MAKERS, Case, Goals
 from benchmarks.compare.cases import mesh_files, mesh_folder

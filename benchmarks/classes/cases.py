@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.compare.cases import mesh_files, ramp

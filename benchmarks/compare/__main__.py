@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 
 from benchmarks.compare.cases import Case, cases, mesh_files, mesh_folder
 from benchmarks.compare.components import component_rows

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ So the capacity spread of a surface of many small components has a part that no 
 
 from __future__ import annotations
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from statistics import mean
 from typing import TYPE_CHECKING, Any
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure

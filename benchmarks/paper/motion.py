@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from matplotlib.colors import hsv_to_rgb
 

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 import skimage.data
-from dapple import stippling
+from dapple3d import stippling
 
 from benchmarks.compare.tables import say
 from benchmarks.paper.drawing import Array, sheet, show

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from statistics import mean
 from typing import TYPE_CHECKING, Any
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.compare.tables import say

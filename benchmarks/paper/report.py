@@ -11,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 
 from benchmarks.compare.tables import table
 from benchmarks.paper.setting import Plate

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-import dapple
+import dapple3d as dapple
 
 T = TypeVar("T")
 

@@ -8,7 +8,7 @@ from statistics import mean
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import dapple
+import dapple3d as dapple
 from matplotlib.figure import Figure
 
 from benchmarks.compare.tables import say

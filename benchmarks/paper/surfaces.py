@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.compare.cases import mesh_files

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import dapple
+import dapple3d as dapple
 
 from benchmarks.progress.cases import cases
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import dapple
+import dapple3d as dapple
 import numpy as np
-from dapple.texturing import Decal, bake
+from dapple3d.texturing import Decal, bake
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]

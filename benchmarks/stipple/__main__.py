@@ -12,10 +12,10 @@ import resource
 from pathlib import Path
 from time import perf_counter
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import skimage.data
-from dapple import stippling
+from dapple3d import stippling
 from numpy.typing import NDArray
 from skimage.transform import resize
 

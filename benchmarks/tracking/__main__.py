@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 
 from benchmarks.tracking import report
 from benchmarks.tracking.animations import FACES, GENERATED, LENGTH, Animation, load

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.tracking.animations import Animation

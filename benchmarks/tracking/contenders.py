@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.tracking.implicit import Array

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

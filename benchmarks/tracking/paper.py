@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

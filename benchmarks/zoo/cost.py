@@ -11,7 +11,7 @@ import argparse
 import time
 from collections.abc import Callable
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from numpy.typing import NDArray
 

@@ -93,7 +93,7 @@ Raises:
 
 A square decal lies around each sample, its x axis along the tangent, y along normal x tangent; distances from its
 middle stay as they are in space. What faces away from the sample's normal is another sheet and gets nothing.
-dapple.texturing.bake() paints with it.
+dapple3d.texturing.bake() paints with it.
 
 Args:
     surface: the Surface.

@@ -60,6 +60,6 @@ def sources() -> Path:
 
 def check_package() -> None:
     """RuntimeError unless the native package is the one that the tested zip has installed."""
-    found = Path(importlib.import_module("dapple").__file__)
+    found = Path(importlib.import_module("dapple3d").__file__)
     if TESTED_ZIP and not found.is_relative_to(bpy.utils.user_resource("EXTENSIONS")):
         raise RuntimeError(f"the native package is not the installed one: {found}")

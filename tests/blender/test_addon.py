@@ -30,7 +30,7 @@ print(len(names))
 
 WITHOUT_DAPPLE = """
 import tempfile
-sys.modules["dapple"] = None
+sys.modules["dapple3d"] = None
 import addon_host
 import addon_utils
 addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
@@ -88,7 +88,7 @@ def test_the_core_needs_no_bpy():
 
 def test_without_the_native_package_the_add_on_enables_and_says_what_is_missing():
     said = child.run(WITHOUT_DAPPLE)
-    assert "False Dapple's native Python package 'dapple' cannot be loaded" in said
+    assert "False Dapple's native Python package 'dapple3d' cannot be loaded" in said
 
 
 def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():

@@ -13,7 +13,7 @@ import probe
 import pytest
 import scenes
 
-dapple = pytest.importorskip("dapple")
+dapple = pytest.importorskip("dapple3d")
 NEAR = 1e-3  # spacings
 
 

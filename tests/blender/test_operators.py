@@ -83,7 +83,7 @@ def test_optimise_follows_the_settings_and_the_frame():
     obj.dapple.count = 90
     assert bpy.ops.dapple.optimise() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 90
-    dapple = pytest.importorskip("dapple")
+    dapple = pytest.importorskip("dapple3d")
     vertices = scenes.world_vertices(surface)
     meshio = addon_host.part("blender.meshio")
     faces = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get()).faces

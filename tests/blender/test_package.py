@@ -29,7 +29,7 @@ bpy.ops.preferences.addon_enable(module="bl_pkg")
 bpy.ops.extensions.package_install_files(
     filepath=arguments[0], repo="user_default", enable_on_install=True
 )
-import dapple
+import dapple3d as dapple
 from pathlib import Path
 extensions = Path(os.environ["BLENDER_USER_RESOURCES"], "extensions")
 assert Path(dapple.__file__).is_relative_to(extensions / ".local"), dapple.__file__
@@ -117,7 +117,7 @@ def archive(tmp_path_factory):
     made = addon_host.TESTED_ZIP or os.environ.get("DAPPLE_BUILT_ZIP")
     if made:
         return Path(made)
-    if not list(BUILD.glob("native/python/dapple/_native.*")):
+    if not list(BUILD.glob("native/python/dapple3d/_native.*")):
         pytest.skip(f"no Python package in {BUILD}")
     return built(tmp_path_factory.mktemp("package"))
 
@@ -173,7 +173,7 @@ def test_of_wheels_for_several_pythons_blender_takes_its_own(archive, tmp_path):
     older, newer = (wheel.with_name(wheel.name.replace(tag, other)) for other in ("cp310", "cp399"))
     for other in (older, newer):
         with ZipFile(other, "w") as files:
-            files.writestr("dapple/__init__.py", "raise RuntimeError('the wrong wheel')")
+            files.writestr("dapple3d/__init__.py", "raise RuntimeError('the wrong wheel')")
     both = built(tmp_path, "--wheel", older, "--wheel", newer)
     assert {Path(name).name for name in wheels_of(both)} == {
         path.name for path in (wheel, older, newer)
@@ -194,7 +194,7 @@ def test_a_virtual_environment_on_the_path_is_not_blenders(archive, tmp_path, mo
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
     packages = tmp_path / "lib" / version / "site-packages"
     packages.mkdir(parents=True)
-    (packages / "dapple.py").write_text("raise RuntimeError('of the virtual environment')")
+    (packages / "dapple3d.py").write_text("raise RuntimeError('of the virtual environment')")
     (tmp_path / "pyvenv.cfg").write_text("home = /usr/bin\n")
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin" / "python3").symlink_to("/usr/bin/python3")

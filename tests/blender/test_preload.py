@@ -13,7 +13,7 @@ import scenes
 
 SAMPLE = """
 import hashlib
-import dapple
+import dapple3d as dapple
 import numpy as np
 surface = dapple.Surface(*np.load(arguments[0]).values())
 samples = dapple.sample(surface, 200, seed=1)

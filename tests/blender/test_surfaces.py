@@ -9,7 +9,7 @@ import probe
 import pytest
 import scenes
 
-dapple = pytest.importorskip("dapple")
+dapple = pytest.importorskip("dapple3d")
 
 
 def arrays_of(surface):

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-import dapple
+import dapple3d as dapple
 import exact
 import numpy as np
 from checks import ARRAYS

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What holds for every result."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 from shapes import on_faces
 

@@ -4,7 +4,7 @@
 import re
 
 from click.testing import CliRunner, Result
-from dapple.cli.app import main
+from dapple3d.cli.app import main
 
 
 def run(*arguments: object) -> Result:

@@ -3,7 +3,7 @@ import os
 import sys
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -6,7 +6,7 @@ up to six sites, whatever the surface, while the capacity that the cells of a qu
 with their number to 0.3 sites once converged.
 """
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from shapes import grid

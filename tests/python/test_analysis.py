@@ -5,7 +5,7 @@ import io
 import subprocess
 import sys
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from shapes import grid, torus
@@ -185,7 +185,7 @@ def test_is_cancelled(surface, samples):
 
 def figures() -> dict:
     pytest.importorskip("matplotlib")
-    from dapple import plot
+    from dapple3d import plot
 
     surface = dapple.Surface(*torus())
     plane, around = (
@@ -224,8 +224,8 @@ def test_draws_without_global_state():
     pytest.importorskip("matplotlib")
     code = "\n".join(
         [
-            "import sys, numpy, dapple",
-            "from dapple import plot",
+            "import sys, numpy, dapple3d",
+            "from dapple3d import plot",
             "assert 'matplotlib' not in sys.modules",
             "plot.points(numpy.random.rand(9, 2))",
             "assert 'matplotlib.pyplot' not in sys.modules",
@@ -236,7 +236,7 @@ def test_draws_without_global_state():
 
 
 def test_says_that_matplotlib_is_missing(monkeypatch):
-    from dapple import plot
+    from dapple3d import plot
 
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(ImportError, match="matplotlib, which is not installed"):
@@ -244,7 +244,7 @@ def test_says_that_matplotlib_is_missing(monkeypatch):
 
 
 def test_names_the_shape_of_bad_points():
-    from dapple import plot
+    from dapple3d import plot
 
     with pytest.raises(ValueError, match=r"positions has the shape \(4,\)"):
         plot.points(np.zeros(4))

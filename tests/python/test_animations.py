@@ -5,7 +5,7 @@ import json
 import sys
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 

@@ -5,7 +5,7 @@ import inspect
 import re
 from collections.abc import Callable
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from shapes import grid, torus

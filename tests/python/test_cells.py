@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cells that follow the surface, and the paper's preset."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from shapes import grid

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Several classes of samples at once."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from shapes import torus

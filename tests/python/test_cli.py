@@ -11,21 +11,21 @@ import sysconfig
 import time
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
 from command_line import done, refused, run
-from dapple.cli import commands, points, work
-from dapple.cli.app import main
-from dapple.cli.options import library_defaults
+from dapple3d.cli import commands, points, work
+from dapple3d.cli.app import main
+from dapple3d.cli.options import library_defaults
 
 COMMANDS = ["analyse", "classes", "mosaic", "sample", "stipple", "track"]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 
 def command(*arguments: object) -> list[str]:
-    return [sys.executable, "-m", "dapple", *map(str, arguments)]
+    return [sys.executable, "-m", "dapple3d", *map(str, arguments)]
 
 
 @pytest.fixture
@@ -59,14 +59,14 @@ def test_starts_as_a_module():
 
 def test_starts_as_a_script():
     if Path(dapple.__file__).parents[1].resolve() != Path(sysconfig.get_path("purelib")).resolve():
-        pytest.skip("this dapple is not installed beside the Python that runs")
+        pytest.skip("this dapple3d is not installed beside the Python that runs")
     script = Path(sysconfig.get_path("scripts")) / "dapple"
     found = subprocess.run([script, "--version"], capture_output=True, text=True, check=False)
     assert found.stdout == f"dapple, version {dapple.__version__}\n"
 
 
 def test_the_package_does_not_need_click():
-    code = "import dapple, sys; sys.exit('click' in sys.modules)"
+    code = "import dapple3d, sys; sys.exit('click' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -74,7 +74,7 @@ def test_says_when_click_is_missing():
     code = (
         "import importlib.util as util, runpy; found = util.find_spec\n"
         "util.find_spec = lambda name, *rest: None if name == 'click' else found(name, *rest)\n"
-        "runpy.run_module('dapple', run_name='__main__')"
+        "runpy.run_module('dapple3d', run_name='__main__')"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert found.returncode == 1

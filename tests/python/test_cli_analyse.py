@@ -4,11 +4,11 @@
 import json
 import re
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done
-from dapple.cli import points
+from dapple3d.cli import points
 
 
 def test_analyses_points_of_a_mesh(tmp_path, torus, surface, samples):

@@ -7,13 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused, run
-from dapple import stippling
-from dapple.cli import points
-from dapple.writing import replacing
+from dapple3d import stippling
+from dapple3d.cli import points
+from dapple3d.writing import replacing
 from PIL import Image
 
 SMALL = 300  # bytes that a file may have on the "full disk"
@@ -25,7 +25,7 @@ def on_a_full_disk(*arguments: object) -> subprocess.CompletedProcess[str]:
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, SMALL))
 
-    call = [sys.executable, "-m", "dapple", *map(str, arguments)]
+    call = [sys.executable, "-m", "dapple3d", *map(str, arguments)]
     return subprocess.run(call, capture_output=True, text=True, preexec_fn=limit, check=False)
 
 

@@ -4,11 +4,11 @@
 import json
 import struct
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from dapple.cli.app import main
+from dapple3d.cli.app import main
 
 
 def run(*arguments: object) -> Result:

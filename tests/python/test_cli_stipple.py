@@ -3,12 +3,12 @@
 
 import json
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from dapple import stippling
-from dapple.cli.app import main
+from dapple3d import stippling
+from dapple3d.cli.app import main
 from PIL import Image
 
 

@@ -4,7 +4,7 @@
 import json
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import pytest
 
 PUBLIC = sorted(set(dapple.__all__) - {"__version__"})
@@ -75,10 +75,10 @@ def test_is_typed():
 # What stubtest holds against classes made by pybind11: their metaclass, an __init__ that only
 # raises; a library that lies beside the module; and a name for a Literal.
 ALLOWED = r"""
-dapple\._native\.\w+
-dapple\._native\.\w+\.__init__
-dapple\.libdapple_embree
-dapple\.cli\.meshes\.Place
+dapple3d\._native\.\w+
+dapple3d\._native\.\w+\.__init__
+dapple3d\.libdapple_embree
+dapple3d\.cli\.meshes\.Place
 """
 
 
@@ -86,7 +86,15 @@ def test_stubs_match_the_module(tmp_path):
     pytest.importorskip("mypy.stubtest", reason="mypy is not installed")
     allowed = tmp_path / "allowed"
     allowed.write_text(ALLOWED)
-    command = [sys.executable, "-m", "mypy.stubtest", "dapple", "--concise", "--allowlist", allowed]
+    command = [
+        sys.executable,
+        "-m",
+        "mypy.stubtest",
+        "dapple3d",
+        "--concise",
+        "--allowlist",
+        allowed,
+    ]
     found = subprocess.run(
         [*command, "--ignore-unused-allowlist"],
         capture_output=True,

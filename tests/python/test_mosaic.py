@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiles in Python: arrays, options, errors. Their geometry is tested in tests/native."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_array

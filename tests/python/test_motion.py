@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Going on from stored frames, frames solved together, and constant density per area."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples, same_bytes

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Another count or density for samples that are there."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples, same_bytes

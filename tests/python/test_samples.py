@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import gc
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import ARRAYS, check_samples, same_bytes

@@ -4,11 +4,11 @@ import sys
 import zlib
 from pathlib import Path
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_array
-from dapple import stippling
+from dapple3d import stippling
 from skimage import data
 
 sys.path.insert(0, str(Path(__file__).parents[2]))

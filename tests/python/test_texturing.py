@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decals: baked images, frames, turns. The geometry is tested in tests/native."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
-from dapple import texturing
+from dapple3d import texturing
 
 RED, GREEN = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)
 

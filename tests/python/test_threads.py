@@ -4,7 +4,7 @@
 import threading
 import time
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import same_bytes

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vertices that are split along hard edges and seams are no walls."""
 
-import dapple
+import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done

@@ -9,13 +9,13 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-import dapple
-from dapple.cli import meshes, options
-from dapple.cli.files import about, check_outputs
-from dapple.cli.points import in_space, read_points
-from dapple.cli.report import Reporter
-from dapple.cli.work import Work
-from dapple.writing import replacing
+import dapple3d as dapple
+from dapple3d.cli import meshes, options
+from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.points import in_space, read_points
+from dapple3d.cli.report import Reporter
+from dapple3d.cli.work import Work
+from dapple3d.writing import replacing
 
 # Figure, its name in the table, its format, what it means.
 ROWS = (
@@ -166,7 +166,7 @@ def draw(
     path: Path, surface: dapple.Surface | None, places: NDArray, threads: int | None, quiet: bool
 ) -> None:
     """Draw the spectrum of points on a surface, or else in the unit square."""
-    from dapple import plot
+    from dapple3d import plot
 
     given = options.given({"threads": threads})
     with Work("spectrum", quiet=quiet) as work:

@@ -9,7 +9,7 @@ from typing import Self, TypeVar
 
 import click
 
-import dapple
+import dapple3d as dapple
 
 Result = TypeVar("Result")
 INTERVAL = 0.1  # seconds between two looks at the progress

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decals around samples: as instances, or baked into one image through texture coordinates.
 
->>> from dapple import texturing
+>>> from dapple3d import texturing
 >>> daisy = texturing.Decal(picture, radius=0.05)  # (h, w, 4) in [0, 1]
 >>> image = texturing.bake(surface, uv, samples, [daisy], 1024, 1024)
 

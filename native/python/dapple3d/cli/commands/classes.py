@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-import dapple
-from dapple.cli import meshes, options, points
-from dapple.cli.files import check_outputs
-from dapple.cli.report import Reporter, figures
-from dapple.cli.work import Work
+import dapple3d as dapple
+from dapple3d.cli import meshes, options, points
+from dapple3d.cli.files import check_outputs
+from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.work import Work
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from typing import Any
 
 import click
 
-import dapple
-from dapple.cli import commands
+import dapple3d as dapple
+from dapple3d.cli import commands
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 class Commands(click.Group):
-    """The files in dapple/cli/commands; only the one that is called is imported."""
+    """The files in dapple3d/cli/commands; only the one that is called is imported."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(module.name for module in pkgutil.iter_modules(commands.__path__))

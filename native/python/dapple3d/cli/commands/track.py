@@ -11,13 +11,13 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-import dapple
-from dapple.cli import meshes, options
-from dapple.cli.files import about, check_outputs
-from dapple.cli.points import bound
-from dapple.cli.report import Reporter, figures
-from dapple.cli.work import Work
-from dapple.writing import replacing, write_npz
+import dapple3d as dapple
+from dapple3d.cli import meshes, options
+from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.points import bound
+from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.work import Work
+from dapple3d.writing import replacing, write_npz
 
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 TRACKER = dapple.Tracker.__init__

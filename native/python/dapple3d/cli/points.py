@@ -10,10 +10,10 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-import dapple
-from dapple.cli import ply, text
-from dapple.cli.files import Arrays, about, listed, load_npz
-from dapple.writing import replacing, write_npz
+import dapple3d as dapple
+from dapple3d.cli import ply, text
+from dapple3d.cli.files import Arrays, about, listed, load_npz
+from dapple3d.writing import replacing, write_npz
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-import dapple
-from dapple import stippling
-from dapple.cli import options
-from dapple.cli.files import about, check_outputs
-from dapple.cli.report import Reporter, figures
-from dapple.cli.work import Work
-from dapple.writing import replacing
+import dapple3d as dapple
+from dapple3d import stippling
+from dapple3d.cli import options
+from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.work import Work
+from dapple3d.writing import replacing
 
 
 @click.command("stipple", short_help="A picture as dots.")

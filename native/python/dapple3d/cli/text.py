@@ -9,7 +9,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from dapple.cli.files import Arrays
+from dapple3d.cli.files import Arrays
 
 PLACE, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: python -m dapple, or the script dapple."""
+"""The command line: python -m dapple3d, or the script dapple."""
 
 import sys
 from importlib.util import find_spec
@@ -7,6 +7,6 @@ from importlib.util import find_spec
 if __name__ == "__main__":
     if not find_spec("click"):
         sys.exit("Error: the command line needs click, which is missing: pip install click")
-    from dapple.cli.app import main
+    from dapple3d.cli.app import main
 
     main(prog_name="dapple")

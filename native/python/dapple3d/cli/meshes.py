@@ -9,9 +9,9 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-import dapple
-from dapple.cli import ply
-from dapple.cli.files import Arrays, about, load_npy, load_npz
+import dapple3d as dapple
+from dapple3d.cli import ply
+from dapple3d.cli.files import Arrays, about, load_npy, load_npz
 
 Place = Literal["vertices", "faces", "corners"]
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures as dots: stipple them, draw the dots, write them to files.
 
->>> from dapple import stippling
+>>> from dapple3d import stippling
 >>> dots = stippling.stipple(stippling.read_picture("portrait.png"), 10_000)
 >>> stippling.write(dots, "portrait.svg")
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-import dapple
-from dapple.writing import replacing
+import dapple3d as dapple
+from dapple3d.writing import replacing
 
 STANDARD_OUTPUT = "-"
 

@@ -10,9 +10,9 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-import dapple
-from dapple.cli.files import listed
-from dapple.writing import replacing, write_npz
+import dapple3d as dapple
+from dapple3d.cli.files import listed
+from dapple3d.writing import replacing, write_npz
 
 MORE = 4  # numbers of a polygon in a PLY file beside the corners: their number, cell, class, side
 

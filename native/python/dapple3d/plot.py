@@ -3,7 +3,7 @@
 
 Each function returns a Figure of its own and leaves matplotlib's global state alone:
 
->>> from dapple import plot
+>>> from dapple3d import plot
 >>> plot.radial_power(dapple.spectrum(points)).savefig("power.png")
 """
 
@@ -158,7 +158,7 @@ def _figure(size: tuple[float, float], title: str, columns: int = 1) -> "tuple[F
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError(
-            "dapple.plot draws with matplotlib, which is not installed: pip install matplotlib"
+            "dapple3d.plot draws with matplotlib, which is not installed: pip install matplotlib"
         ) from error
     figure = Figure(figsize=size, dpi=120, layout="constrained")
     axes = [figure.add_subplot(1, columns, k + 1) for k in range(columns)]

@@ -12,7 +12,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from dapple.cli.files import Arrays
+from dapple3d.cli.files import Arrays
 
 # PLY's names of types, old and new, as numpy has them.
 TYPES = {

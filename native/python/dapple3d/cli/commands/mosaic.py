@@ -7,12 +7,12 @@ from typing import Any
 
 import click
 
-import dapple
-from dapple.cli import meshes, options, polygons
-from dapple.cli.files import check_outputs
-from dapple.cli.points import bound
-from dapple.cli.report import Reporter
-from dapple.cli.work import Work
+import dapple3d as dapple
+from dapple3d.cli import meshes, options, polygons
+from dapple3d.cli.files import check_outputs
+from dapple3d.cli.points import bound
+from dapple3d.cli.report import Reporter
+from dapple3d.cli.work import Work
 
 GROUT = 0.1  # spacings
 
