@@ -28,7 +28,7 @@ SIZE, CELLS, PIXELS = 5.0, 120, 256
 
 
 def plan() -> bpy.types.Image:
-    """A picture of the city: two centres, a river without houses, thinner towards the edge."""
+    """A picture of the city: two centers, a river without houses, thinner toward the edge."""
     x, y = np.meshgrid(np.linspace(-1, 1, PIXELS), np.linspace(-1, 1, PIXELS))
     first = np.exp(-((x + 0.35) ** 2 + (y - 0.25) ** 2) / 0.10)
     second = 0.7 * np.exp(-((x - 0.45) ** 2 + (y + 0.15) ** 2) / 0.06)
@@ -84,7 +84,7 @@ def main() -> None:
     block = house()
     made = scatter(surface, given.count, given.seed)
     made.dapple.density.image = plan()
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     made.dapple.instance = block
     made.dapple.scale = 0.48 * made.dapple.report.spacing
     made.dapple.align, made.dapple.scale_randomness = 0.0, 0.35

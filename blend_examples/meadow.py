@@ -113,7 +113,7 @@ def main() -> None:
     add_class(made, "Flowers", instance=petals, share=0.25, density="Flowers", **common)
     add_class(made, "Rocks", instance=stone, share=0.03, radius=3 * size, scale=2.6 * size)
     made.dapple.classes[2].scale_randomness = 0.35
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     build_studio(given.width, given.width * 5 // 8, (0.6, -5.6, 2.5), (0.1, -0.5, 0.0), 38, False)
     counts = np.bincount([v.value for v in made.data.attributes["dapple_class"].data])
     finish("meadow", given, f"{' + '.join(map(str, counts))} tufts, flowers and rocks")

@@ -80,7 +80,7 @@ def surface_now(surface: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
 
 
 def hexagonal_spacing(vertices: np.ndarray, triangles: np.ndarray, count: int) -> float:
-    """Distance of neighbours if count points were packed as well as can be."""
+    """Distance of neighbors if count points were packed as well as can be."""
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
     return math.sqrt(2 * area / (math.sqrt(3) * count))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tiles over a box with rounded edges, coloured one by one: a picture and a .blend.
+"""Tiles over a box with rounded edges, colored one by one: a picture and a .blend.
 
 Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets things up.
 """
@@ -11,11 +11,11 @@ import dapple3d as dapple
 import numpy as np
 
 from blend_examples.scene import begin, build_studio, finish, options, run, surface_of
-from blend_examples.studio import BODY, colour_by_chance, material
+from blend_examples.studio import BODY, color_by_chance, material
 
 SIZE = (1.5, 1.1, 1.3)  # of the box
 ROUNDING = 0.16
-# Colours of the tiles, and the share up to which each is used.
+# Colors of the tiles, and the share up to which each is used.
 HUES = [
     (0.25, (0.80, 0.24, 0.07)),
     (0.50, (0.93, 0.62, 0.20)),
@@ -38,13 +38,13 @@ def build_box() -> bpy.types.Object:
 
 
 def build_tiles(mosaic: dapple.Mosaic) -> bpy.types.Object:
-    """One object; its faces carry the attributes cell and dapple_class, its walls are bevelled."""
+    """One object; its faces carry the attributes cell and dapple_class, its walls are beveled."""
     mesh = bpy.data.meshes.new("Tiles")
     corners = np.split(mosaic.corners, mosaic.starts[1:-1])
     mesh.from_pydata(mosaic.vertices, [], [row.tolist() for row in corners])
     for name, values in (("cell", mosaic.sites), ("dapple_class", mosaic.classes)):
         mesh.attributes.new(name, "INT", "FACE").data.foreach_set("value", values)
-    mesh.materials.append(colour_by_chance("Glaze", "cell", "GEOMETRY", HUES, roughness=0.25))
+    mesh.materials.append(color_by_chance("Glaze", "cell", "GEOMETRY", HUES, roughness=0.25))
     tiles = bpy.data.objects.new("Tiles", mesh)
     bpy.context.scene.collection.objects.link(tiles)
     edges = tiles.modifiers.new("Worn edges", "BEVEL")

@@ -2,7 +2,7 @@
 """A newt with a skeleton: mesh, armature, vertex weights and a looping animation, all from numbers.
 
 The body is a tube of octagonal rings along x (the nose at +x, z up) out of which four legs grow; a
-subdivision modifier after the armature rounds it. Lengths are in metres.
+subdivision modifier after the armature rounds it. Lengths are in meters.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SIDES = 8
 SUBDIVISION = 3
 EYE_RADIUS = 0.21
 
-# Along the body from the tip of the tail: x, half width, half height, height of the centre.
+# Along the body from the tip of the tail: x, half width, half height, height of the center.
 RINGS = [
     (-3.15, 0.07, 0.07, 0.20),
     (-2.80, 0.15, 0.14, 0.20),
@@ -83,11 +83,11 @@ def spine_weights(x: float) -> dict[str, float]:
 
 
 def add_ring(cage: Cage, ring: tuple[float, float, float, float]) -> list[int]:
-    x, width, height, centre = ring
+    x, width, height, center = ring
     turns = [2 * math.pi * (side + 0.5) / SIDES for side in range(SIDES)]
     weights = spine_weights(x)
     return [
-        cage.add((x, width * math.cos(turn), centre + height * math.sin(turn)), weights)
+        cage.add((x, width * math.cos(turn), center + height * math.sin(turn)), weights)
         for turn in turns
     ]
 
@@ -96,18 +96,18 @@ def add_leg(cage: Cage, name: str, opening: list[int]) -> None:
     """Grows a leg out of the four vertices of a missing face: shin, ankle, foot."""
     _, side, reach = LEGS[name]
     corners = np.array([cage.vertices[i] for i in opening])
-    centre = corners.mean(axis=0)
+    center = corners.mean(axis=0)
     body = cage.weights[opening[0]]
-    # Offset of the section's centre from the opening, its size, and the leg bone's share.
+    # Offset of the section's center from the opening, its size, and the leg bone's share.
     sections = [
         ((0.3 * reach, 0.26 * side, 0.02), 0.86, 0.5),
         ((0.8 * reach, 0.46 * side, -0.11), 0.70, 1.0),
-        ((1.0 * reach + 0.05, 0.53 * side, 0.08 - centre[2]), 0.90, 1.0),
+        ((1.0 * reach + 0.05, 0.53 * side, 0.08 - center[2]), 0.90, 1.0),
     ]
     ring = opening
     for offset, size, share in sections:
         weights = {bone: value * (1 - share) for bone, value in body.items()} | {name: share}
-        places = centre + np.array(offset) + size * (corners - centre)
+        places = center + np.array(offset) + size * (corners - center)
         grown = [cage.add((float(p[0]), float(p[1]), float(p[2])), weights) for p in places]
         cage.faces += [(ring[k], ring[(k + 1) % 4], grown[(k + 1) % 4], grown[k]) for k in range(4)]
         ring = grown

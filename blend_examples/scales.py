@@ -21,7 +21,7 @@ from blend_examples.sheet import contact_sheet
 FRAMES = 24  # of one cycle, which ends as it began
 KEYS = 8  # poses of the cycle
 STRIDE = 1.1
-COLOURS = [
+COLORS = [
     (0.62, (0.10, 0.34, 0.20)),
     (0.90, (0.22, 0.46, 0.16)),
     (1.00, (0.62, 0.52, 0.12)),
@@ -76,7 +76,7 @@ def scale() -> bpy.types.Object:
         faces += [(k, after, count + after, count + k), (count + k, count + after, 2 * count)]
     made = mesh_object("Scale", vertices, faces)
     made.data.materials.append(
-        studio.colour_by_chance("Scale", "id", "INSTANCER", COLOURS, roughness=0.35)
+        studio.color_by_chance("Scale", "id", "INSTANCER", COLORS, roughness=0.35)
     )
     return hidden(made)
 
@@ -94,7 +94,7 @@ def build(count: int, seed: int) -> bpy.types.Object:
     bpy.ops.dapple.set_quality(quality="REGULAR")
     made.dapple.forward, made.dapple.turn_randomness = "-X", 0.06
     made.dapple.instance, made.dapple.scale = thing, 0.78 * made.dapple.report.spacing
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     select(made)
     bpy.ops.dapple.bake()
     return made

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import bpy
 from mathutils import Vector
 
-Colour = tuple[float, float, float]
-BODY: Colour = (0.012, 0.055, 0.075)
-RIM: Colour = (0.02, 0.20, 0.22)
-# Colours of the studs' tips by id, and the share of the ids up to which each is used.
-TIPS: list[tuple[float, Colour]] = [
+Color = tuple[float, float, float]
+BODY: Color = (0.012, 0.055, 0.075)
+RIM: Color = (0.02, 0.20, 0.22)
+# Colors of the studs' tips by id, and the share of the ids up to which each is used.
+TIPS: list[tuple[float, Color]] = [
     (0.55, (0.18, 0.66, 0.50)),
     (0.88, (0.62, 0.82, 0.42)),
     (1.00, (1.00, 0.32, 0.10)),
@@ -31,28 +31,28 @@ def use_nodes(block: bpy.types.Material | bpy.types.World) -> None:
         block.use_nodes = True
 
 
-def material(name: str, colour: Colour, roughness: float) -> bpy.types.Material:
+def material(name: str, color: Color, roughness: float) -> bpy.types.Material:
     made = bpy.data.materials.new(name)
     use_nodes(made)
     shader = made.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*colour, 1)
+    shader.inputs["Base Color"].default_value = (*color, 1)
     shader.inputs["Roughness"].default_value = roughness
-    made.diffuse_color = (*colour, 1)
+    made.diffuse_color = (*color, 1)
     return made
 
 
-def colour_by_chance(
+def color_by_chance(
     name: str,
     attribute: str,
     kind: str,
-    colours: list[tuple[float, Colour]],
+    colors: list[tuple[float, Color]],
     roughness: float = 0.3,
 ) -> bpy.types.Material:
-    """One of the colours by chance of an attribute: who keeps its number keeps its colour.
+    """One of the colors by chance of an attribute: who keeps its number keeps its color.
 
-    kind is the attribute's type, GEOMETRY or INSTANCER; colours are as TIPS.
+    kind is the attribute's type, GEOMETRY or INSTANCER; colors are as TIPS.
     """
-    made = material(name, colours[0][1], roughness)
+    made = material(name, colors[0][1], roughness)
     nodes, links = made.node_tree.nodes, made.node_tree.links
     number = nodes.new("ShaderNodeAttribute")
     number.attribute_type, number.attribute_name = kind, attribute
@@ -60,11 +60,11 @@ def colour_by_chance(
     noise.noise_dimensions = "1D"
     ramp = nodes.new("ShaderNodeValToRGB")
     ramp.color_ramp.interpolation = "CONSTANT"
-    starts = [0.0] + [end for end, _ in colours[:-1]]
-    while len(ramp.color_ramp.elements) < len(colours):
+    starts = [0.0] + [end for end, _ in colors[:-1]]
+    while len(ramp.color_ramp.elements) < len(colors):
         ramp.color_ramp.elements.new(1.0)
-    for element, start, (_, colour) in zip(ramp.color_ramp.elements, starts, colours, strict=True):
-        element.position, element.color = start, (*colour, 1)
+    for element, start, (_, color) in zip(ramp.color_ramp.elements, starts, colors, strict=True):
+        element.position, element.color = start, (*color, 1)
     links.new(number.outputs["Fac"], noise.inputs["W"])
     links.new(noise.outputs["Value"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
@@ -88,7 +88,7 @@ def build_stud() -> bpy.types.Object:
     mesh.from_pydata(vertices, [], faces)
     mesh.shade_smooth()
     mesh.materials.append(material("Stud rim", RIM, 0.5))
-    mesh.materials.append(colour_by_chance("Stud tip", "id", "INSTANCER", TIPS))
+    mesh.materials.append(color_by_chance("Stud tip", "id", "INSTANCER", TIPS))
     for index, face in enumerate(mesh.polygons):
         face.material_index = int(index >= STUD_RIM_RINGS * STUD_SIDES)
     stud = bpy.data.objects.new("Stud", mesh)
@@ -111,7 +111,7 @@ def aim(thing: bpy.types.Object, place: Sequence[float], target: Sequence[float]
     thing.rotation_euler = direction.to_track_quat("-Z", "Y").to_euler()
 
 
-def add_light(name: str, place: Sequence[float], size: float, power: float, tint: Colour) -> None:
+def add_light(name: str, place: Sequence[float], size: float, power: float, tint: Color) -> None:
     data = bpy.data.lights.new(name, "AREA")
     data.size, data.energy, data.color = size, power, tint
     light = bpy.data.objects.new(name, data)

@@ -28,7 +28,7 @@ def main() -> None:
     surface, stud = head(), build_stud()
     made = scatter(surface, given.count, given.seed)
     made.dapple.density.curvature = 0.9
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     made.dapple.instance = stud
     made.dapple.scale = 0.30 * made.dapple.report.spacing
     made.dapple.density_scale = -1.0  # larger where there are fewer

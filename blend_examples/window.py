@@ -55,11 +55,11 @@ def in_density(obj: bpy.types.Object) -> Story:
     yield from until_shown()
     yield from shot("3-density")
     bpy.ops.dapple.show_density()
-    optimise()
+    optimize()
     yield from until_idle()
     only(("evenness",))
     yield from until_shown()
-    yield from shot("4-optimised")
+    yield from shot("4-optimized")
     yield from details()
 
 
@@ -81,7 +81,7 @@ def in_classes(obj: bpy.types.Object) -> Story:
         kind = obj.dapple.classes[-1]
         kind.name, kind.share, kind.radius, kind.scale = name, share, radius, scale
         kind.instance = bpy.data.objects[name]
-    optimise()
+    optimize()
     yield from until_idle()
     yield from shot("6-classes")
 
@@ -90,13 +90,13 @@ def in_motion(obj: bpy.types.Object) -> Story:
     only(("animation",))
     obj.dapple.count = 40_000
     obj.dapple.tolerance = 1e-7
-    optimise()
+    optimize()
     for _ in range(4):
         yield
-    yield from shot("7-optimising")
+    yield from shot("7-optimizing")
     told.press_escape()
     yield from until_idle()
-    yield from shot("8-cancelled")
+    yield from shot("8-canceled")
     obj.dapple.count, obj.dapple.tolerance = 600, 5e-5
     with window():
         bpy.ops.dapple.bake("INVOKE_DEFAULT")
@@ -127,17 +127,17 @@ def scene() -> bpy.types.Object:
     return ground
 
 
-def thing(name: str, add: Any, radius: float, colour: tuple[float, ...]) -> None:
+def thing(name: str, add: Any, radius: float, color: tuple[float, ...]) -> None:
     options = {"radius1": radius, "depth": 4 * radius} if name == "Grass" else {"radius": radius}
     add(**options)
     obj = bpy.context.object
-    obj.name, obj.color = name, colour
+    obj.name, obj.color = name, color
     obj.location = (0, 0, -50)
 
 
-def optimise() -> None:
+def optimize() -> None:
     with window():
-        bpy.ops.dapple.optimise("INVOKE_DEFAULT")
+        bpy.ops.dapple.optimize("INVOKE_DEFAULT")
 
 
 def the_window() -> bpy.types.Window:

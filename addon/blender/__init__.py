@@ -11,6 +11,7 @@ from . import (
     asset_library,
     copies,
     freshness,
+    older_files,
     operators,
     overlay,
     pictures,
@@ -62,7 +63,7 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     rooms: Any = (translation, properties)
-    later: Any = (pictures, workfiles, freshness, renders, preview, overlay)
+    later: Any = (pictures, older_files, workfiles, freshness, renders, preview, overlay)
     return [
         *((room.register, room.unregister) for room in rooms),
         (_add_classes, _remove_classes),

@@ -110,5 +110,5 @@ def _places_of(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
 def _row(ids: Ints, one: int, name: str) -> int:
     found = np.flatnonzero(ids == one)
     if not len(found):
-        raise ScatterError(f"Scatter '{name}': point {one} was removed: optimise the scatter")
+        raise ScatterError(f"Scatter '{name}': point {one} was removed: optimize the scatter")
     return int(found[0])

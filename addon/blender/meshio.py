@@ -146,7 +146,7 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
     if attribute.data_type != kind or attribute.domain != "POINT":
         raise ScatterError(
             f"Attribute '{name}' of '{mesh.name}' is {attribute.data_type} on {attribute.domain}, "
-            f"it must be {kind} on POINT: remove it and optimise"
+            f"it must be {kind} on POINT: remove it and optimize"
         )
     values: NDArray[Any] = np.empty(len(mesh.vertices) * _WIDTH[kind], dtype=_NUMPY[kind])
     attribute.data.foreach_get(_FIELD[kind], values)

@@ -19,7 +19,7 @@ from .properties import BIND_TO
 from .scatter import is_scatter, is_surface, rest_note
 from .store import clear_keys
 from .translation import OWN, counted, operator_label, reported, told
-from .work import bake_steps, optimise_steps, rebind_steps, tile_steps
+from .work import bake_steps, optimize_steps, rebind_steps, tile_steps
 from .workfiles import all_work_files, finished_files
 
 _DEFAULT = Settings()
@@ -114,7 +114,7 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
     action: EnumProperty(
         name="Action",
         items=[
-            ("OPTIMISE", "Optimise", "Scatter the points anew"),
+            ("OPTIMIZE", "Optimize", "Scatter the points anew"),
             ("REBIND", "Re-bind", "Bind the points to the nearest places"),
         ],
     )
@@ -145,20 +145,20 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DAPPLE_OT_optimise(_DropsKeys, bpy.types.Operator):
+class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
     """Scatter the points anew over the surface as it is in this frame; baked keys are dropped"""
 
-    bl_idname = "dapple.optimise"
-    bl_label = "Optimise"
+    bl_idname = "dapple.optimize"
+    bl_label = "Optimize"
     bl_options = OPTIONS
-    _action = "OPTIMISE"
+    _action = "OPTIMIZE"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return _ready(cls, context, scatter=True)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        return optimise_steps(context)
+        return optimize_steps(context)
 
     def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
         preview.solved_anew(result)
@@ -166,7 +166,7 @@ class DAPPLE_OT_optimise(_DropsKeys, bpy.types.Operator):
 
 class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
     """Keep the points even in every frame of the scene's range: one key for each frame. Points that
-    were optimised with other settings are optimised anew first"""
+    were optimized with other settings are optimized anew first"""
 
     bl_idname = "dapple.bake"
     bl_label = "Bake"
@@ -183,7 +183,7 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
     def done(self, context: bpy.types.Context, result: Any) -> None:
         if result.anew:
             preview.solved_anew(context.object)
-            text = reported("The points were optimised anew first: {reason}", reason=result.anew)
+            text = reported("The points were optimized anew first: {reason}", reason=result.anew)
             self.report({"INFO"}, text)
         if result.trouble:
             self.report({"WARNING"}, result.trouble)
@@ -198,7 +198,7 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
 
 class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
     """Bind the points to the nearest places of the surface, whose faces changed; go to the frame
-    and pose in which they were optimised first. Baked keys are dropped"""
+    and pose in which they were optimized first. Baked keys are dropped"""
 
     bl_idname = "dapple.rebind"
     bl_label = "Re-bind"
@@ -217,7 +217,7 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
 
 
 class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
-    """Make the area that belongs to each point a tile: of the points as they were optimised, on the
+    """Make the area that belongs to each point a tile: of the points as they were optimized, on the
     surface as it is in this frame. Tiles made before are replaced; their modifiers stay"""
 
     bl_idname = "dapple.tile"
@@ -243,7 +243,7 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
-    """Remove the baked keys; the points then ride on the surface as they were optimised"""
+    """Remove the baked keys; the points then ride on the surface as they were optimized"""
 
     bl_idname = "dapple.clear_bake"
     bl_label = "Clear Bake"
@@ -303,7 +303,7 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
 CLASSES = (
     DAPPLE_OT_add,
     DAPPLE_OT_drop_keys,
-    DAPPLE_OT_optimise,
+    DAPPLE_OT_optimize,
     DAPPLE_OT_bake,
     DAPPLE_OT_rebind,
     DAPPLE_OT_tile,

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The density as colours over the surface, in the viewport only.
+"""The density as colors over the surface, in the viewport only.
 
 Handlers and property updates only note that something changed. Once nothing has changed for a
-moment, an app timer reads the surface part by part and a worker computes the colours; until they
+moment, an app timer reads the surface part by part and a worker computes the colors; until they
 are there, drawing shows what was computed last. Nothing is computed while Blender renders.
 """
 
@@ -30,20 +30,20 @@ from .scatter import settings_of, surface_of
 from .surroundings import obstacles_of, read_camera
 from .translation import told
 
-_PAUSE = 0.2  # seconds without a change before the colours are computed
+_PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
 _LONG = 3600.0  # seconds that a Blender without windows waits for it
 _PART = 300_000  # corners that are handed to the graphics card at a time
 _LIFT = 2e-3  # above the surface, of its size
 _ALPHA = 0.75
 # From nothing to the most: dark, teal, yellow.
-_COLOURS = np.array([[0.10, 0.06, 0.25], [0.13, 0.55, 0.55], [0.99, 0.90, 0.15]])
+_COLORS = np.array([[0.10, 0.06, 0.25], [0.13, 0.55, 0.55], [0.99, 0.90, 0.15]])
 Singles = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """What the colours are of, as far as it can be looked up quickly."""
+    """What the colors are of, as far as it can be looked up quickly."""
 
     surface: int  # session_uid
     settings: Settings
@@ -57,11 +57,11 @@ class _Shown:
 
     scatter: Held | None = None
     asked: _Asked | None = None
-    watched: frozenset[int] = frozenset()  # session_uids of what else the colours depend on
+    watched: frozenset[int] = frozenset()  # session_uids of what else the colors depend on
     positions: Singles = field(default_factory=lambda: np.empty((0, 3), dtype=np.float32))
-    colours: Singles = field(default_factory=lambda: np.empty((0, 4), dtype=np.float32))
+    colors: Singles = field(default_factory=lambda: np.empty((0, 4), dtype=np.float32))
     batches: list[Any] = field(default_factory=list)  # that are drawn
-    coming: list[Any] = field(default_factory=list)  # of the newest colours, until all are there
+    coming: list[Any] = field(default_factory=list)  # of the newest colors, until all are there
     job: Stepper | None = None  # what goes on
     changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
     said: str = ""  # why it ended
@@ -110,7 +110,7 @@ def stop() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(_shown.handle, "WINDOW")
         _redraw()
     _shown.handle, _shown.scatter, _shown.asked = None, None, None
-    _shown.positions, _shown.colours = np.empty((0, 3), np.float32), np.empty((0, 4), np.float32)
+    _shown.positions, _shown.colors = np.empty((0, 3), np.float32), np.empty((0, 4), np.float32)
     _shown.batches, _shown.coming, _shown.changed = [], [], 0.0
 
 
@@ -121,8 +121,8 @@ def touch(obj: bpy.types.Object) -> None:
 
 
 def triangles() -> tuple[Singles, Singles]:
-    """What is drawn: corners (3 m, 3) in world space and their colours (3 m, 4)."""
-    return _shown.positions, _shown.colours
+    """What is drawn: corners (3 m, 3) in world space and their colors (3 m, 4)."""
+    return _shown.positions, _shown.colors
 
 
 def _asked(obj: bpy.types.Object) -> _Asked:
@@ -135,7 +135,7 @@ def _asked(obj: bpy.types.Object) -> _Asked:
 
 
 def _begin() -> None:
-    """Compute the colours anew."""
+    """Compute the colors anew."""
     _give_up()
     assert _shown.scatter is not None
     obj = _shown.scatter.get()
@@ -148,7 +148,7 @@ def _begin() -> None:
 
 
 def _watched(obj: bpy.types.Object, settings: Settings) -> list[int]:
-    """What tells by an update of its own that the colours may be others."""
+    """What tells by an update of its own that the colors may be others."""
     surface, density = surface_of(obj), obj.dapple.density
     found = [surface, surface.data, density.image]
     if settings.density.obstacles:
@@ -162,7 +162,7 @@ def _steps(scatter: Held, surface: Held, asked: _Asked) -> Steps:
 
 
 def _computed(arrays: SurfaceArrays, asked: _Asked, context: Any) -> tuple[Singles, Singles]:
-    """Corners of the triangles and their colours; for a worker."""
+    """Corners of the triangles and their colors; for a worker."""
     with named(arrays.name):
         ground = Ground(arrays, asked.settings, context)
         density = ground.at_corners(asked.density)
@@ -170,7 +170,7 @@ def _computed(arrays: SurfaceArrays, asked: _Asked, context: Any) -> tuple[Singl
     lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
     lifted = (vertices + lift * vertex_normals(vertices, faces)).astype(np.float32)
     shares = density.ravel() / max(float(density.max()), 1e-300)
-    return lifted[faces].reshape(-1, 3), coloured(shares)
+    return lifted[faces].reshape(-1, 3), colored(shares)
 
 
 def _poll() -> None:
@@ -178,7 +178,7 @@ def _poll() -> None:
     if _shown.job is None or not _shown.job.poll():
         return
     if _shown.job.result is not None:
-        _shown.positions, _shown.colours = _shown.job.result
+        _shown.positions, _shown.colors = _shown.job.result
         _shown.coming = []
     _shown.job = None
     _redraw()
@@ -190,12 +190,12 @@ def _give_up() -> None:
     _shown.job = None
 
 
-def coloured(shares: Floats) -> Singles:
-    """Colours (n, 4) of shares (n,) of the largest density."""
-    steps = np.linspace(0.0, 1.0, len(_COLOURS))
+def colored(shares: Floats) -> Singles:
+    """Colors (n, 4) of shares (n,) of the largest density."""
+    steps = np.linspace(0.0, 1.0, len(_COLORS))
     found = np.full((len(shares), 4), _ALPHA, dtype=np.float32)
     for k in range(3):
-        found[:, k] = np.interp(shares, steps, _COLOURS[:, k])
+        found[:, k] = np.interp(shares, steps, _COLORS[:, k])
     return found
 
 
@@ -237,13 +237,13 @@ def _draw() -> None:
 
 
 def _take_over(shader: Any) -> None:
-    """One more part of the newest colours; drawn in place of the old ones when all are there."""
+    """One more part of the newest colors; drawn in place of the old ones when all are there."""
     known = bool(_shown.batches) and _shown.batches[0][0] is _shown.positions
     if known or not len(_shown.positions):
         return
     first = len(_shown.coming) * _PART
     part = slice(first, first + _PART)
-    content = {"pos": _shown.positions[part], "color": _shown.colours[part]}
+    content = {"pos": _shown.positions[part], "color": _shown.colors[part]}
     batch = batch_for_shader(shader, "TRIS", content)
     _shown.coming.append((_shown.positions, batch))
     if part.stop >= len(_shown.positions):
@@ -283,7 +283,7 @@ def _leaving(*_arguments: Any) -> None:
 
 
 def register() -> None:
-    """Watch what colours depend on, and files being opened."""
+    """Watch what colors depend on, and files being opened."""
     when_one_begins(_render_begins)
     for handlers, handler in _handlers():
         bpy.app.handlers.persistent(handler)

@@ -173,7 +173,7 @@ class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
-    """Set what the preset has; optimise again to see it"""
+    """Set what the preset has; optimize again to see it"""
 
     bl_idname = "dapple.load_preset"
     bl_label = "Load Preset"

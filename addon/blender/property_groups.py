@@ -39,12 +39,12 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
-    """Figures of the last optimisation or bake."""
+    """Figures of the last optimization or bake."""
 
     count: IntProperty(name="Points")
     spacing: FloatProperty(
         name="Spacing",
-        description="Distance of neighbours if the points were packed as well as can be",
+        description="Distance of neighbors if the points were packed as well as can be",
         unit="LENGTH",
     )
     alpha_min: FloatProperty(
@@ -107,7 +107,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         update=settings_changed,
         name="Attribute",
         description="Attribute or vertex group of the surface after its modifiers: 0 is no points, "
-        "twice as much is twice as many. Colours count by their brightness",
+        "twice as much is twice as many. Colors count by their brightness",
         search=_weight_names,
         search_options={"SUGGESTION"},
     )
@@ -272,16 +272,16 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
         soft_max=1.0,
         subtype="FACTOR",
     )
-    colour_by: EnumProperty(
+    color_by: EnumProperty(
         options=STILL,
-        name="Colour By",
+        name="Color By",
         translation_context=OWN,
-        description="What the colour attribute of the tiles tells",
+        description="What the color attribute of the tiles tells",
         items=[
-            ("RANDOM", "Tile", "Each tile has a colour by chance of its id"),
-            ("CLASS", "Class", "Tiles of one class have one colour"),
+            ("RANDOM", "Tile", "Each tile has a color by chance of its id"),
+            ("CLASS", "Class", "Tiles of one class have one color"),
         ],
-        default=_TILES.colour_by,
+        default=_TILES.color_by,
     )
     object: PointerProperty(
         name="Tiles",

@@ -83,7 +83,7 @@ def baked_line(obj: bpy.types.Object) -> str:
 
 
 class DAPPLE_PT_details(bpy.types.Panel):
-    """How the last optimisation went, in pictures"""
+    """How the last optimization went, in pictures"""
 
     bl_label = "Details"
     bl_space_type = "VIEW_3D"

@@ -107,7 +107,7 @@ def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
     """A reason why a result does not fit, and what makes one that does."""
     if obj.dapple.baked_keys:
         return say("{reason}: bake again", reason=reason)
-    return say("{reason}: optimise again", reason=reason)
+    return say("{reason}: optimize again", reason=reason)
 
 
 def write_instance_inputs(obj: bpy.types.Object) -> None:
@@ -170,7 +170,7 @@ def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
     """How the tiles of a scatter are cut."""
     tiles = obj.dapple.tiles
-    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.colour_by)
+    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.color_by)
 
 
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:

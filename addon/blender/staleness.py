@@ -180,20 +180,20 @@ def _points_reason(obj: bpy.types.Object, present: Present) -> str:
         return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
     if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
         return ""
-    return told("Points were edited by hand: re-bind, or lock them and optimise")
+    return told("Points were edited by hand: re-bind, or lock them and optimize")
 
 
 def _added_or_removed(added: int) -> str:
     if added > 0:
         return counted(
             added,
-            "{count} point was added by hand: re-bind, or lock it and optimise",
-            "{count:,} points were added by hand: re-bind, or lock them and optimise",
+            "{count} point was added by hand: re-bind, or lock it and optimize",
+            "{count:,} points were added by hand: re-bind, or lock them and optimize",
         )
     return counted(
         -added,
-        "{count} point was removed by hand: re-bind to leave it at that, or optimise",
-        "{count:,} points were removed by hand: re-bind to leave it at that, or optimise",
+        "{count} point was removed by hand: re-bind to leave it at that, or optimize",
+        "{count:,} points were removed by hand: re-bind to leave it at that, or optimize",
     )
 
 
@@ -240,7 +240,7 @@ def _note(frame: float, roles: list[str]) -> str:
     }
     listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
     return told(
-        "Not as in frame {frame:g}, where the points were optimised: {what}",
+        "Not as in frame {frame:g}, where the points were optimized: {what}",
         frame=frame,
         what=listed,
     )

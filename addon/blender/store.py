@@ -245,7 +245,7 @@ def own_columns(obj: bpy.types.Object, types: dict[str, str]) -> Columns:
 
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:
-    """Per point whether it was optimised, not added by a bake with births."""
+    """Per point whether it was optimized, not added by a bake with births."""
     if "dapple_gone" not in obj.data.attributes:
         return np.ones(len(obj.data.vertices), dtype=bool)
     return read_columns(obj.data, GONE_ATTRIBUTES)["dapple_gone"] < 0.5
@@ -411,7 +411,7 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Forget baked keys and the points they added; the others ride as they were optimised, with
+    """Forget baked keys and the points they added; the others ride as they were optimized, with
     the figures that they had.
     """
     _drop_added(obj)

@@ -181,7 +181,7 @@ def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats
 
 
 def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
-    """Points of other scatters as they were optimised, and how far to keep away from each."""
+    """Points of other scatters as they were optimized, and how far to keep away from each."""
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:
         if is_scatter(obj):

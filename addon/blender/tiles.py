@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tiles as an object: its mesh, attributes, colours and a material that shows them."""
+"""Tiles as an object: its mesh, attributes, colors and a material that shows them."""
 
 import bpy
 import numpy as np
@@ -10,7 +10,8 @@ from .library import open_collections, read_only
 from .meshio import to_local
 from .scatter import is_scatter
 
-COLOUR = "Colour"
+COLOR = "Color"
+_OLDER = "Colour"  # of tiles made by older versions: their materials name it
 _FACE_ATTRIBUTES = {"cell": "cells", "dapple_class": "classes"}
 
 
@@ -32,6 +33,7 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     """Make the tile object of a scatter these tiles; its modifiers and materials stay."""
     made = _own_object(obj)
     mesh, places = made.data, to_local(made, tiles.vertices)
+    color = _OLDER if _OLDER in mesh.color_attributes else COLOR
     mesh.clear_geometry()
     mesh.vertices.add(len(tiles.vertices))
     mesh.loops.add(len(tiles.corners))
@@ -42,8 +44,8 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     for name, field in _FACE_ATTRIBUTES.items():
         attribute = mesh.attributes.new(name, "INT", "FACE")
         attribute.data.foreach_set("value", np.ascontiguousarray(getattr(tiles, field)))
-    colours = mesh.color_attributes.new(COLOUR, "FLOAT_COLOR", "POINT")
-    colours.data.foreach_set("color", tiles.colours.astype(np.float32).ravel())
+    colors = mesh.color_attributes.new(color, "FLOAT_COLOR", "POINT")
+    colors.data.foreach_set("color", tiles.colors.astype(np.float32).ravel())
     mesh.update(calc_edges=True)
     if not mesh.materials:
         mesh.materials.append(_material())
@@ -88,13 +90,13 @@ def _put_beside(obj: bpy.types.Object, made: bpy.types.Object) -> None:
 
 
 def _material() -> bpy.types.Material:
-    """Shows the colour attribute."""
+    """Shows the color attribute."""
     made = bpy.data.materials.new("Dapple Tiles")
     if bpy.app.version < (5, 0):
         made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
     attribute = nodes.new("ShaderNodeVertexColor")
-    attribute.layer_name = COLOUR
+    attribute.layer_name = COLOR
     shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     links.new(attribute.outputs["Color"], shader.inputs["Base Color"])
     return made

@@ -69,7 +69,7 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
 
 
 class DAPPLE_OT_edit_classes(bpy.types.Operator):
-    """Change the list of classes; optimise again to see it"""
+    """Change the list of classes; optimize again to see it"""
 
     bl_idname = "dapple.edit_classes"
     bl_label = "Edit Classes"
@@ -100,7 +100,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
 
 class DAPPLE_OT_lock(bpy.types.Operator):
-    """Keep the selected points where they are when the scatter is optimised, or set them free. In
+    """Keep the selected points where they are when the scatter is optimized, or set them free. In
     Edit Mode points can be moved, added and deleted before; in a bake all points move"""
 
     bl_idname = "dapple.lock"
@@ -128,7 +128,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
 
 
 class DAPPLE_OT_show_density(bpy.types.Operator):
-    """Colour the surface by its density, from dark for no points to yellow for the most; of the
+    """Color the surface by its density, from dark for no points to yellow for the most; of the
     class that is shown. Run again to end it"""
 
     bl_idname = "dapple.show_density"
@@ -152,7 +152,7 @@ class DAPPLE_OT_show_density(bpy.types.Operator):
 
 
 class DAPPLE_OT_set_quality(bpy.types.Operator):
-    """Set how even and how regular the points become; optimise again to see it"""
+    """Set how even and how regular the points become; optimize again to see it"""
 
     bl_idname = "dapple.set_quality"
     bl_label = "Quality"

@@ -20,7 +20,7 @@ import bpy
 from bpy.app.translations import pgettext_iface, pgettext_rpt
 
 FOLDER = Path(__file__).resolve().parents[1] / "translations"
-OWN = "Dapple"  # context of names that Blender's catalogues have for other things
+OWN = "Dapple"  # context of names that Blender's catalogs have for other things
 _PACKAGE = __package__.removesuffix(".blender")
 Messages = dict[tuple[str, str], str]  # (context, English message): text
 Say = Callable[..., str]  # told or english
@@ -55,15 +55,15 @@ def operator_label(label: str) -> str:
 
 
 def _filled(text: str, template: str, values: dict[str, Any]) -> str:
-    """A catalogue with other placeholders than the template's costs the translation only."""
+    """A catalog with other placeholders than the template's costs the translation only."""
     try:
         return text.format(**values)
     except (LookupError, ValueError, AttributeError, TypeError):
         return template.format(**values)
 
 
-def catalogues(folder: Path) -> dict[str, Messages]:
-    """Those of a folder, by locale; what is no catalogue is named on the console and left out."""
+def catalogs(folder: Path) -> dict[str, Messages]:
+    """Those of a folder, by locale; what is no catalog is named on the console and left out."""
     found = {}
     for path in sorted(folder.glob("*.json")):
         try:
@@ -86,8 +86,8 @@ def _read(path: Path) -> Messages:
 
 
 def register() -> None:
-    """Give Blender the catalogues."""
-    bpy.app.translations.register(_PACKAGE, catalogues(FOLDER))
+    """Give Blender the catalogs."""
+    bpy.app.translations.register(_PACKAGE, catalogs(FOLDER))
 
 
 def unregister() -> None:

@@ -14,7 +14,7 @@ from .operators import (
     DAPPLE_OT_bake,
     DAPPLE_OT_clear_bake,
     DAPPLE_OT_discard_bake,
-    DAPPLE_OT_optimise,
+    DAPPLE_OT_optimize,
     DAPPLE_OT_rebind,
     DAPPLE_OT_tile,
 )
@@ -91,7 +91,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
         _draw_mismatch(layout, context, "ERROR")
     row = layout.row()
     row.scale_y = 1.5
-    row.operator(DAPPLE_OT_optimise.bl_idname, icon="PLAY")
+    row.operator(DAPPLE_OT_optimize.bl_idname, icon="PLAY")
     for text, icon in result_lines(context.object, context):
         lines_of(layout, text, icon)
     if settings.report.details:
@@ -253,7 +253,7 @@ class DAPPLE_PT_tiles(_ScatterPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, tiles = self.layout, context.object.dapple.tiles
         layout.use_property_split, layout.use_property_decorate = True, False
-        for name in ("grout", "inset_randomness", "thickness", "colour_by"):
+        for name in ("grout", "inset_randomness", "thickness", "color_by"):
             layout.prop(tiles, name)
         layout.operator(
             DAPPLE_OT_tile.bl_idname,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of a surface's vertices: attributes of any domain, colours, vertex groups."""
+"""Values of a surface's vertices: attributes of any domain, colors, vertex groups."""
 
 import bmesh
 import bpy
@@ -14,13 +14,13 @@ from .corners import corner_vertices
 GROUP_PART = 5_000  # vertices
 
 _FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
-_COLOURS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+_COLORS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
 _DOMAINS = {"POINT", "FACE", "CORNER"}
 
 
 def weight_names(obj: bpy.types.Object) -> list[str]:
     """What can be read from an object's mesh as it is before its modifiers."""
-    kinds = _FIELDS.keys() | _COLOURS.keys()
+    kinds = _FIELDS.keys() | _COLORS.keys()
     attributes = [
         one.name
         for one in getattr(obj.data, "attributes", ())  # curves and the like have none
@@ -71,16 +71,16 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: 
 
 
 def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[np.float32]:
-    """Numbers (k,) or colours (k, 4)."""
+    """Numbers (k,) or colors (k, 4)."""
     kind, count = attribute.data_type, len(attribute.data)
-    if kind not in _FIELDS | _COLOURS:
+    if kind not in _FIELDS | _COLORS:
         raise ScatterError(
             f"Surface '{obj.name}': attribute '{attribute.name}' is of the type {kind}: numbers or "
-            "colours are needed"
+            "colors are needed"
         )
-    values = np.empty((count, 4) if kind in _COLOURS else count, dtype=np.float32)
+    values = np.empty((count, 4) if kind in _COLORS else count, dtype=np.float32)
     if count:
-        attribute.data.foreach_get((_FIELDS | _COLOURS)[kind], values.ravel())
+        attribute.data.foreach_get((_FIELDS | _COLORS)[kind], values.ravel())
     return values
 
 

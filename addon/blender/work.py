@@ -50,11 +50,11 @@ from .translation import reported
 from .workfiles import work_files
 
 _SEAM_STEPS = 6
-_SOLVING = 0.1  # of the progress of a bake whose points are optimised anew first
+_SOLVING = 0.1  # of the progress of a bake whose points are optimized anew first
 _READING = 0.2  # of the progress of a bake that solves all frames together
 
 
-def optimise_steps(context: bpy.types.Context) -> Steps:
+def optimize_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
@@ -71,7 +71,7 @@ def optimise_steps(context: bpy.types.Context) -> Steps:
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
-    """Keys of the frames from first to last, each re-optimised; returns the Baker."""
+    """Keys of the frames from first to last, each re-optimized; returns the Baker."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     first, last = times_of(context.scene, first, last)
     if last < first:
@@ -138,7 +138,7 @@ def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:
 
 def _begin(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
     """The points of the first frame: those that are stored, where they are of these settings and
-    of what is there; else they are optimised anew.
+    of what is there; else they are optimized anew.
     """
     obj, sources = held.get(), sources_of(arrays, settings)
     _check_faces(obj, arrays)
@@ -203,9 +203,9 @@ def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, Surf
 
 def _stopped(baker: Baker) -> str:
     if baker.sidecar is None or not baker.done:
-        return reported("Cancelled: nothing was written")
+        return reported("Canceled: nothing was written")
     return reported(
-        "Cancelled: the scatter is as it was; {count} solved frames are kept in '{folder}', Bake "
+        "Canceled: the scatter is as it was; {count} solved frames are kept in '{folder}', Bake "
         "goes on from there",
         count=baker.done,
         folder=baker.sidecar.folder,
@@ -240,7 +240,7 @@ def _baker(
 def _binding(
     obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
 ) -> tuple[Binding, Columns]:
-    """The stored binding, or one to the places nearest to the points as they were optimised."""
+    """The stored binding, or one to the places nearest to the points as they were optimized."""
     if obj.dapple.bound_to == "REST" or not other_faces(obj, arrays):
         return current_binding(obj, surface, arrays)
     columns = point_columns_of(obj)
@@ -252,7 +252,7 @@ def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
     reason = "" if obj.dapple.bound_to == "REST" else other_faces(obj, arrays)
     if reason and obj.dapple.on_topology_change != "REBIND":
         raise ScatterError(
-            f"Scatter '{obj.name}' is stale: {reason}. Optimise the scatter first, or set On "
+            f"Scatter '{obj.name}' is stale: {reason}. Optimize the scatter first, or set On "
             "Topology Change to Re-bind"
         )
 

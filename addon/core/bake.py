@@ -54,7 +54,7 @@ class Baker:
     taken: int = 0  # frames that came from the sidecar
     trouble: str = ""  # why frames are not kept
     fingerprint: str = ""  # of all frames so far
-    anew: str = ""  # why the points were optimised anew first
+    anew: str = ""  # why the points were optimized anew first
 
     def __post_init__(self) -> None:
         start = self.start

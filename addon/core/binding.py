@@ -62,7 +62,7 @@ def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:
 def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:
     """Faces (n,) with the binding's corners, -1 where there is none, and their barycentrics."""
     found = faces_with_corners(binding.corners, faces)
-    weights = normalised(binding.barycentric)
+    weights = normalized(binding.barycentric)
     order = np.argsort(binding.corners, axis=1)
     place = np.argsort(np.argsort(faces[found], axis=1), axis=1)
     in_order = np.take_along_axis(weights, order, axis=1)
@@ -79,7 +79,7 @@ def faces_with_corners(corners: Ints, faces: Ints) -> Ints:
     return table[label[len(have) :]]
 
 
-def normalised(weights: Floats) -> Floats:
+def normalized(weights: Floats) -> Floats:
     """Barycentrics as stored (single precision) -> not negative, sum 1."""
     clipped = np.clip(weights, 0.0, None)
     total = clipped.sum(axis=1, keepdims=True)

@@ -17,9 +17,9 @@ FARTHEST = 1.2  # of the local spacing: the last bin's end
 
 @dataclass(frozen=True)
 class Details:
-    """Of one optimisation."""
+    """Of one optimization."""
 
-    energies: tuple[float, ...] = ()  # normalised, at the start and after each iteration
+    energies: tuple[float, ...] = ()  # normalized, at the start and after each iteration
     gaps: tuple[int, ...] = ()  # points by the distance to their nearest, in BINS up to FARTHEST
 
     def text(self) -> str:

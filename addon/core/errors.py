@@ -15,4 +15,4 @@ class ChangedError(ScatterError):
 
 
 class StoppedError(RuntimeError):
-    """The artist cancelled the work."""
+    """The artist canceled the work."""

@@ -18,7 +18,7 @@ from .surface import Floats, SurfaceArrays, check_same_topology
 
 
 class Follower:
-    """Re-optimises points for one shape of a surface after another, none of it kept."""
+    """Re-optimizes points for one shape of a surface after another, none of it kept."""
 
     def __init__(self, surface: SurfaceArrays, start: Start, context: Any = None) -> None:
         self.binding = start.binding
@@ -43,7 +43,7 @@ class Follower:
         """The binding for this shape, found within so many seconds.
 
         None if the shape is the last one or the time was not enough: then the points ride on
-        the binding that they have. StoppedError if it was cancelled before.
+        the binding that they have. StoppedError if it was canceled before.
         """
         if np.array_equal(vertices, self._seen):
             return None

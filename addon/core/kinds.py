@@ -123,6 +123,6 @@ def _counts_of(classes: Ints, settings: Settings) -> list[int]:
     if len(found) > len(settings.classes):
         raise ScatterError(
             f"There are points of class {len(found)}, the list has {len(settings.classes)}: "
-            "optimise the scatter"
+            "optimize the scatter"
         )
     return found

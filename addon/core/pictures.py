@@ -35,12 +35,12 @@ def curve(values: Sequence[float]) -> Floats:
 
 
 def bars(counts: Sequence[int], marked: int | None = None) -> Floats:
-    """A bar for each count, the tallest over the full height; one in another colour."""
+    """A bar for each count, the tallest over the full height; one in another color."""
     canvas = _Canvas(SIZE)
     tallest = max(max(counts, default=0), 1)
     for index, count in enumerate(counts):
-        colour = _MARK if index == marked else _INK
-        canvas.bar(index / len(counts), (index + 0.85) / len(counts), count / tallest, colour)
+        color = _MARK if index == marked else _INK
+        canvas.bar(index / len(counts), (index + 0.85) / len(counts), count / tallest, color)
     return canvas.picture()
 
 
@@ -68,16 +68,16 @@ class _Canvas:
         self._inset = edge * rows
         self._span = np.array([columns, rows]) - 2 * self._inset
 
-    def bar(self, left: float, right: float, height: float, colour: Floats) -> None:
+    def bar(self, left: float, right: float, height: float, color: Floats) -> None:
         low, high = self._place([left, 0.0]), self._place([right, height])
         (c0, r0), (c1, r1) = (corner.round().astype(int) for corner in (low, high))
-        self._pixels[r0:r1, c0:c1] = [*colour, 1.0]
+        self._pixels[r0:r1, c0:c1] = [*color, 1.0]
 
-    def dots(self, points: Floats, radius: float, colour: Floats) -> None:
+    def dots(self, points: Floats, radius: float, color: Floats) -> None:
         for point in points:
-            self.line(point, point, radius, colour)
+            self.line(point, point, radius, color)
 
-    def line(self, begin: Floats, end: Floats, radius: float, colour: Floats) -> None:
+    def line(self, begin: Floats, end: Floats, radius: float, color: Floats) -> None:
         """All pixels so near to a segment, as a share of the height."""
         a, b, size = self._place(begin), self._place(end), radius * self._span[1]
         low = np.maximum(np.floor(np.minimum(a, b) - size).astype(int), 0)
@@ -88,7 +88,7 @@ class _Canvas:
         way = b - a
         along = np.clip((pixels - a) @ way / max(float(way @ way), 1e-30), 0.0, 1.0)
         distance = np.linalg.norm(pixels - a - along[..., None] * way, axis=-1)
-        window[distance <= size] = [*colour, 1.0]
+        window[distance <= size] = [*color, 1.0]
 
     def _place(self, point: Floats | list[float]) -> Floats:
         found: Floats = self._inset + np.asarray(point) * self._span
@@ -99,5 +99,5 @@ class _Canvas:
         blocks = self._pixels.reshape(rows, _FINER, columns, _FINER, 4)
         weights = blocks[..., 3:]
         alpha = weights.mean(axis=(1, 3))
-        colour = (blocks[..., :3] * weights).sum(axis=(1, 3)) / weights.sum(axis=(1, 3))
-        return np.concatenate([colour, alpha], axis=2)
+        color = (blocks[..., :3] * weights).sum(axis=(1, 3)) / weights.sum(axis=(1, 3))
+        return np.concatenate([color, alpha], axis=2)

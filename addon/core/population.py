@@ -115,7 +115,7 @@ def _faces_at_start(samples: Any, ids: Ints) -> Ints:
     of = dict(zip(samples.ids.tolist(), samples.faces.tolist(), strict=True))
     missing = [one for one in ids.tolist() if one not in of]
     if missing:
-        raise ScatterError(f"Point {missing[0]} vanished on the first frame: optimise the scatter")
+        raise ScatterError(f"Point {missing[0]} vanished on the first frame: optimize the scatter")
     return np.array([of[one] for one in ids.tolist()], dtype=np.int32)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import ScatterError
+from .older_names import rename
 from .settings import DensitySettings, Settings
 
 SCHEMA = 1
@@ -34,7 +35,7 @@ NAMES = {
     "density": tuple(
         field.name for field in fields(DensitySettings) if field.name not in ("image", "obstacles")
     ),
-    "tiles": ("grout", "inset_randomness", "thickness", "colour_by"),
+    "tiles": ("grout", "inset_randomness", "thickness", "color_by"),
 }
 Values = dict[str, dict[str, Any]]  # by group, then by name
 
@@ -64,6 +65,8 @@ def load(folder: Path, name: str) -> Values:
         stored = json.loads(path.read_text())
         if not isinstance(stored["settings"], dict) or stored["schema"] > SCHEMA:
             raise ValueError(f"schema {stored['schema']} is not known")
+        for group, own in stored["settings"].items():
+            rename(group, own)
         return {
             group: {
                 one: stored["settings"].get(group, {})[one]

@@ -10,7 +10,7 @@ QUALITIES = [
     ("DRAFT", "Draft", "Quick to see: even, with a few close pairs"),
     ("NATURAL", "Natural", "Even and without any pattern, as grass or pebbles lie"),
     ("FINE", "Fine", "More even than Natural, a little more regular, twice the time"),
-    ("REGULAR", "Regular", "Neighbours at nearly one distance, as scales or cobbles lie"),
+    ("REGULAR", "Regular", "Neighbors at nearly one distance, as scales or cobbles lie"),
     ("HONEYCOMB", "Honeycomb", "Patches of hexagons, as far as the surface lets them"),
 ]
 _DEFAULT = Settings()

@@ -122,7 +122,7 @@ def surface_of_raw(
 
 @dataclass(frozen=True)
 class RawValues:
-    """Numbers (k,) or colours (k, 4) of a mesh's points, faces or corners."""
+    """Numbers (k,) or colors (k, 4) of a mesh's points, faces or corners."""
 
     name: str
     domain: str  # POINT, FACE or CORNER

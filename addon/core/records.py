@@ -111,7 +111,7 @@ def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
         point, corner = np.argwhere(outside)[0]
         raise ScatterError(
             f"Scatter '{name}': dapple_v{corner}[{point}] is {binding.corners[point, corner]}, "
-            f"but the surface has {vertex_count} vertices: optimise the scatter"
+            f"but the surface has {vertex_count} vertices: optimize the scatter"
         )
     if unbound(binding).any():
         raise ScatterError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist sets before a scatter is optimised; field names as in the native package."""
+"""What the artist sets before a scatter is optimized; field names as in the native package."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -39,13 +39,13 @@ class DensitySettings:
 
 @dataclass(frozen=True)
 class Settings:
-    """Options of one optimisation."""
+    """Options of one optimization."""
 
     count: int = 1000  # number of points, met exactly
     per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
-    gap_weight: float = 3.0  # kappa: keeps neighbours apart
+    gap_weight: float = 3.0  # kappa: keeps neighbors apart
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
     forward: str = "NONE"  # or an axis of the surface, X to -Z, along which things point

@@ -130,6 +130,6 @@ def named(name: str) -> Iterator[None]:
     try:
         yield
     except package().Cancelled as error:
-        raise StoppedError("Cancelled: nothing was written") from error
+        raise StoppedError("Canceled: nothing was written") from error
     except (ValueError, MemoryError) as error:
         raise ScatterError(f"Surface '{name}': {error}") from error

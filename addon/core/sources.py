@@ -21,7 +21,7 @@ from .surface import Floats, SurfaceArrays, Surroundings
 # Roles that depend on the frame for most scenes: shapes and places.
 PLACES = ("shape", "scale", "up", "camera", "obstacles", "others")
 UNKNOWN = "unknown"  # digest of what cannot be compared any more
-_BLOCKS = 256  # sums that tell a shape: each of neighbouring rows
+_BLOCKS = 256  # sums that tell a shape: each of neighboring rows
 _TOLERANCE = 1e-5  # of the largest number of a role
 
 
@@ -76,13 +76,13 @@ def _unpacked(packed: str, width: int) -> Floats:
 class Pose:
     """Where a surface is, how it is turned, how large it is."""
 
-    centre: Floats  # (3,)
+    center: Floats  # (3,)
     turn: Floats  # (3, 3) its own axes, without scale, as columns
     size: float
 
     def local(self, points: Floats) -> Floats:
         """Places (n, 3) in the axes of the surface, in its sizes."""
-        found: Floats = (points - self.centre) @ self.turn / self.size
+        found: Floats = (points - self.center) @ self.turn / self.size
         return found
 
 
@@ -109,7 +109,7 @@ class Outline:
 def outline_of(arrays: SurfaceArrays) -> Outline:
     """Of a surface as it was read."""
     pose, linear = pose_of(arrays), arrays.matrix[:3, :3]
-    shape = _sums((arrays.vertices - pose.centre) @ pose.turn)
+    shape = _sums((arrays.vertices - pose.center) @ pose.turn)
     return Outline(arrays.topology, pose, shape, pose.turn.T @ linear)
 
 
@@ -135,7 +135,7 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
     roles = {role: values[name] for role, name in value_roles(settings).items()}
     near = {"shape": outline.shape, "scale": outline.scale}
     if density.use_slope or density.use_height:
-        height = pose.centre[2] / pose.size if density.use_height else 0.0
+        height = pose.center[2] / pose.size if density.use_height else 0.0
         near["up"] = np.array([[*pose.turn[2], height]])
     return Sources(exact={"faces": outline.topology, **roles}, near=near)
 
@@ -200,13 +200,13 @@ def _same(role: str, before: Sources, now: Sources) -> bool:
 def _seen(pose: Pose, camera: Floats) -> Floats:
     """What of a camera's matrix tells where places of the surface are in the picture."""
     there = np.eye(4)
-    there[:3, :3], there[:3, 3] = pose.turn * pose.size, pose.centre
+    there[:3, :3], there[:3, 3] = pose.turn * pose.size, pose.center
     found: Floats = (camera @ there)[[0, 1, 3]]
     return found
 
 
 def _sums(rows: Floats) -> Floats:
-    """Sums (k, d) of neighbouring rows with fixed random signs: any row that changes is seen."""
+    """Sums (k, d) of neighboring rows with fixed random signs: any row that changes is seen."""
     count = len(rows)
     blocks = min(count, _BLOCKS)
     if not blocks:

@@ -106,7 +106,7 @@ class Stepper:
 
     def _next_task(self) -> Task:
         if self._stopped:
-            return self._steps.throw(StoppedError("Cancelled: nothing was written"))
+            return self._steps.throw(StoppedError("Canceled: nothing was written"))
         if self._thread is None:
             return next(self._steps)
         return _answer(self._steps, self._value, self._error)

@@ -98,5 +98,5 @@ def check_unchanged(read: SurfaceArrays, now: SurfaceArrays) -> None:
     """ChangedError unless the surface is still the one that was read."""
     if read.fingerprint != now.fingerprint:
         raise ChangedError(
-            f"Surface '{read.name}' changed while it was being optimised: nothing was written"
+            f"Surface '{read.name}' changed while it was being optimized: nothing was written"
         )

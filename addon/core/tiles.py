@@ -13,7 +13,7 @@ from .records import Binding, Columns, own_random
 from .solve import named
 from .surface import Floats, Ints, SurfaceArrays
 
-_INSET_STREAM, _COLOUR_STREAM = 2, 3  # of own_random
+_INSET_STREAM, _COLOR_STREAM = 2, 3  # of own_random
 _HUES = (0.06, 0.53, 0.13, 0.35, 0.90, 0.72)  # of classes, one after another
 _SATURATION = 0.6
 
@@ -25,7 +25,7 @@ class TileSettings:
     grout: float = 0.1  # width of the gap between tiles
     inset_randomness: float = 0.0  # up to so much farther a tile draws back, by its id
     thickness: float = 0.15  # 0: they lie in the surface
-    colour_by: str = "RANDOM"  # or CLASS
+    color_by: str = "RANDOM"  # or CLASS
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Tiles:
     starts: Ints  # (m,) where each polygon begins
     cells: Ints  # (m,) id of the point
     classes: Ints  # (m,)
-    colours: Floats  # (v, 4) linear, of each vertex that of its tile
+    colors: Floats  # (v, 4) linear, of each vertex that of its tile
     lost: int  # points whose cell the grout takes whole
 
 
@@ -65,22 +65,22 @@ def tiled(
         )
     owners = np.empty(len(made.vertices), dtype=np.int64)  # points, of the vertices
     owners[made.corners] = np.repeat(made.sites, np.diff(made.starts))
-    colours = _colours(settings.colour_by, seed, ids, classes)
+    colors = _colors(settings.color_by, seed, ids, classes)
     return Tiles(
         np.asarray(made.vertices),
         np.asarray(made.corners),
         np.asarray(made.starts[:-1]),
         ids[made.sites],
         np.asarray(made.classes),
-        colours[owners],
+        colors[owners],
         int((made.parts == 0).sum()),
     )
 
 
-def _colours(colour_by: str, seed: int, ids: Ints, classes: Ints) -> Floats:
+def _colors(color_by: str, seed: int, ids: Ints, classes: Ints) -> Floats:
     """(n, 4): the hue of the class, or by chance of the id; lighter or darker by chance."""
-    chance = own_random(seed, ids, _COLOUR_STREAM)
-    if colour_by == "CLASS":
+    chance = own_random(seed, ids, _COLOR_STREAM)
+    if color_by == "CLASS":
         hues = np.array(_HUES)[classes % len(_HUES)]
     else:
         hues = np.array(_HUES)[(chance * len(_HUES)).astype(np.int64)]

@@ -10,9 +10,9 @@ from . import bound_point, points, rest_point, things, viewport
 from .groups import ensure
 from .scatter import GROUP_NAME, ensure_group
 
-CATALOGUE = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
+CATALOG = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
 AUTHOR = "Dapple developers"
-LICENCE = "GPL-3.0-or-later"
+LICENSE = "GPL-3.0-or-later"
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ ASSETS = (
 
 
 def mark(asset: Asset) -> bpy.types.NodeTree:
-    """The group, as an asset of the catalogue Dapple."""
+    """The group, as an asset of the catalog Dapple."""
     group = asset.build()
     group.asset_mark()
     data = group.asset_data
-    data.description, data.author, data.license = asset.description, AUTHOR, LICENCE
-    data.catalog_id = CATALOGUE
+    data.description, data.author, data.license = asset.description, AUTHOR, LICENSE
+    data.catalog_id = CATALOG
     for tag in asset.tags:
         data.tags.new(tag, skip_if_exists=True)
     return group

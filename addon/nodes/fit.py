@@ -33,7 +33,7 @@ def build() -> bpy.types.NodeTree:
     other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
     lost = _differs(b, b.input("Points"), b.input("Key Points"))
     lost = b.boolean("AND", played, lost)
-    other = _warning(b, other, "The surface has another number of vertices: optimise the scatter")
+    other = _warning(b, other, "The surface has another number of vertices: optimize the scatter")
     lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
     said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Stale")), 0)
     said = _warning(b, said, b.input("Stale"))

@@ -33,7 +33,7 @@ INPUTS = {
     "First Frame": "Of a bake: the frame of the scene in which it begins",
     "Stale": "A warning that the modifier shows; it hides nothing",
     "Preview": "The object with the rows of a live preview, which the add-on makes",
-    "Spacing": "Distance of neighbours: the size of the cone where nothing is chosen",
+    "Spacing": "Distance of neighbors: the size of the cone where nothing is chosen",
     "Hidden": "Share of the points that the viewport leaves out, so that the others stay even; "
     "renders show all",
     "Instance": "Object to place on the points",

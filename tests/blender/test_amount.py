@@ -17,7 +17,7 @@ def plane(size=2.0):
 
 def per_area(obj, points):
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", points
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj.dapple.report.count
 
 
@@ -45,7 +45,7 @@ def test_at_least_one_point_and_not_too_many():
     assert per_area(obj, 0.001) == 1
     obj.dapple.points_per_area = 1e9
     with pytest.raises(RuntimeError, match="4,000,000,000 points on this surface: at most"):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     assert len(scenes.positions(obj)) == 1
 
 
@@ -60,7 +60,7 @@ def test_classes_share_the_points_per_area():
     assert np.bincount(kinds).tolist() == [75, 25]
 
 
-def order_of_neighbours(points):
+def order_of_neighbors(points):
     """psi6 of points in the plane z = 0, away from the border: 1 for hexagons."""
     found = []
     for p in points[np.abs(points[:, :2]).max(axis=1) < 0.75]:
@@ -76,8 +76,8 @@ def test_qualities_go_from_natural_to_honeycomb():
     orders = {}
     for name in ("NATURAL", "REGULAR", "HONEYCOMB"):
         assert bpy.ops.dapple.set_quality(quality=name) == {"FINISHED"}
-        bpy.ops.dapple.optimise()
-        orders[name] = order_of_neighbours(scenes.positions(obj))
+        bpy.ops.dapple.optimize()
+        orders[name] = order_of_neighbors(scenes.positions(obj))
     assert orders["NATURAL"] + 0.1 < orders["REGULAR"] < orders["HONEYCOMB"]
 
 
@@ -89,6 +89,6 @@ def test_natural_is_the_default_and_draft_takes_fewer_steps():
     assert reason(obj) == ""
     bpy.ops.dapple.set_quality(quality="DRAFT")
     assert "tolerance" in reason(obj)
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     assert obj.dapple.report.evaluations < natural
     assert math.isclose(obj.dapple.tolerance, 5e-4, rel_tol=1e-5)

@@ -170,7 +170,7 @@ def appended(assets):
     return dict(zip(names, wanted.node_groups, strict=True))
 
 
-def catalogues():
+def catalogs():
     lines = (addon_host.sources() / "assets" / "blender_assets.cats.txt").read_text().splitlines()
     return {line.split(":")[0]: line.split(":")[2] for line in lines if line.count(":") == 2}
 
@@ -186,7 +186,7 @@ def test_each_asset_says_what_it_is_and_its_sockets_what_they_are(assets):
         assert said.author
         assert said.license == "GPL-3.0-or-later"
         assert len(said.tags) > 0
-        assert catalogues()[said.catalog_id] == "Dapple"
+        assert catalogs()[said.catalog_id] == "Dapple"
         for item in group.interface.items_tree:
             assert item.description, f"no word of {group.name}'s {item.name}"
 
@@ -219,7 +219,7 @@ def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, t
         obj.dapple.turn_randomness = 1.0
         if kind.startswith("rest"):
             obj.dapple.bind_to = "REST"
-            assert bpy.ops.dapple.optimise() == {"FINISHED"}
+            assert bpy.ops.dapple.optimize() == {"FINISHED"}
         if kind.endswith("baked"):
             assert bpy.ops.dapple.bake() == {"FINISHED"}
         bpy.context.scene.frame_set(2, subframe=0.5)

@@ -169,10 +169,10 @@ def test_baking_again_leaves_one_set_of_keys():
     assert len(key_rows(obj)[0]) == obj.dapple.baked_keys == 3
 
 
-def test_optimise_drops_the_keys():
+def test_optimize_drops_the_keys():
     _, obj = baked()
     count = len(bpy.data.objects)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(bpy.data.objects) == count - 3  # keys, triangles, frames
     assert obj.dapple.baked_keys == obj.dapple.baked_frames == 0
     assert not bpy.ops.dapple.clear_bake.poll()

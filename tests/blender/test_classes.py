@@ -10,13 +10,13 @@ import scenes
 
 
 def with_classes(surface, *kinds, count=90):
-    """A scatter with classes of these properties, optimised."""
+    """A scatter with classes of these properties, optimized."""
     obj = scenes.scattered(surface, count=count)
     for values in kinds:
         assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
         for name, value in values.items():
             setattr(obj.dapple.classes[-1], name, value)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
 
 
@@ -155,7 +155,7 @@ def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
     report = obj.dapple.report
     assert report.worst_overlap == pytest.approx(max(overlap.max(), 0.0), abs=1e-4)
     obj.dapple.classes[0].radius = obj.dapple.classes[1].radius = 0.24  # nearly the densest
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert report.worst_overlap > 0.02
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
     chosen = [v.index for v in obj.data.vertices if v.select]
@@ -199,7 +199,7 @@ def test_changed_classes_are_stale():
     obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
     assert stale(obj) == ""
     obj.dapple.classes[0].share = 2.0
-    assert stale(obj) == "Settings were changed (classes): optimise again"
+    assert stale(obj) == "Settings were changed (classes): optimize again"
     obj.dapple.classes[0].share = 1.0
     obj.dapple.classes[0].scale = 4.0
     assert stale(obj) == "", "what is placed does not move the points"
@@ -239,7 +239,7 @@ def overlapping(surface, count=60):
     obj = with_classes(surface, {"share": 1.0}, {"share": 1.0}, count=count)
     for kind in obj.dapple.classes:
         kind.radius = 0.24
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0.0
     return obj
 
@@ -279,7 +279,7 @@ def test_an_overlap_is_selected_where_it_is_played(bind_to):
     surface = scenes.tail(frames=4)
     obj = overlapping(surface)
     obj.dapple.bind_to = bind_to
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     surface.location.x = 7.0
     bpy.context.scene.frame_set(4)
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
@@ -308,7 +308,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
     chosen = [obj.data.attributes["id"].data[v.index].value for v in obj.data.vertices if v.select]
     assert sorted(chosen) == sorted(pair)
     remove(pair[1])
-    with pytest.raises(RuntimeError, match=f"point {pair[1]} was removed: optimise the scatter"):
+    with pytest.raises(RuntimeError, match=f"point {pair[1]} was removed: optimize the scatter"):
         bpy.ops.dapple.select_overlap()
 
 
@@ -316,13 +316,13 @@ def test_counts_of_classes_are_told_for_points_per_area():
     labels = addon_host.part("blender.classes").count_labels
     obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found = np.bincount(classes_of(obj))
     assert found.sum() > 200
     assert labels(obj) == [f"{count:,}" for count in found]
     obj.dapple.points_per_area = 7.3
     told = labels(obj)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert told == labels(obj) == [f"{count:,}" for count in np.bincount(classes_of(obj))]
     obj.dapple.solved_from = ""
     assert labels(obj) == ["?", "?"]

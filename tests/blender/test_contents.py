@@ -32,7 +32,7 @@ def weighed(surface, name="Grass"):
     return group
 
 
-def coloured(surface, name="Moss"):
+def colored(surface, name="Moss"):
     attribute = surface.data.attributes.new(name, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.linspace(0.5, 1.0, len(attribute.data)))
     return attribute
@@ -65,7 +65,7 @@ def solved(surface, **density):
     obj = scenes.scattered(surface)
     for name, value in density.items():
         setattr(obj.dapple.density, name, value)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == note(obj) == ""
     return obj
 
@@ -81,7 +81,7 @@ def painted_weights():
 
 def painted_attribute():
     surface = scenes.sphere()
-    coloured(surface)
+    colored(surface)
     obj = solved(surface, attribute="Moss")
     yield obj
     surface.data.attributes["Moss"].data[5].value = 0.1
@@ -94,7 +94,7 @@ def painted_class():
     obj = scenes.scattered(surface)
     bpy.ops.dapple.edit_classes(action="ADD")
     obj.dapple.classes[0].density = "Grass"
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     yield obj
     group.add([100], 0.25, "REPLACE")
     yield "Values of 'Grass' were changed"
@@ -265,14 +265,14 @@ def points_moved_by_hand():
     obj = solved(scenes.sphere())
     yield obj
     obj.data.vertices[3].co.x += 0.2
-    yield "Points were edited by hand: re-bind, or lock them and optimise"
+    yield "Points were edited by hand: re-bind, or lock them and optimize"
 
 
 def bindings_edited_by_hand():
     obj = solved(scenes.sphere())
     yield obj
     obj.data.attributes["dapple_v1"].data[7].value = 99_999
-    yield "Points were edited by hand: re-bind, or lock them and optimise"
+    yield "Points were edited by hand: re-bind, or lock them and optimize"
 
 
 def another_surface():
@@ -336,7 +336,7 @@ MENDED = {
 }
 
 
-@pytest.mark.parametrize("operator", ["optimise", "bake"])
+@pytest.mark.parametrize("operator", ["optimize", "bake"])
 @pytest.mark.parametrize("change", sorted(MENDED, key=lambda one: one.__name__))
 def test_solving_again_makes_it_fit(change, operator):
     bpy.context.scene.frame_end = 2
@@ -416,8 +416,8 @@ def test_another_scatter_to_keep_off_is_solved_anew():
     other.dapple.seed = 5
     assert reason(obj) == ""
     scenes._activate(other)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
-    assert reason(obj) == "Obstacles were moved or changed: optimise again"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert reason(obj) == "Obstacles were moved or changed: optimize again"
 
 
 def test_contents_are_compared_after_saving_and_opening(tmp_path):
@@ -441,7 +441,7 @@ def test_on_another_frame_what_moves_is_told_apart_from_what_was_changed():
     obj = solved(surface, attribute="Grass")
     bpy.context.scene.frame_set(4)
     assert reason(obj) == ""
-    assert note(obj) == ("Not as in frame 1, where the points were optimised: shape of the surface")
+    assert note(obj) == ("Not as in frame 1, where the points were optimized: shape of the surface")
     group.add([100], 0.25, "REPLACE")
     assert "Values of 'Grass'" in reason(obj)
 
@@ -489,7 +489,7 @@ def test_a_bake_takes_the_settings_that_are_shown(name, value):
     scenes._activate(surface)
     other = scenes.scattered(surface)
     setattr(other.dapple, name, value)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(expected) == len(scenes.positions(other)) == (40 if name == "count" else 60)
     assert (scenes.positions(other) == expected).all()
@@ -619,7 +619,7 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
                 task = going.send(task.call(package.Context()))
             going.close()
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
-            assert reason(obj) == "Settings were changed (count): optimise again"
+            assert reason(obj) == "Settings were changed (count): optimize again"
             assert addon_host.part("blender.workfiles").unfinished(obj) == 2
         baker = steps.run_now(work.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)

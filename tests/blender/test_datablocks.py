@@ -47,7 +47,7 @@ def select(obj):
 
 
 @pytest.mark.parametrize("linked", [False, True])
-@pytest.mark.parametrize("action", ["clear_bake", "bake", "optimise", "rebind"])
+@pytest.mark.parametrize("action", ["clear_bake", "bake", "optimize", "rebind"])
 def test_what_is_done_to_a_copy_leaves_the_original_as_it_is(linked, action):
     obj = moving()
     expected = played(obj)
@@ -66,7 +66,7 @@ def test_what_is_done_to_the_original_leaves_a_linked_copy_as_it_is():
     expected = played(obj)
     (copy,) = duplicated(obj, linked=True)
     select(obj).count = 40
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 40
     assert (played(copy) == expected).all()
 
@@ -83,7 +83,7 @@ def test_a_mesh_with_one_user_stays_the_same_mesh():
     obj = scenes.scattered(scenes.sphere())
     mesh = obj.data
     mesh.use_fake_user = True
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.data == mesh
 
 
@@ -126,7 +126,7 @@ def test_a_scatter_copied_with_its_surface_sits_on_the_copy():
     bpy.data.objects["Rig"].location.x = 7.0
     assert (played(copy) - expected)[..., 0].min() > 6.9
     select(copy).count = 30
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert played(copy).shape[1] == 30
     assert played(obj).shape[1] == 60
@@ -140,7 +140,7 @@ def test_each_copy_has_tiles_of_its_own():
     polygons = len(first.data.polygons)
     (copy,) = duplicated(obj)
     select(copy).count = 10
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.tile() == {"FINISHED"}
     second = copy.dapple.tiles.object
     assert (obj.dapple.tiles.object, len(first.data.polygons)) == (first, polygons)
@@ -198,7 +198,7 @@ def test_a_preview_shows_what_was_solved_while_it_is_on(copied):
     if copied:
         (obj,) = duplicated(obj)
     obj.dapple.seed = 5
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     local = np.array([vertex.co for vertex in obj.data.vertices])
     assert np.allclose(scenes.positions(obj), local, atol=1e-5)
 
@@ -216,7 +216,7 @@ def test_another_scene_plays_and_solves_by_itself(kind):
     assert (played(own) == expected).all()
     scene.frame_end = 3
     select(own).count = 25
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (own.dapple.baked_frames, len(scenes.positions(own))) == (3, 25)
     bpy.context.window_manager.windows[0].scene = first

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Density of a scatter: attributes, vertex groups, colours, shape; in bakes and for classes."""
+"""Density of a scatter: attributes, vertex groups, colors, shape; in bakes and for classes."""
 
 import math
 
@@ -23,10 +23,10 @@ def with_attribute(surface, name, values, kind="FLOAT", domain="POINT"):
     return surface
 
 
-def optimised(obj, **density):
+def optimized(obj, **density):
     for name, value in density.items():
         setattr(obj.dapple.density, name, value)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return scenes.positions(obj)
 
 
@@ -49,11 +49,11 @@ def test_an_attribute_of_any_domain_is_followed(domain):
     if domain == "CORNER":
         values = np.array([values[loop.vertex_index] for loop in mesh.loops])
     with_attribute(surface, "Grass", values, domain=domain)
-    found = optimised(scenes.scattered(surface, count=300), attribute="Grass")
+    found = optimized(scenes.scattered(surface, count=300), attribute="Grass")
     assert share_above(found) == pytest.approx(linear_share(), abs=0.03)
 
 
-def test_a_vertex_group_a_colour_and_a_truth_value_are_densities():
+def test_a_vertex_group_a_color_and_a_truth_value_are_densities():
     surface = scenes.sphere()
     group = surface.vertex_groups.new(name="Fur")
     for vertex, weight in zip(surface.data.vertices, heights(surface), strict=True):
@@ -62,9 +62,9 @@ def test_a_vertex_group_a_colour_and_a_truth_value_are_densities():
     with_attribute(surface, "Paint", shades, "FLOAT_COLOR")
     with_attribute(surface, "Top", heights(surface) > 0.5, "BOOLEAN")
     obj = scenes.scattered(surface, count=300)
-    assert share_above(optimised(obj, attribute="Fur")) == pytest.approx(0.75, abs=0.03)
-    assert share_above(optimised(obj, attribute="Paint")) == pytest.approx(0.75, abs=0.03)
-    assert share_above(optimised(obj, attribute="Top"), -0.01) == 1.0
+    assert share_above(optimized(obj, attribute="Fur")) == pytest.approx(0.75, abs=0.03)
+    assert share_above(optimized(obj, attribute="Paint")) == pytest.approx(0.75, abs=0.03)
+    assert share_above(optimized(obj, attribute="Top"), -0.01) == 1.0
 
 
 def test_an_attribute_that_geometry_nodes_make_is_a_density():
@@ -77,20 +77,20 @@ def test_an_attribute_that_geometry_nodes_make_is_a_density():
     above = b.compare("GREATER_THAN", place, 0.0, "FLOAT")
     b.output("Geometry", b.store(b.input("Geometry"), "Made", above, "FLOAT"))
     surface.modifiers.new("Make", "NODES").node_group = tree
-    found = optimised(scenes.scattered(surface, count=100), attribute="Made")
+    found = optimized(scenes.scattered(surface, count=100), attribute="Made")
     assert found[:, 0].min() > -0.3
 
 
 def test_slope_and_height_bound_where_points_are():
     obj = scenes.scattered(scenes.sphere(), count=200)
-    found = optimised(obj, use_slope=True, slope_to=math.radians(40), slope_fade=0.0)
+    found = optimized(obj, use_slope=True, slope_to=math.radians(40), slope_fade=0.0)
     assert found[:, 2].min() > math.cos(math.radians(60))
-    found = optimised(
+    found = optimized(
         obj, use_slope=False, use_height=True, height_from=-0.3, height_to=0.2, height_fade=0.0
     )
     assert found[:, 2].min() > -0.6
     assert found[:, 2].max() < 0.5
-    found = optimised(obj, height_from=5.0, height_to=6.0, height_fade=5.5)
+    found = optimized(obj, height_from=5.0, height_to=6.0, height_fade=5.5)
     assert share_above(found) > 0.6, "it fades over the height beside the range"
 
 
@@ -105,13 +105,13 @@ def test_curvature_gathers_points_where_the_surface_bends():
         return float((np.hypot(points[:, 0], points[:, 1]) > 0.9).mean())
 
     before = on_rim(scenes.positions(obj))
-    assert on_rim(optimised(obj, curvature=1.0)) > before + 0.15
+    assert on_rim(optimized(obj, curvature=1.0)) > before + 0.15
 
 
 def test_points_carry_their_density():
     surface = with_attribute(scenes.sphere(), "Grass", heights(scenes.sphere()))
     obj = scenes.scattered(surface, count=200)
-    found = optimised(obj, attribute="Grass")
+    found = optimized(obj, attribute="Grass")
     meshio = addon_host.part("blender.meshio")
     own = meshio.read_columns(obj.data, {"dapple_density": "FLOAT"})["dapple_density"]
     assert np.allclose(own, (found[:, 2] + 1.0) / 2.0, atol=0.03)
@@ -125,7 +125,7 @@ def test_each_class_has_a_density_of_its_own():
     for name in ("Up", "Down"):
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[-1].density = name
-    found = optimised(obj)
+    found = optimized(obj)
     meshio = addon_host.part("blender.meshio")
     kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
     assert found[kinds == 0, 2].min() > -0.1
@@ -139,7 +139,7 @@ def test_a_bake_keeps_to_the_density():
     for vertex in surface.data.vertices:
         group.add([vertex.index], float(vertex.co.z > 2.0), "REPLACE")
     obj = scenes.scattered(surface, count=80)
-    optimised(obj, attribute="Fur")
+    optimized(obj, attribute="Fur")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     depsgraph = bpy.context.evaluated_depsgraph_get()
     for frame in (1, 3, 6):
@@ -156,7 +156,7 @@ def test_a_changed_density_is_stale_and_undone_is_fresh():
     stale = addon_host.part("blender.scatter").settings_reason
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.density.curvature = 0.5
-    assert stale(obj) == "Settings were changed (density): optimise again"
+    assert stale(obj) == "Settings were changed (density): optimize again"
     obj.dapple.density.curvature = 0.0
     assert stale(obj) == ""
 
@@ -179,7 +179,7 @@ def test_a_density_that_cannot_be_is_refused_and_nothing_is_lost(values, said):
         with_attribute(surface, "Grass", np.full(count, values))
     obj.dapple.density.attribute = "Grass"
     with pytest.raises(RuntimeError, match=said):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     assert np.allclose(scenes.positions(obj), before)
 
 

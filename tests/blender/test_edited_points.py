@@ -53,14 +53,14 @@ def columns(obj):
 def test_after_deleting_points_all_goes_on(obj):
     ids = columns(obj)["id"]
     edited(obj, deleted)
-    said = "7 points were removed by hand: re-bind to leave it at that, or optimise"
+    said = "7 points were removed by hand: re-bind to leave it at that, or optimize"
     assert reason(obj) == said
     for action in (bpy.ops.dapple.tile, bpy.ops.dapple.bake, bpy.ops.dapple.rebind):
         assert action() == {"FINISHED"}
         assert len(scenes.positions(obj)) == 53
         assert scenes.node_warnings(obj) == []
     assert (columns(obj)["id"] == ids[7:]).all()
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 60
 
 
@@ -74,7 +74,7 @@ def test_after_deleting_points_all_goes_on(obj):
 )
 def test_points_that_nothing_binds_are_named_with_the_way_out(obj, change, words, name):
     edited(obj, change)
-    assert reason(obj) == "3 points were added by hand: re-bind, or lock them and optimise"
+    assert reason(obj) == "3 points were added by hand: re-bind, or lock them and optimize"
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match=f"Scatter '{obj.name}': {words}"):
         getattr(bpy.ops.dapple, name)()
@@ -127,11 +127,11 @@ def test_points_added_under_a_bake_are_said_in_the_panel_too(obj):
     assert scenes.node_warnings(obj) == []
 
 
-@pytest.mark.parametrize("name", ["bake", "tile", "rebind", "optimise"])
-def test_without_any_point_left_nothing_is_placed_until_optimised(obj, name):
+@pytest.mark.parametrize("name", ["bake", "tile", "rebind", "optimize"])
+def test_without_any_point_left_nothing_is_placed_until_optimized(obj, name):
     edited(obj, all_deleted)
     assert getattr(bpy.ops.dapple, name)() == {"FINISHED"}
-    assert len(scenes.positions(obj)) == (60 if name == "optimise" else 0)
+    assert len(scenes.positions(obj)) == (60 if name == "optimize" else 0)
     assert scenes.node_warnings(obj) == []
 
 

@@ -93,17 +93,17 @@ def tiles_on_surface(obj):
 
 
 CASES = [
-    *((name, spoilt_surface(spoil)) for name in ("optimise", "bake") for spoil in SURFACES),
+    *((name, spoilt_surface(spoil)) for name in ("optimize", "bake") for spoil in SURFACES),
     *((name, spoilt_surface(spoil)) for name in ("rebind", "preview") for spoil in SURFACES[1:2]),
-    ("optimise", negative),
-    ("optimise", too_many),
-    ("optimise", without_attribute),
+    ("optimize", negative),
+    ("optimize", too_many),
+    ("optimize", without_attribute),
     ("bake", without_attribute),
     ("show_density", without_attribute),
-    ("optimise", without_camera),
-    ("optimise", flat),
+    ("optimize", without_camera),
+    ("optimize", flat),
     ("tile", tiles_on_surface),
-    *((name, without_surface) for name in ("optimise", "bake", "rebind", "tile", "preview")),
+    *((name, without_surface) for name in ("optimize", "bake", "rebind", "tile", "preview")),
 ]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh as artists have it, with Blender's own defaults: add, optimise, bake and render just work.
+"""A mesh as artists have it, with Blender's own defaults: add, optimize, bake and render just work.
 
 Subdivision has 1 level in the viewport and 2 in the render. A bake is solved on the viewport's
 surface. The render's is finer and lies a little elsewhere: there a point belongs where its place on
@@ -82,7 +82,7 @@ def test_blenders_own_subdivision_with_armature_and_shape_keys_needs_no_setting(
     surface = body()
     assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
     obj = bpy.context.object
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.baked_keys == len(tracked) == 4
     slides = 0.0
@@ -163,7 +163,7 @@ def test_the_panel_says_why_points_hold_on_to_the_rest_position():
 
 
 def mirrored(surface):
-    """Half of the mesh, and Mirror makes the other, as bodies are modelled."""
+    """Half of the mesh, and Mirror makes the other, as bodies are modeled."""
     mesh = surface.data
     verts = np.array([vertex.co for vertex in mesh.vertices])
     kept = [p.vertices[:] for p in mesh.polygons if verts[list(p.vertices)][:, 0].max() < 1e-6]
@@ -262,7 +262,7 @@ def test_a_failed_operator_leaves_rest_position_off():
     obj = scenes.scattered(surface)
     obj.dapple.bind_to = "REST"
     before = scenes.snapshot()
-    for operator in ("optimise", "rebind", "bake"):
+    for operator in ("optimize", "rebind", "bake"):
         with pytest.raises(RuntimeError, match="has the rest position of another place"):
             getattr(bpy.ops.dapple, operator)()
         assert scenes.snapshot() == before
@@ -308,7 +308,7 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
     bpy.context.scene.frame_set(1)
     obj = scenes.scattered(surface)
     assert addon_host.part("blender.scatter").rest_note(obj).startswith("Metaballs change")
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame, (_, samples) in enumerate(tracked, 1):
         bpy.context.scene.frame_set(frame)

@@ -12,7 +12,7 @@ import scenes
 def pointed(surface, forward, bind_to="FACES"):
     obj = scenes.scattered(surface, count=80)
     obj.dapple.forward, obj.dapple.turn_randomness, obj.dapple.bind_to = forward, 0.0, bind_to
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return obj
 
 
@@ -58,5 +58,5 @@ def test_they_turn_with_the_surface_in_a_bake():
     last, normal = axes(obj)
     assert np.abs((last * normal).sum(axis=1)).max() < 1e-5
     tip = scenes.instance_matrices(obj)[:, 2, 3] > 3.0
-    assert (last[:, 2] > 0.0).mean() > 0.9, "all still point towards the tip"
+    assert (last[:, 2] > 0.0).mean() > 0.9, "all still point toward the tip"
     assert last[tip, 1].std() < 0.5

@@ -143,7 +143,7 @@ def test_obstacles_and_the_camera_are_watched(waiting):
     bpy.context.scene.collection.objects.link(bpy.context.scene.camera)
     obj = scenes.scattered(surface)
     obj.dapple.density.obstacles, obj.dapple.density.use_camera = stones, True
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     drawn()
     looked(waiting)
     assert FITS in drawn()
@@ -167,7 +167,7 @@ def test_painted_pixels_are_noticed(waiting):
     image = bpy.data.images.new("Picture", 4, 4)
     image.pixels.foreach_set(np.full(64, 0.5, dtype=np.float32))
     obj.dapple.density.image = image
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     drawn()
     looked(waiting)
     looked(waiting)

@@ -224,7 +224,7 @@ def files(tmp_path_factory):
         for _ in range(2):
             bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[0].radius = 0.05
-        assert bpy.ops.dapple.optimise() == {"FINISHED"}
+        assert bpy.ops.dapple.optimize() == {"FINISHED"}
         obj.data.attributes["dapple_locked"].data[6].value = True
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         made[kind] = folder / f"{kind}.blend"
@@ -304,7 +304,7 @@ def keep_off(obj):
     other = scenes.scattered(bpy.context.object, count=5)
     try:
         other.dapple.density.obstacles = things
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     finally:
         scenes._activate(obj)
 
@@ -329,7 +329,7 @@ WRITING = (
     operator("bake"),
     operator("rebind"),
     operator("edit_classes", action="REMOVE"),
-    operator("optimise"),
+    operator("optimize"),
     operator("clear_bake"),
     operator("discard_bake"),
 )

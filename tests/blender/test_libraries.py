@@ -9,7 +9,7 @@ import scenes
 
 NAMES = ("Rig", "Tail", "Tail Scatter")
 WRITING = (
-    "optimise",
+    "optimize",
     "bake",
     "rebind",
     "tile",
@@ -99,7 +99,7 @@ def test_appended_twice_each_plays_and_is_solved_by_itself(library):
     assert (played(second) == expected).all()
     active(second)
     second.dapple.count = 20
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert played(second).shape[1] == 20
     assert (played(first) == expected).all()
@@ -139,7 +139,7 @@ def test_a_linked_scatter_that_is_made_local_is_solved(library, tmp_path, kind):
     active(obj)
     assert (played(obj) == expected).all()
     obj.dapple.count = 30
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = played(obj)
     assert expected.shape[1] == 30
@@ -185,7 +185,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
     assert rig.library is None
     rig.scale = (1.0, 1.0, 1.4)
     obj.dapple.count, obj.dapple.gap_weight, obj.dapple.density.curvature = 80, 2.5, 0.25
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = played(obj)
     assert expected.shape[1] == 80
@@ -292,9 +292,9 @@ def test_images_and_collections_of_the_same_name_in_two_files_are_told_apart(tmp
     bpy.ops.mesh.primitive_plane_add(size=4.0)
     obj = scenes.scattered(bpy.context.object)
     obj.dapple.density.image = wanted.images[0]
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert scenes.positions(obj)[:, 1].mean() < -0.5
     obj.dapple.density.image, obj.dapple.density.obstacles = None, wanted.collections[0]
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found = scenes.positions(obj)
     assert not ((found[:, 0] < -0.1) & (np.abs(found[:, 1]) < 0.9)).any()

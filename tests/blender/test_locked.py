@@ -25,7 +25,7 @@ def test_locked_points_stay_while_others_are_spread_anew():
     select(obj, [3, 50, 120])
     assert bpy.ops.dapple.lock() == {"FINISHED"}
     obj.dapple.seed, obj.dapple.count = 9, 300
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found, ids = scenes.positions(obj), column(obj, "id")
     for place, one in zip(kept, (3, 50, 120), strict=True):
         np.testing.assert_allclose(found[ids == one], [place], atol=1e-5)
@@ -40,7 +40,7 @@ def test_a_point_keeps_its_variation_when_others_are_locked():
     turn = dict(zip(column(obj, "id"), column(obj, "dapple_turn", np.float32), strict=True))
     select(obj, [70])
     bpy.ops.dapple.lock()
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     again = dict(zip(column(obj, "id"), column(obj, "dapple_turn", np.float32), strict=True))
     assert again == turn
 
@@ -55,7 +55,7 @@ def test_points_are_placed_by_hand_in_edit_mode():
     assert bpy.ops.dapple.lock() == {"FINISHED"}
     assert obj.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     found = scenes.positions(obj)[column(obj, "dapple_locked", np.bool_)]
     assert len(scenes.positions(obj)) == 100
     assert len(set(column(obj, "id"))) == 100
@@ -67,13 +67,13 @@ def test_locked_points_stay_in_their_classes():
     obj = scenes.scattered(scenes.sphere(), count=200)
     bpy.ops.dapple.edit_classes(action="ADD")
     bpy.ops.dapple.edit_classes(action="ADD")
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     rows = np.flatnonzero(column(obj, "dapple_class") == 1)[:5]
     kept = scenes.positions(obj)[rows]
     select(obj, rows)
     bpy.ops.dapple.lock()
     obj.dapple.seed = 4
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     locked = column(obj, "dapple_locked", np.bool_)
     assert (column(obj, "dapple_class")[locked] == 1).all()
     np.testing.assert_allclose(scenes.positions(obj)[locked], kept, atol=1e-5)
@@ -88,18 +88,18 @@ def test_unlocking_and_too_many_are_told():
     obj.dapple.count = 20
     before = scenes.positions(obj)
     with pytest.raises(RuntimeError, match="50 points are locked, the count is 20"):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     np.testing.assert_array_equal(scenes.positions(obj), before)
     bpy.ops.dapple.lock(lock=False, every=True)
     assert obj.dapple.locked_count == 0
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
 
 
 def test_a_bake_takes_locked_points_along():
     obj = scenes.scattered(scenes.tail(), count=60)
     select(obj, [1, 2])
     bpy.ops.dapple.lock()
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.ops.dapple.clear_bake()
     assert column(obj, "dapple_locked", np.bool_).sum() == 2

@@ -30,7 +30,7 @@ def bound_to_every_triangle(surface):
     return obj, corners
 
 
-def centres(surface, corners):
+def centers(surface, corners):
     return scenes.world_vertices(surface)[corners].mean(axis=1)
 
 
@@ -39,7 +39,7 @@ def test_points_ride_on_a_moved_turned_and_scaled_surface(scale):
     surface = scenes.sphere(scale, location=(1, 2, 3), rotation=(0.1, 0.2, 0.3))
     obj, corners = bound_to_every_triangle(surface)
     found = scenes.positions(obj)
-    assert np.allclose(found, centres(surface, corners), rtol=0, atol=1e-5)
+    assert np.allclose(found, centers(surface, corners), rtol=0, atol=1e-5)
     outward = np.einsum("nd,nd->n", found - (1, 2, 3), scenes.rotations(obj)[:, :, 2])
     assert outward.min() > 0.0
 
@@ -51,7 +51,7 @@ def test_the_scatter_object_may_be_moved_and_parented():
     bpy.context.collection.objects.link(parent)
     parent.location, parent.scale = (3, 0, 1), (2, 2, 2)
     obj.parent, obj.location = parent, (0, 5, 0)
-    assert np.allclose(scenes.positions(obj), centres(surface, corners), rtol=0, atol=1e-5)
+    assert np.allclose(scenes.positions(obj), centers(surface, corners), rtol=0, atol=1e-5)
 
 
 def test_x_runs_along_the_first_edge_and_z_along_the_interpolated_normal():
@@ -74,7 +74,7 @@ def test_a_change_of_topology_shows_a_warning_and_no_points():
     surface.modifiers.new("Subdivision", "SUBSURF")
     assert len(scenes.positions(obj)) == 0
     assert scenes.node_warnings(obj) == [
-        "The surface has another number of vertices: optimise the scatter"
+        "The surface has another number of vertices: optimize the scatter"
     ]
 
 
@@ -95,7 +95,7 @@ def test_the_chosen_instance_replaces_the_cone():
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shown = [i.object.original for i in depsgraph.object_instances if i.is_instance]
     assert shown == [cube] * len(corners)
-    assert np.allclose(scenes.positions(obj), centres(surface, corners), rtol=0, atol=1e-5)
+    assert np.allclose(scenes.positions(obj), centers(surface, corners), rtol=0, atol=1e-5)
 
 
 def test_scale_and_its_randomness():

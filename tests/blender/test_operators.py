@@ -72,16 +72,16 @@ def test_the_same_seed_gives_the_same_points_and_another_seed_others():
     assert (first == again).all()
     obj = bpy.context.object
     obj.dapple.seed = 1
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert not np.allclose(points(obj), first, atol=1e-3)
 
 
-def test_optimise_follows_the_settings_and_the_frame():
+def test_optimize_follows_the_settings_and_the_frame():
     surface = scenes.tail()
     obj = scenes.scattered(surface)
     bpy.context.scene.frame_set(6)
     obj.dapple.count = 90
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 90
     dapple = pytest.importorskip("dapple3d")
     vertices = scenes.world_vertices(surface)
@@ -98,7 +98,7 @@ def test_undo_and_redo():
     name = bpy.context.object.name
     expected = points(bpy.data.objects[name])
     bpy.data.objects[name].dapple.count = 20
-    assert bpy.ops.dapple.optimise("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert bpy.ops.dapple.optimize("EXEC_DEFAULT", True) == {"FINISHED"}
     bpy.ops.ed.undo()
     assert (points(bpy.data.objects[name]) == expected).all()
     assert np.allclose(scenes.positions(bpy.data.objects[name]), expected, atol=1e-5)
@@ -124,7 +124,7 @@ def test_unequal_levels_are_refused():
     obj = scenes.scattered(surface)
     obj.dapple.bind_to = "FACES"
     surface.modifiers["Subdivision"].render_levels = 1
-    refused(bpy.ops.dapple.optimise, "Match Subdivision")
+    refused(bpy.ops.dapple.optimize, "Match Subdivision")
     refused(bpy.ops.dapple.bake, "Match Subdivision")
     assert len(scenes.positions(obj)) == 60
 
@@ -146,7 +146,7 @@ def test_a_mesh_without_faces_is_refused():
 def test_a_scatter_without_surface_is_refused():
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.surface = None
-    refused(bpy.ops.dapple.optimise, f"'{obj.name}' has no surface")
+    refused(bpy.ops.dapple.optimize, f"'{obj.name}' has no surface")
 
 
 def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
@@ -154,7 +154,7 @@ def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
     obj = scenes.scattered(surface)
     for collection in surface.users_collection:
         collection.objects.unlink(surface)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert len(scenes.positions(obj)) == 60
 
 
@@ -169,12 +169,12 @@ def test_operators_need_object_mode_and_the_right_object():
     assert not bpy.ops.dapple.add.poll()
     surface = scenes.sphere()
     assert bpy.ops.dapple.add.poll()
-    assert not bpy.ops.dapple.optimise.poll()
+    assert not bpy.ops.dapple.optimize.poll()
     scenes.scattered(surface)
     assert not bpy.ops.dapple.add.poll()
-    assert bpy.ops.dapple.optimise.poll()
+    assert bpy.ops.dapple.optimize.poll()
     bpy.ops.object.mode_set(mode="EDIT")
-    assert not bpy.ops.dapple.optimise.poll()
+    assert not bpy.ops.dapple.optimize.poll()
 
 
 def test_a_mesh_that_changed_meanwhile_is_not_written_to():
@@ -202,7 +202,7 @@ class Window:
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
                 dapple=SimpleNamespace(
-                    drop_keys=self._ask, optimise=self._start, rebind=self._start
+                    drop_keys=self._ask, optimize=self._start, rebind=self._start
                 )
             ),
         )
@@ -239,7 +239,7 @@ def baked():
     return obj
 
 
-@pytest.mark.parametrize("name", ["optimise", "rebind"])
+@pytest.mark.parametrize("name", ["optimize", "rebind"])
 @pytest.mark.parametrize("answer", [True, False])
 def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
     baked()
@@ -250,7 +250,7 @@ def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
     assert window.started == ([("INVOKE_DEFAULT", True)] if answer else [])
 
 
-@pytest.mark.parametrize("name", ["optimise", "rebind"])
+@pytest.mark.parametrize("name", ["optimize", "rebind"])
 def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name):
     obj = baked()
     window = Window(monkeypatch)

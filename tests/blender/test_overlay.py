@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The density as colours: what would be drawn, and when it is computed anew."""
+"""The density as colors: what would be drawn, and when it is computed anew."""
 
 import addon_host
 import bpy
@@ -29,20 +29,20 @@ def wait(overlay):
     return overlay._tick()
 
 
-def test_colours_tell_where_points_will_be(overlay):
+def test_colors_tell_where_points_will_be(overlay):
     obj = sloped(use_height=True, height_from=0.0, height_to=2.0, height_fade=0.0)
     assert bpy.ops.dapple.show_density() == {"FINISHED"}
     assert overlay.is_on(obj)
-    positions, colours = overlay.triangles()
+    positions, colors = overlay.triangles()
     above, below = positions[:, 2] > 0.1, positions[:, 2] < -0.1
-    most, none = overlay.coloured(np.array([1.0, 0.0]))
-    np.testing.assert_allclose(colours[above], np.tile(most, (above.sum(), 1)))
-    np.testing.assert_allclose(colours[below], np.tile(none, (below.sum(), 1)))
+    most, none = overlay.colored(np.array([1.0, 0.0]))
+    np.testing.assert_allclose(colors[above], np.tile(most, (above.sum(), 1)))
+    np.testing.assert_allclose(colors[below], np.tile(none, (below.sum(), 1)))
     assert bpy.ops.dapple.show_density() == {"FINISHED"}
     assert not overlay.is_on(obj)
 
 
-def test_colours_follow_settings_and_the_surface(overlay):
+def test_colors_follow_settings_and_the_surface(overlay):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before = overlay.triangles()
@@ -63,9 +63,9 @@ def test_the_shown_class_counts(overlay):
     bpy.ops.dapple.edit_classes(action="ADD")
     obj.dapple.classes[0].density = "Half"
     bpy.ops.dapple.show_density()
-    positions, colours = overlay.triangles()
-    assert len(np.unique(colours[positions[:, 2] < -0.2], axis=0)) == 1
-    assert len(np.unique(colours, axis=0)) > 1
+    positions, colors = overlay.triangles()
+    assert len(np.unique(colors[positions[:, 2] < -0.2], axis=0)) == 1
+    assert len(np.unique(colors, axis=0)) > 1
 
 
 def test_what_cannot_be_shown_is_told_and_ends(overlay):
@@ -114,7 +114,7 @@ def test_the_class_that_is_chosen_later_is_shown(overlay):
     positions, first = overlay.triangles()
     obj.dapple.class_index = 1
     _, second = looked(overlay)
-    most = overlay.coloured(np.array([1.0]))
+    most = overlay.colored(np.array([1.0]))
     assert (first[positions[:, 2] > 0.3] == most).all()
     assert (second[positions[:, 2] < -0.3] == most).all()
 
@@ -156,7 +156,7 @@ def gone_on(camera):
 
 
 @pytest.mark.parametrize("change", [moved, zoomed, made_narrow, replaced, gone_on])
-def test_colours_follow_the_camera(overlay, change):
+def test_colors_follow_the_camera(overlay, change):
     camera = seen_by_a_camera()
     camera.data.lens = 80.0
     obj = sloped(use_camera=True, camera_margin=0.0)
@@ -169,7 +169,7 @@ def test_colours_follow_the_camera(overlay, change):
     assert len(before[0]) != len(after[0]) or not np.array_equal(before[1], after[1])
 
 
-def test_colours_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
+def test_colors_follow_a_frame_of_a_moving_surface_and_another_surface(overlay):
     obj = scenes.scattered(scenes.tail(), count=40)
     other = scenes.sphere(location=(5.0, 0.0, 0.0))
     scenes._activate(obj)
@@ -193,12 +193,12 @@ def test_nothing_is_computed_while_nothing_changes(overlay, monkeypatch):
         wait(overlay)
 
 
-def test_colours_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
+def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     overlay, monkeypatch
 ):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
-    before, colours = overlay.triangles()
+    before, colors = overlay.triangles()
     monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
     event, threads = windowed.held_back(monkeypatch, overlay, "_computed")
     obj.dapple.density.height_from = 0.5
@@ -208,7 +208,7 @@ def test_colours_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then
         assert overlay.triangles()[0] is before
     event.set()
     windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
-    assert not np.array_equal(overlay.triangles()[1], colours)
+    assert not np.array_equal(overlay.triangles()[1], colors)
     assert not {thread.name for thread in threads} & {"MainThread"}
 
 
@@ -240,7 +240,7 @@ def test_nothing_is_computed_while_blender_renders(overlay, monkeypatch):
     assert ticked
 
 
-def test_a_render_stops_the_worker_and_colours_come_afterwards(overlay, monkeypatch):
+def test_a_render_stops_the_worker_and_colors_come_afterwards(overlay, monkeypatch):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before, _ = overlay.triangles()

@@ -133,7 +133,7 @@ def test_the_manifest_differs_from_the_sources_by_platform_and_wheel(archive):
     assert archive.name == f"dapple-{source['version']}-linux-x64.zip"
 
 
-def test_it_is_small_and_brings_the_licences_of_what_is_bundled(archive):
+def test_it_is_small_and_brings_the_licenses_of_what_is_bundled(archive):
     assert archive.stat().st_size < 30e6
     with ZipFile(archive) as files:
         assert "LICENSE" in files.namelist()
@@ -142,7 +142,7 @@ def test_it_is_small_and_brings_the_licences_of_what_is_bundled(archive):
     assert names >= {"LICENSE", "libembree-dev.txt", "libtbb-dev.txt", "libopenmesh-dev.txt"}
 
 
-def test_it_brings_the_node_groups_as_assets_with_their_catalogue(archive, tmp_path):
+def test_it_brings_the_node_groups_as_assets_with_their_catalog(archive, tmp_path):
     with ZipFile(archive) as files:
         for name in ("blender_assets.cats.txt", "dapple_nodes.blend"):
             files.extract(f"assets/{name}", tmp_path)

@@ -90,7 +90,7 @@ def test_a_scatter_shows_its_settings_and_its_result():
     shown = drawn()
     for name in ("count", "seed", "instance", "collection", "align", "attribute", "curvature"):
         assert name in shown
-    for name in ("dapple.optimise", "dapple.tile", "dapple.bake", "dapple.set_quality"):
+    for name in ("dapple.optimize", "dapple.tile", "dapple.bake", "dapple.set_quality"):
         assert name in shown
     assert "points_per_area" not in shown
     assert "Fresh: fits the surface" in shown

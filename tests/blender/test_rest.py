@@ -104,8 +104,8 @@ def test_a_rest_position_that_was_turned_off_is_said():
     obj = bound(surface)
     assert reason(obj) == ""
     surface.add_rest_position_attribute = False
-    assert reason(obj) == "Rest Position of 'Tail' is off: optimise again"
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert reason(obj) == "Rest Position of 'Tail' is off: optimize again"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == ""
 
 
@@ -157,6 +157,6 @@ def test_back_to_faces():
     obj = bound(surface)
     obj.dapple.bind_to = "FACES"
     assert any("bind to" in warning for warning in scenes.node_warnings(obj))
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert not scenes.node_warnings(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}

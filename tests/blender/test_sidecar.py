@@ -279,7 +279,7 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
 
 
 def stop_after(count):
-    """Bake in steps, cancelled when so many frames are kept; what was said."""
+    """Bake in steps, canceled when so many frames are kept; what was said."""
     steps, work = addon_host.part("core.steps"), addon_host.part("blender.work")
     files = files_of(bpy.context.object)
     stepper = steps.Stepper(work.bake_steps(bpy.context, 1, FRAMES))
@@ -294,11 +294,11 @@ def stop_after(count):
     raise AssertionError("the bake was not stopped")
 
 
-def test_cancelling_says_what_is_kept_and_baking_goes_on(tmp_path):
-    obj = saved_scatter(tmp_path / "cancelled.blend")
+def test_canceling_says_what_is_kept_and_baking_goes_on(tmp_path):
+    obj = saved_scatter(tmp_path / "canceled.blend")
     said = stop_after(2)
     kept = files_of(obj).frames()
-    assert said.startswith(f"Cancelled: the scatter is as it was; {kept} solved frames are kept in")
+    assert said.startswith(f"Canceled: the scatter is as it was; {kept} solved frames are kept in")
     assert obj.dapple.baked_keys == 0
     solves = counted_solves()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -466,7 +466,7 @@ def test_bake_is_not_said_to_go_on_from_other_points_or_another_first_frame(tmp_
     bpy.context.scene.frame_start = 1
     assert (going_on(obj), left_over(obj)) == (kept, 0)
     bpy.context.scene.frame_set(4)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert (going_on(obj), left_over(obj)) == (0, kept)
     assert bpy.ops.dapple.discard_bake() == {"FINISHED"}
     assert (going_on(obj), left_over(obj)) == (0, 0)

@@ -43,11 +43,11 @@ def test_changed_settings_are_named_in_panel_and_modifier(baked):
     assert scenes.node_warnings(baked) == []
 
 
-def test_changed_settings_of_a_scatter_without_a_bake_ask_to_optimise():
+def test_changed_settings_of_a_scatter_without_a_bake_ask_to_optimize():
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.count = 70
-    assert reason(obj) == "Settings were changed (count): optimise again"
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert reason(obj) == "Settings were changed (count): optimize again"
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == ""
 
 

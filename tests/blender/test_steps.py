@@ -76,7 +76,7 @@ def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
 
 
 @pytest.mark.parametrize("polls", [0, 1, 3])
-def test_a_cancelled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
+def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
     work = addon_host.part("blender.work")
     scenes.scattered(scenes.tail(), count=300)
     bpy.context.scene.frame_set(3)
@@ -91,12 +91,12 @@ def test_a_cancelled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
     assert scenes.snapshot() == before
 
 
-def test_a_cancelled_optimisation_leaves_the_scene_as_it_was(steps, errors):
+def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
     work = addon_host.part("blender.work")
     obj = scenes.scattered(scenes.tail())
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 3000, 1e-9, 100_000
     before = scenes.snapshot()
-    stepper = steps.Stepper(work.optimise_steps(bpy.context))
+    stepper = steps.Stepper(work.optimize_steps(bpy.context))
     stepper.poll()
     stepper.cancel()
     with pytest.raises(errors.StoppedError):
@@ -121,7 +121,7 @@ def test_a_scatter_removed_meanwhile_is_named(steps, errors):
     work = addon_host.part("blender.work")
     obj = scenes.scattered(scenes.tail())
     name = obj.name
-    stepper = steps.Stepper(work.optimise_steps(bpy.context))
+    stepper = steps.Stepper(work.optimize_steps(bpy.context))
     stepper.poll()
     bpy.data.objects.remove(obj)
     with pytest.raises(errors.ScatterError, match=f"'{name}' was removed"):

@@ -65,7 +65,7 @@ def test_a_surface_under_a_parent_that_shears_it(scale):
     bpy.context.view_layer.update()
     assert fits(surface, obj)
     assert reason(obj) == ""
-    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         assert fits(surface, obj)
 
@@ -113,7 +113,7 @@ def test_a_surface_that_lost_its_faces_is_named():
     surface.data.clear_geometry()
     surface.data.vertices.add(3)
     before = scenes.snapshot()
-    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind):
         with pytest.raises(RuntimeError, match="Surface 'Sphere': faces is empty"):
             action()
         assert scenes.snapshot() == before
@@ -125,12 +125,12 @@ def test_a_scatter_is_no_surface():
     before = scenes.snapshot()
     for wrong in (first, second):
         second.dapple.surface = wrong
-        for name in ("optimise", "rebind", "bake", "tile", "preview"):
+        for name in ("optimize", "rebind", "bake", "tile", "preview"):
             with pytest.raises(RuntimeError, match=f"'{wrong.name}' of '{second.name}' is a scat"):
                 getattr(bpy.ops.dapple, name)()
     assert scenes.snapshot() == before
     second.dapple.surface = surface
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
 
 
 def test_two_scatters_on_one_surface_are_solved_one_by_one():
@@ -138,7 +138,7 @@ def test_two_scatters_on_one_surface_are_solved_one_by_one():
     first, second = scenes.scattered(surface), scenes.scattered(surface)
     expected = scenes.positions(first)
     second.dapple.count = 30
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert fits(surface, second, 30)
     assert (scenes.positions(first) == expected).all()
 
@@ -150,7 +150,7 @@ def test_a_scatter_without_any_extent_is_refused_before_something_is_lost():
     obj.scale.x = 0.0
     bpy.context.view_layer.update()
     with pytest.raises(RuntimeError, match="'Tail Scatter' has a scale of 0"):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     assert obj.dapple.baked_keys == 2
 
 
@@ -165,7 +165,7 @@ def test_what_is_edited_counts_before_edit_mode_is_left():
     bmesh.update_edit_mesh(surface.data)
     assert np.ptp(arrays_of(surface).vertices[:, 0]) > 5.9
     assert fits(surface, obj)
-    for name in ("add", "optimise", "bake", "rebind", "tile", "clear_bake"):
+    for name in ("add", "optimize", "bake", "rebind", "tile", "clear_bake"):
         assert not getattr(bpy.ops.dapple, name).poll()
     below = [vertex for vertex in edited.verts if vertex.co.z > 0.1]
     bmesh.ops.delete(edited, geom=below, context="VERTS")
@@ -173,7 +173,7 @@ def test_what_is_edited_counts_before_edit_mode_is_left():
     assert reason(obj).startswith("Bound to 266 vertices, the surface has 1")
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert fits(surface, obj)
 
 
@@ -186,7 +186,7 @@ def test_a_surface_that_is_sculpted_or_painted_can_be_scattered_on(mode):
     assert not bpy.ops.dapple.add.poll()
     bpy.context.view_layer.objects.active = obj
     obj.dapple.count = 40
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert fits(surface, obj, 40)
     assert surface.mode == mode
 
@@ -196,7 +196,7 @@ def test_a_scatter_in_edit_mode_keeps_its_bake():
     bpy.context.scene.frame_end = 2
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     bpy.ops.object.mode_set(mode="EDIT")
-    for name in ("optimise", "bake", "rebind", "tile", "clear_bake", "select_overlap"):
+    for name in ("optimize", "bake", "rebind", "tile", "clear_bake", "select_overlap"):
         assert not getattr(bpy.ops.dapple, name).poll()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(scenes.positions(obj)) == 60
@@ -226,7 +226,7 @@ def test_a_surface_that_is_not_shown_is_a_surface_all_the_same(aside):
     surface.name = "Renamed"
     aside(surface)
     obj.dapple.count = 30
-    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind, bpy.ops.dapple.bake):
         assert action() == {"FINISHED"}
         bpy.context.scene.frame_set(2)
         assert fits(surface, obj, 30)
@@ -241,13 +241,13 @@ def test_a_surface_that_was_deleted_is_said():
     assert reason(obj) == "Surface 'Sphere' was deleted, or is in no collection: choose another"
     obj.dapple.surface = scenes.sphere()
     scenes._activate(obj)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == ""
 
 
 def test_operators_are_off_without_a_scatter_or_a_mesh():
     names = sorted(set(dir(bpy.ops.dapple)) - {"add_asset_library", "remove_preset"})
-    assert "optimise" in names
+    assert "optimize" in names
     light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
     bpy.context.collection.objects.link(light)
     for active in (None, light):
@@ -259,7 +259,7 @@ def test_a_hidden_scatter_is_solved():
     obj = scenes.scattered(scenes.sphere())
     obj.hide_set(True)
     obj.dapple.count = 20
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     obj.hide_set(False)
     assert len(scenes.positions(obj)) == 20
 
@@ -288,7 +288,7 @@ def test_curves_and_texts_are_surfaces_too(make):
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface)
     obj.dapple.seed = 2
-    for action in (bpy.ops.dapple.optimise, bpy.ops.dapple.bake, bpy.ops.dapple.tile):
+    for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.bake, bpy.ops.dapple.tile):
         assert action() == {"FINISHED"}
         assert fits(surface, obj)
         assert reason(obj) == ""
@@ -335,7 +335,7 @@ def test_metaballs_are_surfaces_too():
     bpy.ops.object.metaball_add()
     obj.dapple.surface = bpy.context.object
     bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert fits(obj.dapple.surface, obj)
     assert reason(obj) == ""
 
@@ -344,4 +344,4 @@ def test_a_light_is_no_surface():
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.surface = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
     with pytest.raises(RuntimeError, match="'Light' of 'Sphere Scatter' is a light"):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()

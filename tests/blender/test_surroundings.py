@@ -17,7 +17,7 @@ def plane(size=2.0):
 
 
 def picture(values, name="Mask"):
-    """Image with these grey values (rows, columns), row 0 at the bottom."""
+    """Image with these gray values (rows, columns), row 0 at the bottom."""
     values = np.asarray(values, dtype=np.float32)
     image = bpy.data.images.new(name, values.shape[1], values.shape[0], float_buffer=True)
     pixels = np.ones((*values.shape, 4), dtype=np.float32)
@@ -26,10 +26,10 @@ def picture(values, name="Mask"):
     return image
 
 
-def optimised(obj, **density):
+def optimized(obj, **density):
     for name, value in density.items():
         setattr(obj.dapple.density, name, value)
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     return scenes.positions(obj)
 
 
@@ -58,7 +58,7 @@ def test_an_image_is_followed_within_two_triangles():
     obj = scenes.scattered(plane(), count=400)
     values = np.zeros((64, 64))
     values[:, 32:] = 1.0
-    found = optimised(obj, image=picture(values))
+    found = optimized(obj, image=picture(values))
     assert len(found) == 400
     assert found[:, 0].min() > -0.05
     assert np.ptp(found[:, 1]) > 1.8
@@ -71,7 +71,7 @@ def test_an_image_lies_on_a_mirrored_surface_as_it_is_painted():
     bpy.context.view_layer.update()
     values = np.zeros((64, 64))
     values[:, 32:] = 1.0
-    found = optimised(scenes.scattered(surface, count=200), image=picture(values))
+    found = optimized(scenes.scattered(surface, count=200), image=picture(values))
     assert found[:, 0].max() < 0.05
 
 
@@ -84,7 +84,7 @@ def test_a_uv_map_is_chosen():
     values = np.zeros((64, 64))
     values[:, 32:] = 1.0
     obj = scenes.scattered(surface, count=200)
-    found = optimised(obj, image=picture(values), uv_map="Turned")
+    found = optimized(obj, image=picture(values), uv_map="Turned")
     assert found[:, 0].max() < 0.05
 
 
@@ -98,7 +98,7 @@ def test_an_image_is_kept_while_a_bake_goes_on():
     surface.scale = (1, 1.5, 1)
     surface.keyframe_insert("scale", frame=6)
     obj = scenes.scattered(surface, count=150)
-    optimised(obj, image=picture(values))
+    optimized(obj, image=picture(values))
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     for frame in (1, 4, 6):
         bpy.context.scene.frame_set(frame)
@@ -117,14 +117,14 @@ def test_points_lie_where_the_camera_looks():
     bpy.context.view_layer.update()
     activate(surface)
     obj = scenes.scattered(surface, count=300)
-    found = optimised(obj, use_camera=True, camera_margin=0.0)
+    found = optimized(obj, use_camera=True, camera_margin=0.0)
     half = 5 * math.tan(camera.data.angle_x / 2)
     render = bpy.context.scene.render
     low = half * render.resolution_y / render.resolution_x
     assert np.abs(found[:, 0] - 3).max() < 1.05 * half
     assert np.abs(found[:, 1]).max() < 1.05 * low
     assert np.ptp(found[:, 0]) > 1.8 * half
-    wider = optimised(obj, camera_margin=0.5)
+    wider = optimized(obj, camera_margin=0.5)
     assert np.ptp(wider[:, 0]) > 2.7 * half
 
 
@@ -135,7 +135,7 @@ def test_points_keep_off_closed_things_and_near_open_ones():
     obstacle(things, 0.4, (-1, -1, 0.02), flat=True)
     activate(surface)
     obj = scenes.scattered(surface, count=600)
-    found = optimised(obj, obstacles=things, obstacle_margin=0.1)
+    found = optimized(obj, obstacles=things, obstacle_margin=0.1)
     away = np.abs(found[:, :2] - [1, 1]).max(axis=1)
     flat = np.abs(found[:, :2] + [1, 1]).max(axis=1)
     assert away.min() > 0.4 + 0.1 - 1e-6
@@ -152,7 +152,7 @@ def test_points_keep_off_those_of_another_scatter():
     things.objects.link(trees)
     activate(surface)
     grass = scenes.scattered(surface, count=500)
-    found = optimised(grass, obstacles=things)
+    found = optimized(grass, obstacles=things)
     apart = np.linalg.norm(found[:, None] - scenes.positions(trees)[None], axis=2)
     assert apart.min() >= 0.3 - 1e-5
 
@@ -180,18 +180,18 @@ def test_a_scatter_does_not_flee_from_its_own_points_tiles_and_things():
     obj = scenes.scattered(plane(4.0), count=60)
     bpy.ops.dapple.edit_classes(action="ADD")
     obj.dapple.classes[0].radius = 0.1
-    expected = optimised(obj)
+    expected = optimized(obj)
     things = collection()
     of_its_own(obj, things)
     for _ in range(2):
-        found = optimised(obj, obstacles=things)
+        found = optimized(obj, obstacles=things)
         np.testing.assert_array_equal(found, expected)
 
 
 def test_a_bake_does_not_flee_from_its_own_points():
     obj = scenes.scattered(plane(4.0), count=60)
     obj.dapple.classes.add().radius = 0.1
-    optimised(obj)
+    optimized(obj)
     bpy.context.scene.frame_end = 2
     found = []
     for obstacles in (None, collection()):
@@ -206,7 +206,7 @@ def test_a_bake_does_not_flee_from_its_own_points():
 def test_a_copy_of_a_scatter_keeps_off_the_first_but_not_off_the_tiles_that_both_have():
     first = scenes.scattered(plane(4.0), count=20)
     first.dapple.classes.add().radius = 0.1
-    optimised(first)
+    optimized(first)
     assert bpy.ops.dapple.tile() == {"FINISHED"}
     things = collection()
     for one in (first, first.dapple.tiles.object):
@@ -215,11 +215,11 @@ def test_a_copy_of_a_scatter_keeps_off_the_first_but_not_off_the_tiles_that_both
     assert bpy.ops.object.duplicate() == {"FINISHED"}
     second = bpy.context.object
     assert second.dapple.tiles.object == first.dapple.tiles.object
-    found = optimised(second, obstacles=things)
+    found = optimized(second, obstacles=things)
     apart = np.linalg.norm(found[:, None] - expected[None], axis=2)
     assert apart.min() >= 0.1 - 1e-5
     things.objects.unlink(first.dapple.tiles.object)
-    np.testing.assert_array_equal(optimised(second), found)
+    np.testing.assert_array_equal(optimized(second), found)
 
 
 def test_a_range_of_heights_is_met_within_faces():
@@ -227,7 +227,7 @@ def test_a_range_of_heights_is_met_within_faces():
     surface.rotation_euler = (0, math.radians(60), 0)
     bpy.context.view_layer.update()
     obj = scenes.scattered(surface, count=200)
-    found = optimised(obj, use_height=True, height_from=0.0, height_to=0.5, height_fade=0.0)
+    found = optimized(obj, use_height=True, height_from=0.0, height_to=0.5, height_fade=0.0)
     assert found[:, 2].min() > -0.1
     assert found[:, 2].max() < 0.6
 
@@ -271,7 +271,7 @@ def test_what_cannot_be_a_density_is_told_and_nothing_is_lost(given, said):
         obstacle(density.obstacles, 5.0)
     activate(obj)
     with pytest.raises(RuntimeError, match=said):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
     np.testing.assert_array_equal(scenes.positions(obj), before)
 
 

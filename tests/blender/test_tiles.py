@@ -76,18 +76,18 @@ def test_tiles_of_one_class_have_one_hue_and_all_carry_their_class():
     obj = scenes.scattered(scenes.sphere(), count=60)
     for _ in range(2):
         bpy.ops.dapple.edit_classes(action="ADD")
-    bpy.ops.dapple.optimise()
-    made = tiled(obj, colour_by="CLASS")
+    bpy.ops.dapple.optimize()
+    made = tiled(obj, color_by="CLASS")
     kinds = column(made.data, "dapple_class", np.int32)
     assert set(kinds) == {0, 1}
-    colours = np.array([one.color[:3] for one in made.data.color_attributes["Colour"].data])
+    colors = np.array([one.color[:3] for one in made.data.color_attributes["Color"].data])
     for kind in (0, 1):
         corners = [
             made.data.loops[k].vertex_index
             for p in np.flatnonzero(kinds == kind)
             for k in made.data.polygons[p].loop_indices
         ]
-        order = {tuple(np.argsort(row)) for row in colours[corners].round(5)}
+        order = {tuple(np.argsort(row)) for row in colors[corners].round(5)}
         assert len(order) == 1
     assert made.data.materials[0].name == "Dapple Tiles"
 
@@ -99,7 +99,7 @@ def test_tiles_are_replaced_and_what_was_added_to_them_stays():
     material = bpy.data.materials.new("Stone")
     made.data.materials[0] = material
     obj.dapple.count = 30
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     objects = len(bpy.data.objects)
     assert tiled(obj) == made
     assert len(bpy.data.objects) == objects

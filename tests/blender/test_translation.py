@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Catalogues: complete, with nothing else, and what the panel and Blender make of them.
+"""Catalogs: complete, with nothing else, and what the panel and Blender make of them.
 
-The bpy module has no translations compiled in; a lookup in the catalogue stands in for Blender's.
+The bpy module has no translations compiled in; a lookup in the catalog stands in for Blender's.
 """
 
 import importlib.util
@@ -34,8 +34,8 @@ def part():
     return addon_host.part("blender.translation")
 
 
-def catalogue(locale):
-    return part().catalogues(part().FOLDER)[locale]
+def catalog(locale):
+    return part().catalogs(part().FOLDER)[locale]
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def german(monkeypatch):
         yield lambda message, context="*": bpy.app.translations.pgettext_iface(message, context)
         view.language = "DEFAULT"
         return
-    texts = catalogue("de_DE")
+    texts = catalog("de_DE")
 
     def lookup(message, context="*"):
         return texts.get((context, message), message)
@@ -88,16 +88,16 @@ def placeholders(text):
 
 
 @pytest.mark.parametrize("locale", LOCALES)
-def test_a_catalogue_has_all_that_is_shown_and_nothing_else(locale):
-    shown, known = messages.shown(), set(catalogue(locale))
+def test_a_catalog_has_all_that_is_shown_and_nothing_else(locale):
+    shown, known = messages.shown(), set(catalog(locale))
     assert not shown - known, "not translated"
     assert not known - shown, "shown nowhere"
 
 
 @pytest.mark.parametrize("locale", LOCALES)
-def test_a_catalogue_is_of_a_language_of_blenders_and_fills_in_the_same(locale):
+def test_a_catalog_is_of_a_language_of_blenders_and_fills_in_the_same(locale):
     assert locale in [code for _, _, code, *_ in blenders_languages()]
-    for (_, message), text in catalogue(locale).items():
+    for (_, message), text in catalog(locale).items():
         assert text.strip()
         assert placeholders(text) == placeholders(message), message
         assert message.endswith(".") == text.endswith("."), message
@@ -167,11 +167,11 @@ def test_a_file_keeps_english(german):
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.seed = 9
     get_input = addon_host.part("nodes").get_input
-    assert get_input(obj.modifiers[0], "Stale") == "Settings were changed (seed): optimise again"
+    assert get_input(obj.modifiers[0], "Stale") == "Settings were changed (seed): optimize again"
     assert "Einstellungen" in addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
     obj.dapple.surface = None
     with pytest.raises(RuntimeError, match="has no surface: choose a mesh object"):
-        bpy.ops.dapple.optimise()
+        bpy.ops.dapple.optimize()
 
 
 def test_names_with_braces_are_shown_as_they_are(german):
@@ -194,11 +194,11 @@ BROKEN = {
 }
 
 
-def test_broken_catalogues_are_named_and_left_out(tmp_path, monkeypatch, capsys):
+def test_broken_catalogs_are_named_and_left_out(tmp_path, monkeypatch, capsys):
     for locale, content in BROKEN.items():
         (tmp_path / f"{locale}.json").write_bytes(content)
     (tmp_path / "nl_NL.json").write_text(json.dumps({"*": {"Count": "Aantal"}}))
-    assert part().catalogues(tmp_path) == {"nl_NL": {("*", "Count"): "Aantal"}}
+    assert part().catalogs(tmp_path) == {"nl_NL": {("*", "Count"): "Aantal"}}
     said = capsys.readouterr().out
     assert all(f"{locale}.json' is no translation: " in said for locale in BROKEN)
     monkeypatch.setattr(part(), "FOLDER", tmp_path)
@@ -213,7 +213,7 @@ def test_a_text_that_cannot_be_filled_in_is_left_english(text, monkeypatch):
     assert part().told("{count:,} points", count=5) == "5 points"
 
 
-def test_the_zip_has_the_catalogues(tmp_path):
+def test_the_zip_has_the_catalogs(tmp_path):
     archive = tmp_path / "dapple.zip"
     extension_tool("build", f"--source-dir={addon_host.sources()}", f"--output-filepath={archive}")
     with ZipFile(archive) as file:
@@ -223,11 +223,11 @@ def test_the_zip_has_the_catalogues(tmp_path):
 
 
 @pytest.mark.skipif(not INTERNATIONAL, reason="this Blender is built without translations")
-def test_blender_looks_up_the_catalogue_and_forgets_it(german):
+def test_blender_looks_up_the_catalog_and_forgets_it(german):
     part().unregister()
     own = {key: german(key[1], key[0]) for key in messages.shown()}
-    assert own["Operator", "Optimise"] == "Optimise"
+    assert own["Operator", "Optimize"] == "Optimize"
     part().register()
-    for (context, message), text in catalogue("de_DE").items():
+    for (context, message), text in catalog("de_DE").items():
         before = own[context, message]
         assert german(message, context) == (text if before == message else before)

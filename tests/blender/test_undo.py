@@ -120,17 +120,17 @@ def overlapping():
     obj = scatter()
     assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
     obj.dapple.classes[0].radius = 0.3
-    assert bpy.ops.dapple.optimise() == {"FINISHED"}
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0
 
 
 CASES = [
     ("add", lambda: scenes.tail(frames=3), {"count": 30}),
     ("add", lambda: scenes.tail(frames=3), {"count": 30, "bind_to": "REST"}),
-    ("optimise", resized, {}),
-    ("optimise", baked_scatter, {}),
-    ("optimise", several, {}),
-    ("optimise", linked_copy, {}),
+    ("optimize", resized, {}),
+    ("optimize", baked_scatter, {}),
+    ("optimize", several, {}),
+    ("optimize", linked_copy, {}),
     ("bake", scatter, {}),
     ("bake", baked_otherwise, {}),
     ("bake", born_scatter, {}),
@@ -201,7 +201,7 @@ def test_undo_of_a_failed_operator_is_of_the_step_before():
     bpy.ops.ed.undo_push(message="Rename")
     obj.dapple.surface = None
     with pytest.raises(RuntimeError, match="no surface"):
-        bpy.ops.dapple.optimise("EXEC_DEFAULT", True)
+        bpy.ops.dapple.optimize("EXEC_DEFAULT", True)
     bpy.ops.ed.undo_push(message="No surface")
     bpy.ops.ed.undo()
     assert bpy.data.objects["Renamed"].dapple.surface.name == "Tail"

@@ -30,7 +30,7 @@ def test_classes_keep_their_shares():
     for share in (3.0, 1.0):
         bpy.ops.dapple.edit_classes(action="ADD")
         obj.dapple.classes[-1].share = share
-    bpy.ops.dapple.optimise()
+    bpy.ops.dapple.optimize()
     ranks, classes = (np.empty(200, dtype=kind) for kind in (np.float32, np.int32))
     obj.data.attributes["dapple_rank"].data.foreach_get("value", ranks)
     obj.data.attributes["dapple_class"].data.foreach_get("value", classes)

@@ -18,7 +18,7 @@ PATIENCE = 600  # ticks
 
 
 def events():
-    """Add, bake, cancel a bake and an optimisation, as an artist would."""
+    """Add, bake, cancel a bake and an optimization, as an artist would."""
     surface = scenes.tail()
     obj = yield from added(surface)
     assert len(scenes.positions(obj)) == 200
@@ -32,10 +32,10 @@ def events():
     assert scenes.snapshot() == before
     assert obj.dapple.baked_keys == 0
     obj.dapple.tolerance, obj.dapple.max_evaluations, obj.dapple.count = 1e-9, 100_000, 50_000
-    yield from until_idle(bpy.ops.dapple.optimise, escape_after=3)
+    yield from until_idle(bpy.ops.dapple.optimize, escape_after=3)
     assert scenes.snapshot() == before
     obj.dapple.count, obj.dapple.max_evaluations = 120, 200
-    yield from until_idle(bpy.ops.dapple.optimise)
+    yield from until_idle(bpy.ops.dapple.optimize)
     assert len(scenes.positions(obj)) == 120
     yield from refused(surface)
 

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""American English alone: names every line with a British spelling: python scripts/spelling.py"""
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = [  # or files; what git knows in them is read
+    "addon",
+    "benchmarks/addon",
+    "benchmarks/bake",
+    "benchmarks/zoo",
+    "blend_examples",
+    "docs/add-on.md",
+    "docs/bake.md",
+    "tests/blender",
+]
+OTHER_LANGUAGES = "addon/translations/"  # tests/blender/test_translation.py looks at the English
+_VERBS = (  # without their -ise, -ised, -ising, -isation
+    "capital character custom discret emphas equal final general initial local maxim memor "
+    "minim modern normal optim organ parallel parameter parametr penal polygon priorit quant "
+    "random raster real recogn regular serial special stabil standard summar symmetr synchron "
+    "triangular util vector visual"
+)
+_STEMS = (
+    r"aeroplane ageing amongst analys(ed|ing|er|e\b) armour artefact behaviour bevell cancell "
+    "catalogue centre centring cheque colour defence draught favour fibre flavour fulfil(?!l) "
+    "grey harbour honour humour judgement labell learnt licence metre modell mould neighbour "
+    "parlour plough practis programme(?![dr]) rumour sceptic spelt storey towards travell tyre "
+    "vapour vigour whilst"
+)
+BRITISH = re.compile(
+    rf"({'|'.join(_VERBS.split())})is(e|ing|ation|able)|{'|'.join(_STEMS.split())}",
+    re.IGNORECASE,
+)
+ALLOWED = (  # names that others gave, and those that older files hold
+    '"CANCELLED"',
+    "package().Cancelled",
+    "colour_by",
+    '"Colour"',
+)
+
+
+def lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Numbered lines of a text file; none of any other."""
+    try:
+        yield from enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+    except UnicodeDecodeError:
+        return
+
+
+def british(line: str) -> str:
+    """The first British spelling of a line; empty where there is none."""
+    for name in ALLOWED:
+        line = line.replace(name, "")
+    found = BRITISH.search(line)
+    return found[0] if found else ""
+
+
+def main() -> int:
+    """How many lines are to be mended, at most 1."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *FOLDERS],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.splitlines()
+    found = [
+        f"{name}:{number}: British spelling '{british(line)}'"
+        for name in listed
+        if not name.startswith(OTHER_LANGUAGES) and (ROOT / name).is_file()
+        for number, line in lines(ROOT / name)
+        if british(line)
+    ]
+    print(*found, sep="\n", end="\n" if found else "")
+    return min(len(found), 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
