@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <dapple/energy.hpp>
 #include <dapple/poisson_start.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>

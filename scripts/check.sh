@@ -6,7 +6,7 @@
 #     --quick   all but clang-tidy
 #     --all     clang-tidy looks at every source: before a release
 #     --since   clang-tidy looks at what has changed since this commit
-#     --only    one of: clang-format clang-tidy ruff mypy spelling shellcheck
+#     --only    one of: clang-format rooms clang-tidy ruff mypy spelling shellcheck
 # clang-tidy takes by far the longest, so it looks at what has changed only: sources, and those that include a changed
 # header themselves. Without --since that is what has changed since the first of these commits that there is:
 #   the last one that clang-tidy found clean in this folder, if it is an ancestor
@@ -96,7 +96,7 @@ tidy_rules_changed() {
 # includers HEADER: the sources that include a header themselves; where only headers do, the sources of those.
 includers() {
   local found header
-  found=$(grep -rlE --include='*.[ch]pp' "^#include [<\"](dapple/)?${1##*/}[>\"]" native) || return 0
+  found=$(grep -rlE --include='*.[ch]pp' "^#include [<\"]([a-z]+/)?${1##*/}[>\"]" native) || return 0
   if grep '\.cpp$' <<<"$found"; then return; fi
   for header in $found; do includers "$header"; done
 }
@@ -141,6 +141,7 @@ run_check() {
 }
 
 [ "${#cxx[@]}" -eq 0 ] || run_check clang-format clang_format_check
+[ "${#cxx[@]}" -eq 0 ] || run_check rooms scripts/rooms.py
 run_check ruff ruff_check
 [ "${#typed[@]}" -eq 0 ] || run_check mypy mypy "${typed[@]}"
 run_check spelling python3 scripts/spelling.py

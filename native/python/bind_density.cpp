@@ -4,6 +4,7 @@
 #include <dapple/curvature.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
+#include <dapple/refined_samples.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -96,10 +97,10 @@ void bind_refined(py::module_& m) {
           "(m, 3, 3) float64: coordinates of each corner of a face in its parent.")
       .def_readonly("resolved", &Refined::resolved,
                     "False if max_faces was too few for all detail.")
-      .def("to_original", &Refined::to_original, py::arg("samples"),
+      .def("to_original", &to_original, py::arg("samples"),
            "Samples on surface as Samples on original: the same positions, ids, classes and "
            "report. Raises ValueError.")
-      .def("from_original", &Refined::from_original, py::arg("samples"),
+      .def("from_original", &from_original, py::arg("samples"),
            "Samples on original as Samples on surface: the same positions, ids, classes and "
            "report. Raises ValueError.")
       .def("vertices", &fine_vertices, py::arg("vertices"),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
+#include <dapple/energy.hpp>
 #include <dapple/planar_sampler.hpp>
 
 #include "arrays.hpp"

@@ -2,15 +2,21 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
+#include <dapple/classes.hpp>
 #include <dapple/decals.hpp>
+#include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
+#include <dapple/optimizer.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/poisson_start.hpp>
 #include <dapple/population.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
+#include <dapple/refined_samples.hpp>
 #include <dapple/resample.hpp>
+#include <dapple/restricted_voronoi.hpp>
+#include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/window.hpp>
@@ -108,11 +114,11 @@ std::vector<Verb> binders() {
       {"Resample", [](const auto& s, const auto& p) { (void)resample(s, p, 30); }},
       {"ToOriginal",
        [](const auto& s, const auto& p) {
-         (void)refine_edges(s, std::vector{1e9}, 100).to_original(p);
+         (void)to_original(refine_edges(s, std::vector{1e9}, 100), p);
        }},
       {"FromOriginal",
        [](const auto& s, const auto& p) {
-         (void)refine_edges(s, std::vector{1e9}, 100).from_original(p);
+         (void)from_original(refine_edges(s, std::vector{1e9}, 100), p);
        }},
       {"Optimize",
        [](const auto& s, const auto& p) {

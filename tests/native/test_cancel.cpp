@@ -4,6 +4,7 @@
 // Context::check.
 #include <gtest/gtest.h>
 
+#include <dapple/classes.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
@@ -14,6 +15,7 @@
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/resample.hpp>
+#include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/window.hpp>

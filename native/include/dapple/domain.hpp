@@ -28,7 +28,8 @@ class Domain {
   [[nodiscard]] virtual double area() const = 0;
   /// Integral of the density. Like the cells' integrals, it is of the density times density_unit().
   [[nodiscard]] virtual double mass() const = 0;
-  /// See Surface::density_unit.
+  /// A power of two, 1 unless the density is extremely far from 1: keeps squares of integrals in the
+  /// range of numbers.
   [[nodiscard]] virtual double density_unit() const { return 1.0; }
   [[nodiscard]] virtual bool uniform() const = 0;
 
@@ -73,7 +74,7 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
-  [[nodiscard]] double density_unit() const override { return surface_.density_unit(); }
+  [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;

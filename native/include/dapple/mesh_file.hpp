@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/types.hpp>
+#include <dapple/mesh_arrays.hpp>
 #include <filesystem>
 #include <span>
 
 namespace dapple {
-
-/// Triangles as they stand in a file.
-struct MeshArrays {
-  std::vector<Vec3> vertices;
-  std::vector<Face> faces;
-};
 
 /// Read a triangle mesh from .off, .obj, .ply or .stl; polygons are cut into fans.
 /// \throw FileError naming the file and what is wrong with it

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/restricted_voronoi.hpp>
 #include <dapple/samples.hpp>
+#include <dapple/tiles.hpp>
 
 namespace dapple {
 
@@ -18,22 +18,6 @@ struct MosaicOptions {
   Cells cells = Cells::kConnected;
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
-
-/// What became of one cell.
-///
-/// A tile follows the surface over faces and creases. Most have one part and one loop; a hole of
-/// the surface in the cell, or another cell inside it, adds a loop; a cell that is a whole closed
-/// component has none, and with a thickness it becomes a shell; narrow places of a cell can be lost
-/// to the grout, which adds parts; a cell that it fills has no part at all.
-struct Tile {
-  double cell_area = 0.0;  ///< of the cell
-  double area = 0.0;       ///< of what the grout leaves of it
-  std::int32_t parts = 0;  ///< pieces connected over edges
-  std::int32_t loops = 0;  ///< closed borders, over all parts
-};
-
-/// Which face of a tile a polygon is.
-enum class TileSide : std::int32_t { kTop, kWall, kBottom };
 
 /// A mesh of polygons, the tiles one after another; tiles share no vertices. Every edge of a tile
 /// lies between two of its polygons or on a loop, and polygons turn the way of the surface's faces.

@@ -67,7 +67,7 @@ class PlanarDomain final : public FlatDomain {
                               std::span<const std::int32_t> hints) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
-  [[nodiscard]] double density_unit() const override { return surface_.density_unit(); }
+  [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   void check(const Sites& sites) const override;
   [[nodiscard]] Sites sites(std::span<const Vec2> points) const override;
@@ -111,7 +111,7 @@ class TorusDomain final : public FlatDomain {
                               std::span<const std::int32_t> hints) const override;
   [[nodiscard]] double area() const override { return 1.0; }
   [[nodiscard]] double mass() const override { return period_.mass() * density_unit(); }
-  [[nodiscard]] double density_unit() const override { return cover_.density_unit(); }
+  [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return period_.uniform(); }
   [[nodiscard]] double period() const override { return 1.0; }
   void check(const Sites& sites) const override;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/samples.hpp>
+#include <dapple/surface.hpp>
 #include <functional>
 
 namespace dapple {
@@ -26,14 +26,6 @@ struct Refined {
   std::vector<std::array<Vec3, 3>> barycentric;   ///< per face: of its corners in its parent
   std::vector<std::array<std::int32_t, 2>> ends;  ///< per added vertex: it halves these two
   bool resolved = true;                           ///< false: the limit of faces was reached first
-
-  /// Samples of `surface` as samples of `original`; ids, classes, fades and the report stay.
-  /// \throw ArgumentError naming the first face out of range
-  [[nodiscard]] Samples to_original(const Samples& samples) const;
-
-  /// Samples of `original` as samples of `surface`: each on the piece of its face that it lies in.
-  /// \throw ArgumentError naming the first face out of range
-  [[nodiscard]] Samples from_original(const Samples& samples) const;
 
   /// Where the vertices of `surface` are once those of `original` are at `coarse`.
   /// \throw ArgumentError for another number of vertices

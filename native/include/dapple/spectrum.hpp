@@ -2,17 +2,10 @@
 #pragma once
 
 #include <dapple/context.hpp>
+#include <dapple/radial_statistics.hpp>
 #include <dapple/samples.hpp>
 
 namespace dapple {
-
-/// What a quantity over the plane is like at each distance from the origin.
-struct RadialStatistics {
-  std::vector<double> radius;      ///< middle of each annulus
-  std::vector<double> mean;        ///< over the annulus
-  std::vector<double> anisotropy;  ///< variance / mean^2 over the annulus, in decibels; -infinity
-                                   ///< where nothing varies
-};
 
 struct SpectrumOptions {
   int half_width = 0;  ///< largest frequency on either axis; 0: 3 sqrt(n), n the largest run's

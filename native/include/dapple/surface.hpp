@@ -1,42 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/types.hpp>
+#include <dapple/density.hpp>
 #include <memory>
 #include <optional>
 #include <span>
 
 namespace dapple {
-
-/// Integrals over a region of the surface, relative to a reference point o; phi is the density.
-struct Moments {
-  double area = 0.0;
-  double capacity = 0.0;      ///< integral of phi
-  double mass = 0.0;          ///< integral of phi^2
-  Vec3 first = Vec3::Zero();  ///< integral of phi^2 (x - o)
-  double second = 0.0;        ///< integral of phi^2 |x - o|^2
-};
-
-/// What the algorithms need to know of one face.
-struct FaceGeometry {
-  Vec3 normal = Vec3::Zero();            ///< unit; zero for a face without area
-  Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
-  Vec3 centroid = Vec3::Zero();
-  Moments moments;  ///< of the whole face, relative to its centroid
-};
-
-/// Where values of a density are given; on each face it is linear.
-enum class DensityAt {
-  kVertices,  ///< one per vertex: continuous over the surface
-  kFaces,     ///< one per face: constant on it
-  kCorners,   ///< three per face, of its corners 0, 1, 2: it may jump between faces
-};
-
-/// A wanted density as a caller gives it, in the caller's order; no values mean 1 everywhere.
-struct Density {
-  DensityAt at = DensityAt::kVertices;
-  std::span<const double> values = {};
-};
 
 /// How a surface is put together.
 struct SurfaceOptions {
@@ -55,37 +25,11 @@ struct Joints {
   std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
 };
 
-/// How the faces hang together, shared by all surfaces deformed from one.
-struct SurfaceConnectivity {
-  std::optional<double> weld;                  // see SurfaceOptions
-  std::vector<Face> faces;                     // ordered faces of ordered vertices
-  std::vector<std::int32_t> original_face;     // ordered -> caller's
-  std::vector<std::int32_t> ordered_face;      // caller's -> ordered
-  std::vector<std::int32_t> original_vertex;   // ordered -> caller's
-  std::vector<std::int32_t> next_around_edge;  // per half-edge, see Surface::next_around
-  std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see Surface::welded
-  std::vector<std::int32_t> component;         // per ordered face; connected over edges
-  std::int32_t components = 0;
-};
-
-/// The density in the surface's own order.
-struct SurfaceDensity {
-  DensityAt at = DensityAt::kVertices;
-  std::vector<double> values;  // empty if uniform
-};
-
-/// What follows from positions and density; in the surface's own order.
-struct SurfaceGeometry {
-  std::vector<FaceGeometry> faces;  // of the density times the unit
-  double area = 0.0;
-  double mass = 0.0;          // the caller's
-  double density_unit = 1.0;  // see Surface::density_unit
-};
+class OrderedSurface;
 
 /// Immutable, checked triangles with a density that is linear on each face.
 ///
-/// Faces and vertices are kept in a cache-friendly (Morton) order of its own, called *ordered*
-/// here; everything else in the library speaks of the caller's indices. Copies share everything.
+/// All indices are the caller's. Copies share everything.
 class Surface {
  public:
   /// \param vertices positions, in any unit
@@ -115,19 +59,15 @@ class Surface {
   /// \throw SurfaceError as the constructor
   [[nodiscard]] Surface with_density(const Density& density) const;
 
-  [[nodiscard]] std::size_t vertex_count() const { return vertices_->size(); }
-  [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
-  [[nodiscard]] double area() const { return geometry_->area; }
-  [[nodiscard]] double mass() const {
-    return geometry_->mass;
-  }  ///< integral of the density over the surface
+  [[nodiscard]] std::size_t vertex_count() const;
+  [[nodiscard]] std::size_t face_count() const;
+  [[nodiscard]] double area() const;
+  [[nodiscard]] double mass() const;  ///< integral of the density over the surface
   /// Whether one was made from the other by deformed() or with_density().
-  [[nodiscard]] bool same_faces(const Surface& other) const {
-    return connectivity_ == other.connectivity_;
-  }
-  [[nodiscard]] std::optional<double> weld() const { return connectivity_->weld; }
-  [[nodiscard]] bool uniform() const { return density_->values.empty(); }
-  [[nodiscard]] DensityAt density_at() const { return density_->at; }
+  [[nodiscard]] bool same_faces(const Surface& other) const;
+  [[nodiscard]] std::optional<double> weld() const;  ///< see SurfaceOptions
+  [[nodiscard]] bool uniform() const;                ///< whether no density was given
+  [[nodiscard]] DensityAt density_at() const;
 
   /// Copies in the caller's order.
   [[nodiscard]] std::vector<Vec3> vertices() const;
@@ -149,62 +89,11 @@ class Surface {
   /// Distance between neighbours if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
   [[nodiscard]] double spacing(std::size_t count) const;
 
-  /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
-  /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
-  /// integrals stay in the range of numbers.
-  [[nodiscard]] double density_unit() const { return geometry_->density_unit; }
-
-  // The ordered view, for the algorithms.
-  [[nodiscard]] std::int32_t ordered_face(std::int32_t face) const {
-    return connectivity_->ordered_face[static_cast<std::size_t>(face)];
-  }
-  [[nodiscard]] std::int32_t original_face(std::int32_t ordered) const {
-    return connectivity_->original_face[static_cast<std::size_t>(ordered)];
-  }
-  /// Ordered vertices of an ordered face.
-  [[nodiscard]] const Face& corners(std::int32_t ordered) const {
-    return connectivity_->faces[static_cast<std::size_t>(ordered)];
-  }
-  [[nodiscard]] const Vec3& vertex(std::int32_t ordered) const {
-    return (*vertices_)[static_cast<std::size_t>(ordered)];
-  }
-  /// The density at the corners of an ordered face; it is linear in between.
-  [[nodiscard]] Vec3 densities(std::int32_t ordered) const;
-  [[nodiscard]] const FaceGeometry& geometry(std::int32_t ordered) const {
-    return geometry_->faces[static_cast<std::size_t>(ordered)];
-  }
-  /// Sets of faces connected over edges; `component(ordered face)` is in 0..components() - 1.
-  [[nodiscard]] std::int32_t components() const { return connectivity_->components; }
-  [[nodiscard]] std::int32_t component(std::int32_t ordered) const {
-    return connectivity_->component[static_cast<std::size_t>(ordered)];
-  }
-  /// The lowest ordered vertex that an ordered one hangs together with over connected edges.
-  [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
-    return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];
-  }
-  /// The corners of an ordered face as welded vertices.
-  [[nodiscard]] Face welded_corners(std::int32_t ordered) const {
-    const auto [a, b, c] = corners(ordered);
-    return {welded(a), welded(b), welded(c)};
-  }
-  /// The next half-edge around the edge of `half_edge` (3 * ordered face + corner it starts from):
-  /// the other side of an inner edge, itself on a border, the next of a ring where three or more
-  /// faces meet.
-  [[nodiscard]] std::int32_t next_around(std::int32_t half_edge) const {
-    return connectivity_->next_around_edge[static_cast<std::size_t>(half_edge)];
-  }
+  /// For the library's own algorithms, whose headers are not installed.
+  [[nodiscard]] const OrderedSurface& ordered() const { return *ordered_; }
 
  private:
-  void measure();
-  template <typename Corners>
-  [[nodiscard]] std::vector<Face> original_faces(const Corners& corners_of) const;
-  [[nodiscard]] double find_density_unit() const;
-  [[nodiscard]] std::vector<double> corner_angles(std::span<const std::int32_t> of) const;
-
-  std::shared_ptr<const SurfaceConnectivity> connectivity_;
-  std::shared_ptr<const std::vector<Vec3>> vertices_;
-  std::shared_ptr<const SurfaceDensity> density_;
-  std::shared_ptr<const SurfaceGeometry> geometry_;
+  std::shared_ptr<const OrderedSurface> ordered_;
 };
 
 }  // namespace dapple

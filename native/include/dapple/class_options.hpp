@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/sample_options.hpp>
+#include <dapple/surface.hpp>
+#include <optional>
+
+namespace dapple {
+
+/// What one class of samples is to be.
+struct SampleClass {
+  std::size_t count = 0;  ///< locked ones included
+  /// With the density of the class: Surface::with_density of the surface that is sampled. None: its
+  /// own density.
+  std::optional<Surface> surface = {};
+  double radius = 0.0;  ///< of its things, >= 0: pairs are kept apart by the sum of their radii
+  Sites locked = {};    ///< as SampleOptions::locked
+};
+
+struct ClassOptions {
+  // Classes and union pull at each other: it takes a stronger gap and more steps than one class.
+  SampleOptions sample = {.optimizer = {.gap_weight = 5.0, .tolerance = 1e-5}};
+  double union_weight = 1.0;  ///< mu >= 0: evenness of all together against that of each class
+  bool two_stages = false;    ///< every class alone first, then all, as in the paper
+};
+
+/// The paper's own way (Algorithm 3): two stages, and each as paper_options().
+[[nodiscard]] ClassOptions paper_class_options();
+
+}  // namespace dapple

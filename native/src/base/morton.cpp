@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/morton.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace dapple {
+namespace {
+
+constexpr int kBits = 21;  // per axis, 63 in all
+
+/// Put two zero bits between the 21 bits of v.
+std::uint64_t spread(std::uint64_t v) {
+  v = (v | v << 32) & 0x001f00000000ffffu;
+  v = (v | v << 16) & 0x001f0000ff0000ffu;
+  v = (v | v << 8) & 0x100f00f00f00f00fu;
+  v = (v | v << 4) & 0x10c30c30c30c30c3u;
+  v = (v | v << 2) & 0x1249249249249249u;
+  return v;
+}
+
+std::uint64_t code(const Vec3& unit) {
+  const Vec3 cell =
+      (unit * double((1 << kBits) - 1)).cwiseMax(0.0).cwiseMin(double((1 << kBits) - 1));
+  return spread(static_cast<std::uint64_t>(cell.x())) |
+         spread(static_cast<std::uint64_t>(cell.y())) << 1 |
+         spread(static_cast<std::uint64_t>(cell.z())) << 2;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> morton_order(std::span<const Vec3> points) {
+  if (points.empty()) return {};
+  Vec3 low = points[0];
+  Vec3 high = points[0];
+  for (const Vec3& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double extent = std::max((high - low).maxCoeff(), 1e-300);
+  std::vector<std::pair<std::uint64_t, std::int32_t>> keys(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k)
+    keys[k] = {code((points[k] - low) / extent), static_cast<std::int32_t>(k)};
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::int32_t> order(points.size());
+  std::transform(keys.begin(), keys.end(), order.begin(),
+                 [](const auto& key) { return key.second; });
+  return order;
+}
+
+}  // namespace dapple

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/neighbours.hpp>
+#include <limits>
+#include <nanoflann.hpp>
+
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+
+namespace dapple {
+
+struct Neighbours::Tree {
+  // The interface nanoflann asks of a point set.
+  struct PointSet {
+    std::span<const Vec3> points;
+    [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+    [[nodiscard]] double kdtree_get_pt(std::size_t point, std::size_t axis) const {
+      return points[point][static_cast<Eigen::Index>(axis)];
+    }
+    template <typename Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using Metric = nanoflann::L2_Simple_Adaptor<double, PointSet, double, std::int32_t>;
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, 3, std::int32_t>;
+
+  explicit Tree(std::span<const Vec3> points)
+      : set{points}, index(3, set, {/*leaf_max_size=*/10}) {}
+
+  PointSet set;
+  Index index;
+};
+
+namespace {
+
+/// What nanoflann asks of a place for its findings: all points within a distance.
+class Ball {
+ public:
+  Ball(double squared_radius, std::vector<Neighbour>& found)
+      : squared_radius_(squared_radius), found_(found) {}
+
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
+  [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] bool full() const { return true; }
+  // NOLINTBEGIN(readability-identifier-naming): nanoflann's names
+  using DistanceType = double;
+  [[nodiscard]] double worstDist() const { return squared_radius_; }
+  bool addPoint(double squared_distance, std::int32_t index) {
+    if (squared_distance < squared_radius_) found_.push_back({index, squared_distance});
+    return true;
+  }
+  // NOLINTEND(readability-identifier-naming)
+  void sort() {}
+
+ private:
+  double squared_radius_;
+  std::vector<Neighbour>& found_;
+};
+
+void sort_by_distance(std::vector<Neighbour>& found) {
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
+                                                    : a.index < b.index;
+  });
+}
+
+}  // namespace
+
+Neighbours::Neighbours(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
+Neighbours::~Neighbours() = default;
+
+void Neighbours::nearest(const Vec3& point, std::size_t count,
+                         std::vector<Neighbour>& result) const {
+  count = std::min(count, tree_->set.points.size());
+  result.clear();
+  if (count == 0) return;
+  std::vector<std::int32_t> indices(count);
+  std::vector<double> distances(count);
+  tree_->index.knnSearch(point.data(), count, indices.data(), distances.data());
+  result.resize(count);
+  for (std::size_t k = 0; k < count; ++k) result[k] = {indices[k], distances[k]};
+  sort_by_distance(result);
+}
+
+void Neighbours::within(const Vec3& point, double distance, std::vector<Neighbour>& result) const {
+  result.clear();
+  if (tree_->set.points.empty()) return;
+  Ball ball(distance * distance, result);
+  tree_->index.radiusSearchCustomCallback(point.data(), ball);
+  sort_by_distance(result);
+}
+
+std::vector<double> nearest_distances(std::span<const Vec3> points) {
+  check_finite("points", points);
+  std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
+  if (points.size() < 2) return distances;
+  const Neighbours tree(points);
+  parallel_chunks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
+    std::vector<Neighbour> near;
+    for (std::size_t k = begin; k < end; ++k) {
+      tree.nearest(points[k], 2, near);
+      distances[k] = std::sqrt(near[1].squared_distance);
+    }
+  });
+  return distances;
+}
+
+}  // namespace dapple

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "base/validate.hpp"
+
+namespace dapple {
+
+/// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the
+/// number of threads: what a chunk computes into its own slots is then the same for any number of
+/// them.
+template <typename Body>
+void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
+  const std::size_t chunks = (count + grain - 1) / grain;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), [&](const auto& range) {
+    for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
+      body(chunk * grain, std::min(count, (chunk + 1) * grain));
+  });
+}
+
+/// Run `work()` with at most `threads` threads (0: as many as the machine has).
+/// \throw ArgumentError unless they are in 0..kMostThreads
+template <typename Work>
+auto with_threads(int threads, const Work& work) {
+  check_threads(threads);
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  return arena.execute(work);
+}
+
+}  // namespace dapple

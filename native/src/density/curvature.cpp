@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <dapple/curvature.hpp>
+#include <numbers>
+#include <numeric>
+
+#include "base/validate.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+using Mat3 = Eigen::Matrix3d;
+
+constexpr double kAtBorder = 1e-6;  // weight of a face at a border, whose normals are one-sided
+constexpr double kFlat = 1e-9;      // curvedness times size: below that it is rounding
+
+std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+/// 1 or -1 per ordered face, so that times their sign neighbours face the same way.
+std::vector<double> orient(const Surface& surface) {
+  std::vector<double> signs(surface.face_count(), 0.0);
+  std::vector<std::int32_t> pending;
+  const auto start_of = [&](std::int32_t h) {
+    return surface.ordered().welded_corners(h / 3)[as_size(h % 3)];
+  };
+  for (std::size_t first = 0; first < signs.size(); ++first) {
+    if (signs[first] != 0.0) continue;
+    signs[first] = 1.0;
+    pending.push_back(static_cast<std::int32_t>(first));
+    while (!pending.empty()) {
+      const std::int32_t face = pending.back();
+      pending.pop_back();
+      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
+        const std::int32_t g = surface.ordered().next_around(h);
+        if (surface.ordered().next_around(g) != h || signs[as_size(g / 3)] != 0.0) continue;
+        signs[as_size(g / 3)] = (start_of(g) == start_of(h) ? -1.0 : 1.0) * signs[as_size(face)];
+        pending.push_back(g / 3);
+      }
+    }
+  }
+  return signs;
+}
+
+/// Sums over the neighbourhood of a vertex: of weight times tensor, and of weight.
+struct WeightedTensor {
+  Mat3 sum = Mat3::Zero();
+  double weight = 0.0;
+
+  /// Add a part, turned as its normal is turned onto ours.
+  void add(const WeightedTensor& part, const Vec3& normal, const Vec3& ours, double scale = 1.0) {
+    if (part.weight <= 0.0) return;
+    const Mat3 turn = turning(normal, ours);
+    sum += scale * (turn * part.sum * turn.transpose());
+    weight += scale * part.weight;
+  }
+
+ private:
+  /// Identity where there is no normal: a vertex whose faces cancel each other.
+  static Mat3 turning(const Vec3& from, const Vec3& to) {
+    if (from.isZero(0.0) || to.isZero(0.0)) return Mat3::Identity();
+    return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  }
+};
+
+/// Normals and curvature tensors, in the surface's own order; those of vertices that hang together
+/// stand at the lowest of them.
+class CurvatureField {
+ public:
+  CurvatureField(const Surface& surface, int smoothing)
+      : surface_(surface), normals_(surface.vertex_count(), Vec3::Zero()) {
+    const std::vector<double> signs = orient(surface);
+    for (std::size_t f = 0; f < signs.size(); ++f)
+      face_normals_.emplace_back(signs[f] * geometry(f).normal);
+    add_normals();
+    for (int round = 0; round < smoothing; ++round) smooth_normals();
+    spread(face_tensors());
+    for (int round = 0; round < smoothing; ++round) spread(gathered());
+  }
+
+  [[nodiscard]] double curvedness(std::int32_t vertex) const {
+    const WeightedTensor& at = tensors_[as_size(surface_.ordered().welded(vertex))];
+    return at.weight > 0.0 ? at.sum.norm() / at.weight / std::numbers::sqrt2 : 0.0;
+  }
+
+ private:
+  [[nodiscard]] const FaceGeometry& geometry(std::size_t f) const {
+    return surface_.ordered().geometry(static_cast<std::int32_t>(f));
+  }
+  [[nodiscard]] Face corners(std::size_t f) const {
+    return surface_.ordered().welded_corners(static_cast<std::int32_t>(f));
+  }
+  [[nodiscard]] Vec3& normal_at(std::int32_t vertex) { return normals_[as_size(vertex)]; }
+
+  /// Max (1999): with these weights the normals are exact if the vertices lie on a sphere.
+  void add_normals() {
+    for (std::size_t f = 0; f < face_normals_.size(); ++f) {
+      if (geometry(f).moments.area <= 0.0) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Face face = corners(f);
+        const Vec3& apex = surface_.ordered().vertex(face[k]);
+        const double u = (surface_.ordered().vertex(face[(k + 1) % 3]) - apex).squaredNorm();
+        const double v = (surface_.ordered().vertex(face[(k + 2) % 3]) - apex).squaredNorm();
+        normal_at(face[k]) += geometry(f).moments.area / (u * v) * face_normals_[f];
+      }
+    }
+    for (Vec3& normal : normals_) normal.stableNormalize();
+  }
+
+  void smooth_normals() {
+    std::vector<Vec3> sums(normals_.size(), Vec3::Zero());
+    for (std::size_t f = 0; f < face_normals_.size(); ++f) {
+      const auto [a, b, c] = corners(f);
+      const Vec3 part = geometry(f).moments.area * (normal_at(a) + normal_at(b) + normal_at(c));
+      for (const std::int32_t v : corners(f)) sums[as_size(v)] += part;
+    }
+    for (std::size_t v = 0; v < sums.size(); ++v)
+      if (sums[v].norm() > 0.0) normals_[v] = sums[v].stableNormalized();
+  }
+
+  [[nodiscard]] std::vector<bool> border_vertices() const {
+    std::vector<bool> at_border(normals_.size(), false);
+    for (std::size_t f = 0; f < face_normals_.size(); ++f)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto h = static_cast<std::int32_t>(3 * f + k);
+        if (surface_.ordered().next_around(h) == h)
+          at_border[as_size(corners(f)[k])] = at_border[as_size(corners(f)[(k + 1) % 3])] = true;
+      }
+    return at_border;
+  }
+
+  /// The symmetric tensor II in the plane of the face with II e = dn along its edges, by least
+  /// squares (Rusinkiewicz 2004, section 3).
+  [[nodiscard]] Mat3 tensor(std::size_t f) const {
+    const auto [a, b, c] = corners(f);
+    const Vec3& normal = face_normals_[f];
+    const Vec3 u = (surface_.ordered().vertex(b) - surface_.ordered().vertex(a)).normalized();
+    const Vec3 v = normal.cross(u);
+    Mat3 matrix = Mat3::Zero();
+    Vec3 right = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t from = corners(f)[k], to = corners(f)[(k + 1) % 3];
+      const Vec3 edge = surface_.ordered().vertex(to) - surface_.ordered().vertex(from);
+      const Vec3 change = normals_[as_size(to)] - normals_[as_size(from)];
+      const double x = edge.dot(u), y = edge.dot(v), p = change.dot(u), q = change.dot(v);
+      matrix += Mat3{{x * x, x * y, 0.0}, {x * y, x * x + y * y, x * y}, {0.0, x * y, y * y}};
+      right += Vec3(p * x, p * y + q * x, q * y);
+    }
+    const Vec3 found = matrix.ldlt().solve(right);
+    return found[0] * u * u.transpose() + found[1] * (u * v.transpose() + v * u.transpose()) +
+           found[2] * v * v.transpose();
+  }
+
+  [[nodiscard]] std::vector<WeightedTensor> face_tensors() const {
+    const std::vector<bool> at_border = border_vertices();
+    std::vector<WeightedTensor> parts(face_normals_.size());
+    for (std::size_t f = 0; f < parts.size(); ++f) {
+      if (geometry(f).moments.area <= 0.0) continue;
+      const Face face = corners(f);
+      const bool inner = std::none_of(face.begin(), face.end(),
+                                      [&](std::int32_t v) { return at_border[as_size(v)]; });
+      parts[f].weight = geometry(f).moments.area * (inner ? 1.0 : kAtBorder);
+      parts[f].sum = parts[f].weight * tensor(f);
+    }
+    return parts;
+  }
+
+  /// Of each face, the mean of its vertices.
+  [[nodiscard]] std::vector<WeightedTensor> gathered() const {
+    std::vector<WeightedTensor> parts(face_normals_.size());
+    for (std::size_t f = 0; f < parts.size(); ++f) {
+      if (geometry(f).moments.area <= 0.0) continue;
+      for (const std::int32_t v : corners(f))
+        parts[f].add(tensors_[as_size(v)], normals_[as_size(v)], face_normals_[f], 1.0 / 3.0);
+    }
+    return parts;
+  }
+
+  /// Of each vertex, the sum of its faces.
+  void spread(const std::vector<WeightedTensor>& parts) {
+    tensors_.assign(normals_.size(), {});
+    for (std::size_t f = 0; f < parts.size(); ++f)
+      for (const std::int32_t v : corners(f))
+        tensors_[as_size(v)].add(parts[f], face_normals_[f], normals_[as_size(v)]);
+  }
+
+  const Surface& surface_;
+  std::vector<Vec3> face_normals_;  // turned the same way; zero without area
+  std::vector<Vec3> normals_;       // per vertex, unit
+  std::vector<WeightedTensor> tensors_;
+};
+
+/// The value that `percentile` of the surface's area does not exceed; each vertex stands for a
+/// third of its faces.
+double area_percentile(const Surface& surface, const std::vector<double>& values,
+                       double percentile) {
+  std::vector<double> areas(values.size(), 0.0);
+  const std::vector<Face> faces = surface.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (const std::int32_t v : faces[f])
+      areas[as_size(v)] +=
+          surface.ordered()
+              .geometry(surface.ordered().ordered_face(static_cast<std::int32_t>(f)))
+              .moments.area /
+          3.0;
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return values[a] != values[b] ? values[a] < values[b] : a < b;
+  });
+  double reached = 0.0;
+  for (const std::size_t v : order) {
+    reached += areas[v];
+    if (reached >= percentile / 100.0 * surface.area()) return values[v];
+  }
+  return values[order.back()];
+}
+
+void check_range(const char* name, double value, double low, bool with_low, double high) {
+  if (value > low && value <= high) return;
+  if (with_low && value == low) return;
+  throw ArgumentError(std::string(name) + " is " + number(value) + ": it must be in " +
+                      (with_low ? "[" : "(") + number(low) + ", " + number(high) + "]");
+}
+
+}  // namespace
+
+std::vector<double> curvedness(const Surface& surface, int smoothing) {
+  check_range("smoothing", smoothing, 0.0, true, 100.0);
+  const CurvatureField field(surface, smoothing);
+  std::vector<double> result(surface.vertex_count(), 0.0);
+  const std::vector<Face> faces = surface.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Face& ordered =
+        surface.ordered().corners(surface.ordered().ordered_face(static_cast<std::int32_t>(f)));
+    for (std::size_t k = 0; k < 3; ++k) result[as_size(faces[f][k])] = field.curvedness(ordered[k]);
+  }
+  return result;
+}
+
+std::vector<double> curvature_density(const Surface& surface, const CurvatureOptions& options) {
+  check_positive("exponent", options.exponent);
+  check_range("floor", options.floor, 0.0, true, 1.0);
+  check_range("percentile", options.percentile, 0.0, false, 100.0);
+  std::vector<double> values = curvedness(surface, options.smoothing);
+  const double rounding = kFlat / std::sqrt(surface.area());
+  double clamp = area_percentile(surface, values, options.percentile);
+  if (clamp <= rounding) clamp = *std::max_element(values.begin(), values.end());
+  for (double& value : values) {
+    const double share = clamp <= rounding ? 1.0 : std::min(1.0, value / clamp);
+    value = options.floor + (1.0 - options.floor) * std::pow(share, options.exponent);
+  }
+  return values;
+}
+
+}  // namespace dapple

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <dapple/refine.hpp>
+#include <numeric>
+#include <tuple>
+
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::int32_t kNone = -1;
+constexpr std::size_t kGrain = 4096;  // triangles between two checks
+// Of the progress: cutting, and of what is left of that each round; nobody knows how many there
+// will be, and the last ones take longest.
+constexpr double kCut = 0.5;
+constexpr double kRound = 0.25;
+constexpr std::size_t kMostFaces = 200'000'000;  // their corners and edges must fit into 32 bits
+
+std::int32_t as_index(std::size_t k) { return static_cast<std::int32_t>(k); }
+
+struct Edge {
+  std::array<std::int32_t, 2> ends;
+  double squared_length;
+  bool marked = false;
+  std::int32_t midpoint = kNone;  // once halved, with its halves at `half` and `half + 1`
+  std::int32_t half = kNone;
+  std::int32_t
+      twin;  // the next edge at the same place, of other vertices in the same order; a ring
+};
+
+struct Triangle {
+  std::array<std::int32_t, 3> corners;
+  std::array<std::int32_t, 3> edges;  // k: from corner k to corner k + 1
+  std::int32_t parent;
+  std::array<Vec3, 3> barycentric;
+  bool fresh = true;  // the criterion has not seen it
+};
+
+/// Per vertex, what stands for it in the welded faces.
+std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span<const Face> welded,
+                                          std::size_t count) {
+  std::vector<std::int32_t> result(count, kNone);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      result[static_cast<std::size_t>(faces[f][k])] = welded[f][k];
+  return result;
+}
+
+/// Triangles that know their edges, and edges their halves: neighbours find the same midpoints, or
+/// where their vertices are not the same, midpoints at the same place.
+class CutMesh {
+ public:
+  CutMesh(const Surface& surface, const Context* context)
+      : surface_(&surface),
+        vertices_(surface.vertices()),
+        faces_(surface.faces()),
+        welded_(welded_vertices(faces_, surface.welded_faces(), vertices_.size())),
+        context_(context) {
+    std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      check_at(f);
+      Triangle triangle{faces_[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t h = 3 * surface.ordered().ordered_face(as_index(f)) + as_index(k);
+        if (edge_of[static_cast<std::size_t>(h)] == kNone) number_ring(h, edge_of);
+        triangle.edges[k] = edge_of[static_cast<std::size_t>(h)];
+      }
+      triangles_.push_back(triangle);
+    }
+  }
+
+  /// Ask about the pieces not yet seen; true if an edge is marked.
+  /// \param all also those of faces without area
+  bool mark(const Criterion& criterion, bool all) {
+    std::vector<EdgeMarks> marks(triangles_.size(), EdgeMarks{});
+    parallel_chunks(triangles_.size(), 256, [&](std::size_t begin, std::size_t end) {
+      if (context_) context_->check();
+      for (std::size_t t = begin; t < end; ++t)
+        if (triangles_[t].fresh && (all || has_area(triangles_[t]))) marks[t] = criterion(piece(t));
+    });
+    bool any = false;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      triangles_[t].fresh = false;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (marks[t][k]) any = mark(triangles_[t].edges[k]);
+    }
+    return any;
+  }
+
+  /// With an edge of a triangle mark its longest, until that holds everywhere.
+  void close() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const Triangle& triangle : triangles_) {
+        if (marked_edges(triangle) == 0) continue;
+        const std::int32_t longest = longest_of(triangle, [](const Edge&) { return true; });
+        changed = changed || !edge(longest).marked;
+        mark(longest);
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t size_after_cut() const {
+    std::size_t size = triangles_.size();
+    for (const Triangle& triangle : triangles_) size += marked_edges(triangle);
+    return size;
+  }
+
+  /// Halve the marked edges and cut the triangles at them.
+  void cut() {
+    std::vector<std::size_t> halved;
+    for (std::size_t e = 0, count = edges_.size(); e < count; ++e)
+      if (edges_[e].marked && edges_[e].midpoint == kNone) {
+        halve(e);
+        halved.push_back(e);
+      }
+    for (const std::size_t e : halved) link_halves(edges_[e]);
+    std::vector<Triangle> cut;
+    cut.reserve(2 * triangles_.size());
+    for (const Triangle& triangle : triangles_) {
+      check_at(cut.size());
+      cut_at_longest(triangle, cut);
+    }
+    triangles_ = std::move(cut);
+  }
+
+  [[nodiscard]] Refined result(bool resolved) &&;
+
+ private:
+  /// Ask now and then whether to go on.
+  void check_at(std::size_t k) const {
+    if (context_ && k % kGrain == 0) context_->check();
+  }
+
+  [[nodiscard]] Edge& edge(std::int32_t e) { return edges_[static_cast<std::size_t>(e)]; }
+  [[nodiscard]] const Edge& edge(std::int32_t e) const {
+    return edges_[static_cast<std::size_t>(e)];
+  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t v) const {
+    return vertices_[static_cast<std::size_t>(v)];
+  }
+
+  std::int32_t add_edge(std::int32_t a, std::int32_t b) {
+    const std::int32_t e = as_index(edges_.size());
+    edges_.push_back(
+        {.ends = {a, b}, .squared_length = (vertex(b) - vertex(a)).squaredNorm(), .twin = e});
+    return e;
+  }
+
+  /// Mark an edge for all of its faces.
+  bool mark(std::int32_t e) {
+    for (; !edge(e).marked; e = edge(e).twin) edge(e).marked = true;
+    return true;
+  }
+
+  /// The edges of the half-edges around a place: one for each pair of vertices, as twins.
+  void number_ring(std::int32_t half_edge, std::vector<std::int32_t>& edge_of) {
+    const std::int32_t first = ends_of(half_edge)[0];
+    std::vector<std::int32_t> twins;
+    std::int32_t h = half_edge;
+    do {
+      auto [a, b] = ends_of(h);
+      if (welded_[static_cast<std::size_t>(a)] != welded_[static_cast<std::size_t>(first)])
+        std::swap(a, b);
+      edge_of[static_cast<std::size_t>(h)] = numbered(a, b, twins);
+      h = surface_->ordered().next_around(h);
+    } while (h != half_edge);
+    for (std::size_t k = 0; k < twins.size(); ++k)
+      edge(twins[k]).twin = twins[(k + 1) % twins.size()];
+  }
+
+  /// The edge between two vertices among those of a place, which it joins if it is new.
+  std::int32_t numbered(std::int32_t a, std::int32_t b, std::vector<std::int32_t>& twins) {
+    const auto found = std::find_if(twins.begin(), twins.end(), [&](std::int32_t e) {
+      return edge(e).ends == std::array{a, b};
+    });
+    if (found != twins.end()) return *found;
+    twins.push_back(add_edge(a, b));
+    return twins.back();
+  }
+
+  /// The caller's vertices where a half-edge starts and ends.
+  [[nodiscard]] std::array<std::int32_t, 2> ends_of(std::int32_t half_edge) const {
+    const Face& face =
+        faces_[static_cast<std::size_t>(surface_->ordered().original_face(half_edge / 3))];
+    const auto k = static_cast<std::size_t>(half_edge % 3);
+    return {face[k], face[(k + 1) % 3]};
+  }
+
+  [[nodiscard]] bool has_area(const Triangle& triangle) const {
+    return surface_->ordered()
+               .geometry(surface_->ordered().ordered_face(triangle.parent))
+               .moments.area > 0.0;
+  }
+
+  [[nodiscard]] Piece piece(std::size_t t) const {
+    const auto& [a, b, c] = triangles_[t].corners;
+    return {triangles_[t].parent, triangles_[t].barycentric, {vertex(a), vertex(b), vertex(c)}};
+  }
+
+  [[nodiscard]] std::size_t marked_edges(const Triangle& triangle) const {
+    return static_cast<std::size_t>(std::count_if(triangle.edges.begin(), triangle.edges.end(),
+                                                  [&](std::int32_t e) { return edge(e).marked; }));
+  }
+
+  /// The longest of the edges that qualify, or kNone; the lower number at ties, on all sides alike.
+  template <typename Qualifies>
+  [[nodiscard]] std::int32_t longest_of(const Triangle& triangle,
+                                        const Qualifies& qualifies) const {
+    std::int32_t best = kNone;
+    const auto key = [&](std::int32_t e) { return std::tuple(edge(e).squared_length, -e); };
+    for (const std::int32_t e : triangle.edges)
+      if (qualifies(edge(e)) && (best == kNone || key(e) > key(best))) best = e;
+    return best;
+  }
+
+  void halve(std::size_t e) {
+    const auto [a, b] = edges_[e].ends;
+    edges_[e].midpoint = as_index(vertices_.size());
+    edges_[e].half = as_index(edges_.size());
+    ends_.push_back({a, b});
+    vertices_.emplace_back(0.5 * (vertex(a) + vertex(b)));
+    const std::int32_t middle = edges_[e].midpoint;
+    add_edge(a, middle);
+    add_edge(middle, b);
+  }
+
+  void link_halves(const Edge& e) {
+    const std::int32_t other = edge(e.twin).half;
+    edge(e.half).twin = other;
+    edge(e.half + 1).twin = other + 1;
+  }
+
+  /// The half of the edge that touches `end`.
+  [[nodiscard]] std::int32_t half_at(std::int32_t e, std::int32_t end) const {
+    return edge(e).half + (edge(e).ends[0] == end ? 0 : 1);
+  }
+
+  // At most three deep: the new edges are not halved in this round.
+  void cut_at_longest(const Triangle& triangle, std::vector<Triangle>& out) {
+    const std::int32_t e =
+        longest_of(triangle, [](const Edge& candidate) { return candidate.midpoint != kNone; });
+    if (e == kNone) {
+      out.push_back(triangle);
+      return;
+    }
+    const auto k = static_cast<std::size_t>(
+        std::find(triangle.edges.begin(), triangle.edges.end(), e) - triangle.edges.begin());
+    const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
+    const std::int32_t p = triangle.corners[k], q = triangle.corners[next];
+    const std::int32_t r = triangle.corners[last], middle = edge(e).midpoint;
+    const std::int32_t inner = add_edge(middle, r);
+    const Vec3 weights = 0.5 * (triangle.barycentric[k] + triangle.barycentric[next]);
+    cut_at_longest({{p, middle, r},
+                    {half_at(e, p), inner, triangle.edges[last]},
+                    triangle.parent,
+                    {triangle.barycentric[k], weights, triangle.barycentric[last]}},
+                   out);
+    cut_at_longest({{middle, q, r},
+                    {half_at(e, q), triangle.edges[next], inner},
+                    triangle.parent,
+                    {weights, triangle.barycentric[next], triangle.barycentric[last]}},
+                   out);
+  }
+
+  /// Per half-edge, the lowest of the edges at its place.
+  [[nodiscard]] std::vector<std::int32_t> joined_edges() const {
+    std::vector<std::int32_t> result;
+    for (const Triangle& triangle : triangles_)
+      for (const std::int32_t e : triangle.edges) {
+        std::int32_t lowest = e;
+        for (std::int32_t t = edge(e).twin; t != e; t = edge(t).twin) lowest = std::min(lowest, t);
+        result.push_back(lowest);
+      }
+    return result;
+  }
+
+  /// Per vertex, what stands for all at its place.
+  [[nodiscard]] std::vector<std::int32_t> places() const {
+    std::vector<std::int32_t> result(vertices_.size());
+    std::iota(result.begin(), result.end(), 0);
+    for (std::size_t v = 0; v < welded_.size(); ++v)
+      if (welded_[v] != kNone) result[v] = welded_[v];
+    for (const Edge& e : edges_)
+      for (const Edge* t = &edge(e.twin); e.midpoint != kNone && t != &e; t = &edge(t->twin)) {
+        std::int32_t& place = result[static_cast<std::size_t>(e.midpoint)];
+        place = std::min(place, t->midpoint);
+      }
+    return result;
+  }
+
+  const Surface* surface_;
+  std::vector<Vec3> vertices_;
+  std::vector<Face> faces_;           // of the surface
+  std::vector<std::int32_t> welded_;  // per vertex of the surface
+  const Context* context_;
+  std::vector<std::array<std::int32_t, 2>> ends_;
+  std::vector<Edge> edges_;
+  std::vector<Triangle> triangles_;
+};
+
+/// The density of the surface at the corners of pieces of its faces.
+std::vector<double> carried_density(const Surface& surface, const Refined& refined) {
+  std::vector<double> values;
+  if (surface.uniform()) return values;
+  values.reserve(3 * refined.parents.size());
+  for (std::size_t f = 0; f < refined.parents.size(); ++f)
+    for (const Vec3& weights : refined.barycentric[f])
+      values.push_back(weights.dot(
+          surface.ordered().densities(surface.ordered().ordered_face(refined.parents[f]))));
+  return values;
+}
+
+Refined CutMesh::result(bool resolved) && {
+  Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), resolved};
+  std::vector<Face> faces;
+  for (const Triangle& triangle : triangles_) {
+    faces.push_back(triangle.corners);
+    refined.parents.push_back(triangle.parent);
+    refined.barycentric.push_back(triangle.barycentric);
+  }
+  const std::vector<double> density = carried_density(*surface_, refined);
+  refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
+                            Joints{joined_edges(), places()});
+  return refined;
+}
+
+Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::size_t max_faces,
+            Context* context) {
+  if (max_faces < 1 || max_faces > kMostFaces)
+    throw ArgumentError("max_faces is " + std::to_string(max_faces) + ": it must be in 1.." +
+                        std::to_string(kMostFaces));
+  CutMesh mesh(surface, context);
+  double done = 0.0;
+  bool resolved = false, full = false;
+  while (!resolved && !full) {
+    if (context) context->check();
+    resolved = !mesh.mark(criterion, all);
+    mesh.close();
+    full = mesh.size_after_cut() > max_faces;
+    if (!resolved && !full) mesh.cut();
+    done += kRound * (kCut - done);
+    if (context) context->advance(done);
+  }
+  if (context) context->advance(kCut);
+  Refined refined = std::move(mesh).result(resolved);
+  if (context) context->advance(1.0);
+  return refined;
+}
+
+}  // namespace
+
+Refined refine(const Surface& surface, const Criterion& criterion, std::size_t max_faces,
+               Context* context) {
+  return cut(surface, criterion, false, max_faces, context);
+}
+
+Refined refine_edges(const Surface& surface, std::span<const double> longest, std::size_t max_faces,
+                     Context* context) {
+  if (longest.size() != 1)
+    check_same_length("longest", longest.size(), "faces", surface.face_count());
+  for (std::size_t k = 0; k < longest.size(); ++k)
+    if (!(longest[k] > 0.0))
+      throw ArgumentError(entry("longest", k) + " is " + number(longest[k]) + ": it must be > 0");
+  const auto too_long = [&](const Piece& piece) {
+    const double limit = longest[longest.size() == 1 ? 0 : static_cast<std::size_t>(piece.parent)];
+    EdgeMarks marks{};
+    for (std::size_t k = 0; k < 3; ++k)
+      marks[k] = (piece.corners[(k + 1) % 3] - piece.corners[k]).norm() > limit;
+    return marks;
+  };
+  return cut(surface, too_long, true, max_faces, context);
+}
+
+}  // namespace dapple

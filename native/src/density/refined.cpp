@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/refine.hpp>
+
+#include "base/validate.hpp"
+
+namespace dapple {
+namespace {
+
+Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
+  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+}
+
+}  // namespace
+
+std::vector<Vec3> Refined::vertices(std::span<const Vec3> coarse) const {
+  check_same_length("vertices", coarse.size(), "the surface", original.vertex_count());
+  std::vector<Vec3> result(coarse.begin(), coarse.end());
+  result.reserve(coarse.size() + ends.size());
+  for (const auto& [a, b] : ends)
+    result.emplace_back(
+        0.5 * (result[static_cast<std::size_t>(a)] + result[static_cast<std::size_t>(b)]));
+  return result;
+}
+
+Refined Refined::deformed(std::span<const Vec3> coarse) const {
+  Refined result = *this;
+  result.original = original.deformed(coarse);
+  result.surface = surface.deformed(vertices(coarse));
+  return result;
+}
+
+Refined Refined::then(const Refined& finer) const {
+  check_same_length("faces of finer's original", finer.original.face_count(), "the surface",
+                    surface.face_count());
+  if (!finer.original.same_faces(surface))
+    throw ArgumentError("finer.original is not made of this surface: refine what this one made");
+  Refined result{original, finer.surface, {}, {}, ends, resolved && finer.resolved};
+  result.ends.insert(result.ends.end(), finer.ends.begin(), finer.ends.end());
+  for (std::size_t f = 0; f < finer.parents.size(); ++f) {
+    const auto middle = static_cast<std::size_t>(finer.parents[f]);
+    result.parents.push_back(parents[middle]);
+    std::array<Vec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = combined(barycentric[middle], finer.barycentric[f][k]);
+    result.barycentric.push_back(corners);
+  }
+  return result;
+}
+
+}  // namespace dapple

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <dapple/analysis.hpp>
+#include <dapple/domain.hpp>
+
+#include "base/hexagonal.hpp"
+#include "base/validate.hpp"
+#include "density/cut_surface.hpp"
+#include "surface/local_projection.hpp"
+#include "surface/ordered_surface.hpp"
+#include "surface/validate_surface.hpp"
+#include "voronoi/unit_voronoi.hpp"
+
+namespace dapple {
+
+double Domain::spacing(std::size_t count) const {
+  return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
+}
+
+SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
+    : surface_(surface), cells_(cells), steps_(steps), cuts_(std::make_shared<CutSurfaces>()) {}
+
+RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
+  check_sites(surface_, sites);
+  const std::shared_ptr<const CutSurface> cut = cuts_->at(surface_, sites.size());
+  if (!cut) return unit_voronoi(surface_, sites, context, cells_);
+  return without_unit(unit_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_),
+                      cut->surface().ordered().density_unit() / density_unit());
+}
+
+Sites SurfaceDomain::project(std::span<const Vec3> points,
+                             std::span<const std::int32_t> hints) const {
+  const bool walks = steps_ == Steps::kConnected && !hints.empty();
+  if (walks) check_hints(surface_, points, hints);
+  Projection found =
+      walks ? LocalProjection(surface_).walk(points, hints) : projector().project(points, hints);
+  if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found);
+  return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+const Projector& SurfaceDomain::projector() const {
+  // While Embree waits for its own tasks, this thread must not begin another that waits for it.
+  std::call_once(once_, [&] {
+    tbb::this_task_arena::isolate(
+        [&] { projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true); });
+  });
+  return *projector_;
+}
+
+double SurfaceDomain::density_unit() const { return surface_.ordered().density_unit(); }
+
+Vec3 SurfaceDomain::normal(std::int32_t face) const {
+  return surface_.ordered().geometry(surface_.ordered().ordered_face(face)).normal;
+}
+
+std::vector<bool> SurfaceDomain::on_border(const Sites& sites,
+                                           const RestrictedVoronoi& diagram) const {
+  return cells_on_border(surface_, sites, diagram);
+}
+
+void SurfaceDomain::check(const Sites& sites) const { check_sites(surface_, sites); }
+
+}  // namespace dapple

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/energy.hpp>
+
+#include "base/validate.hpp"
+#include "voronoi/unit_voronoi.hpp"
+
+namespace dapple {
+namespace {
+
+/// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
+/// Theorem 2).
+std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_weight) {
+  std::vector<Vec3> result(diagram.cells.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Moments& cell = diagram.cells[i];
+    Vec3 capacity = Vec3::Zero();
+    for (const CellBoundary& side : diagram.boundary(i))
+      capacity +=
+          (cell.capacity - diagram.cells[static_cast<std::size_t>(side.neighbour)].capacity) *
+          side.flux;
+    result[i] = -2.0 * cell.first + 2.0 * capacity_weight * capacity;
+  }
+  return result;
+}
+
+/// The energy over known cells.
+Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) {
+  Energy energy;
+  energy.diagram = std::move(diagram);
+  for (const Moments& cell : energy.diagram.cells) {
+    energy.cvt += cell.second;
+    energy.capacity_term += cell.capacity * cell.capacity;
+  }
+  energy.total = energy.cvt + capacity_weight * energy.capacity_term;
+  const auto count = static_cast<double>(energy.diagram.cells.size());
+  energy.normalised = count / mass * energy.total / mass - capacity_weight;
+  energy.gradient = gradient(energy.diagram, capacity_weight);
+  return energy;
+}
+
+Energy without_unit(Energy energy, double density_unit) {
+  const double once = 1.0 / density_unit;
+  energy.diagram = without_unit(std::move(energy.diagram), density_unit);
+  for (double* sum : {&energy.total, &energy.cvt, &energy.capacity_term}) *sum = *sum * once * once;
+  for (Vec3& g : energy.gradient) g = g * once * once;
+  return energy;
+}
+
+}  // namespace
+
+Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
+                       const Context* context, Cells cells) {
+  const SurfaceDomain domain(surface, cells);
+  return without_unit(evaluate_energy(domain, sites, capacity_weight, context),
+                      domain.density_unit());
+}
+
+Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,
+                       const Context* context) {
+  domain.check(sites);
+  check_at_least("capacity_weight", capacity_weight, 0.0);
+  return assemble(domain.cells(sites, context), domain.mass(), capacity_weight);
+}
+
+}  // namespace dapple

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimize/objective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple {
+namespace {
+
+/// kappa (|S|_phi / n)^2
+double gap_weight(const Term& term, std::size_t count) {
+  const double share = term.domain->mass() / static_cast<double>(std::max<std::size_t>(count, 1));
+  return term.gap_weight * share * share;
+}
+
+void add(const Objective& objective, std::size_t term, const Part& part, State& state) {
+  const std::vector<std::int32_t>& members = objective.terms[term].members;
+  const double scale = objective.scale(term, part.energy.gradient.size());
+  const double relief = 1.0 - objective.cvt_weight;
+  state.total += scale * (part.energy.total - relief * part.energy.cvt + part.gap.energy);
+  for (std::size_t k = 0; k < part.energy.gradient.size(); ++k)
+    state.gradient[members.empty() ? k : static_cast<std::size_t>(members[k])] +=
+        scale * (part.energy.gradient[k] + 2.0 * relief * part.energy.diagram.cells[k].first +
+                 part.gap.gradient[k]);
+}
+
+void add_stickiness(const Objective& objective, State& state) {
+  for (std::size_t k = 0; k < objective.anchors.size(); ++k) {
+    const Vec3 way = state.sites.positions[k] - objective.anchors[k];
+    state.total += objective.stickiness[k] * way.squaredNorm();
+    state.gradient[k] += 2.0 * objective.stickiness[k] * way;
+  }
+}
+
+void add_up(const Objective& objective, State& state) {
+  state.total = state.things.energy;
+  state.gradient.assign(state.sites.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
+  if (!state.things.pairs.empty()) add_scaled(state.gradient, 1.0, state.things.gradient);
+  add_stickiness(objective, state);
+  objective.restrict(state.gradient, state.normals);
+}
+
+}  // namespace
+
+Sites select(const Sites& sites, std::span<const std::int32_t> members) {
+  Sites result;
+  for (const std::int32_t member : members) {
+    const auto k = static_cast<std::size_t>(member);
+    result.positions.push_back(sites.positions[k]);
+    result.faces.push_back(sites.faces[k]);
+    if (!sites.barycentric.empty()) result.barycentric.push_back(sites.barycentric[k]);
+  }
+  return result;
+}
+
+void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen) {
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const auto site = static_cast<std::size_t>(members[k]);
+    sites.positions[site] = chosen.positions[k];
+    sites.faces[site] = chosen.faces[k];
+    sites.barycentric[site] = chosen.barycentric[k];
+  }
+}
+
+double Objective::total_weight() const {
+  double sum = 0.0;
+  for (const Term& term : terms) sum += term.weight;
+  return sum;
+}
+
+double Objective::scale(std::size_t term, std::size_t sites) const {
+  const double mass = terms[term].domain->mass();
+  return terms[term].weight * static_cast<double>(sites) / mass / mass;
+}
+
+Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
+                         std::span<const std::int32_t> which) const {
+  if (homes.size() < 2) return (homes.empty() ? domain() : *homes[0]).project(points, hints);
+  Sites result{points, {hints.begin(), hints.end()}, Vectors(points.size())};
+  for (std::size_t c = 0; c < homes.size(); ++c) {
+    std::vector<std::int32_t> members;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (classes[which.empty() ? k : static_cast<std::size_t>(which[k])] ==
+          static_cast<std::int32_t>(c))
+        members.push_back(static_cast<std::int32_t>(k));
+    const Sites mine = select(result, members);
+    const Sites found = homes[c]->project(mine.positions, mine.faces);
+    put(result, members, found);
+  }
+  return result;
+}
+
+void Objective::restrict(Vectors& v, const Vectors& normals) const {
+  make_tangential(v, normals);
+  if (locked.empty()) return;
+  for (std::size_t k = 0; k < v.size(); ++k)
+    if (locked[k]) v[k].setZero();
+}
+
+State evaluate(const Objective& objective, Sites sites,
+               const std::vector<std::vector<double>>& radii, const Context* context) {
+  State state;
+  state.sites = std::move(sites);
+  objective.domain().check(state.sites);
+  for (const std::int32_t face : state.sites.faces)
+    state.normals.push_back(objective.domain().normal(face));
+  for (const Term& term : objective.terms) {
+    Part part;
+    part.energy = evaluate_energy(
+        *term.domain, term.members.empty() ? state.sites : select(state.sites, term.members),
+        objective.capacity_weight, context);
+    state.parts.push_back(std::move(part));
+  }
+  if (!objective.things.empty())
+    state.things = evaluate_things(state.sites, state.normals, objective.things,
+                                   objective.domain().period(), objective.things_weight);
+  set_radii(objective, state, radii);
+  return state;
+}
+
+void set_radii(const Objective& objective, State& state,
+               const std::vector<std::vector<double>>& radii) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    Part& part = state.parts[t];
+    part.gap = evaluate_gap(part.energy.diagram, radii[t],
+                            gap_weight(objective.terms[t], part.energy.gradient.size()));
+  }
+  add_up(objective, state);
+}
+
+std::vector<double> energy_shares(const Objective& objective, const State& state) {
+  std::vector<double> shares(state.sites.size(), 0.0);
+  const auto add_pairs = [&](const Gap& gap, const auto& site, double scale) {
+    for (const ClosePair& pair : gap.pairs)
+      for (const std::int32_t end : {pair.i, pair.j})
+        shares[site(end)] += 0.5 * scale * pair.energy;
+  };
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
+    const std::vector<std::int32_t>& members = objective.terms[t].members;
+    const auto site = [&](std::int32_t k) {
+      return static_cast<std::size_t>(members.empty() ? k : members[static_cast<std::size_t>(k)]);
+    };
+    const double scale = objective.scale(t, cells.size());
+    const double mean = objective.terms[t].domain->mass() / static_cast<double>(cells.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const double excess = cells[k].capacity - mean;
+      shares[site(static_cast<std::int32_t>(k))] +=
+          scale *
+          (objective.cvt_weight * cells[k].second + objective.capacity_weight * excess * excess);
+    }
+    add_pairs(state.parts[t].gap, site, scale);
+  }
+  add_pairs(state.things, [](std::int32_t k) { return static_cast<std::size_t>(k); }, 1.0);
+  for (std::size_t k = 0; k < objective.anchors.size(); ++k)
+    shares[k] +=
+        objective.stickiness[k] * (state.sites.positions[k] - objective.anchors[k]).squaredNorm();
+  return shares;
+}
+
+double normalised_energy(const Objective& objective, const State& state) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < state.parts.size(); ++t)
+    sum += objective.terms[t].weight * state.parts[t].energy.normalised;
+  return sum / objective.total_weight();
+}
+
+double normalised_cvt(const Objective& objective, const State& state) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < state.parts.size(); ++t)
+    sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt;
+  return sum / objective.total_weight();
+}
+
+double capacity_spread(const Objective& objective, const State& state) {
+  const double rest = normalised_energy(objective, state) - normalised_cvt(objective, state);
+  return objective.capacity_weight > 0.0
+             ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)
+             : 0.0;
+}
+
+void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
+  const std::vector<Moments>& cells = state.diagram().cells;
+  objective.anchors = std::move(anchors);
+  objective.stickiness.clear();
+  for (const Moments& cell : cells)
+    objective.stickiness.push_back(gamma * objective.scale(0, cells.size()) * cell.mass);
+  add_up(objective, state);
+}
+
+void weigh_cvt(Objective& objective, State& state, double weight) {
+  objective.cvt_weight = weight;
+  add_up(objective, state);
+}
+
+}  // namespace dapple

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/energy.hpp>
+
+#include "optimize/gap.hpp"
+
+namespace dapple {
+
+/// A set of sites that is to be even by itself: all of them, or those of one class.
+struct Term {
+  const Domain* domain;                    ///< with the density of the set
+  std::vector<std::int32_t> members = {};  ///< of all sites; empty: every site
+  double weight = 1.0;                     ///< of its normalised energy in the sum
+  double gap_radius = 0.0;                 ///< distance below which its gap acts, in local spacings
+  double gap_weight = 0.0;                 ///< kappa
+};
+
+/// What is minimised: sum over the terms of weight * n / |S|_phi^2 * (E + E_gap), each over its own
+/// sites and density, and the gap between things.
+struct Objective {
+  double capacity_weight = 0.0;  ///< lambda
+  double cvt_weight = 1.0;       ///< s, of E_cvt; see Restoration
+  std::vector<Term> terms = {};  ///< the first holds every site
+  std::vector<const Domain*> homes =
+      {};  ///< per class: where its sites may be; empty: the first term's
+  std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
+  std::vector<double> things = {};         ///< radius of each site's thing; empty if none has one
+  double things_weight = 0.0;
+  Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
+  std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
+  std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
+
+  [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
+  [[nodiscard]] double total_weight() const;
+  /// To normalised units: n / |S|_phi^2, times the term's weight.
+  [[nodiscard]] double scale(std::size_t term, std::size_t sites) const;
+
+  /// The nearest points where each site may be.
+  /// \param hints faces near the points
+  /// \param which sites the points are of; empty: of all, in order
+  [[nodiscard]] Sites project(const Vectors& points, std::span<const std::int32_t> hints,
+                              std::span<const std::int32_t> which = {}) const;
+
+  /// Remove what is not a move along the surface of a site that may move.
+  void restrict(Vectors& v, const Vectors& normals) const;
+};
+
+/// The chosen sites.
+[[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
+
+/// Put chosen sites back: the inverse of select().
+void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
+
+/// One term at given sites.
+struct Part {
+  Energy energy;
+  Gap gap;
+};
+
+/// Where the sites are and what is known there.
+struct State {
+  Sites sites;
+  Vectors normals;
+  std::vector<Part> parts;
+  Gap things;
+  Vectors gradient;    ///< of the total, restricted
+  double total = 0.0;  ///< sum of the weights times (e + lambda), and the gaps
+
+  [[nodiscard]] const RestrictedVoronoi& diagram() const { return parts[0].energy.diagram; }
+};
+
+/// \param radii of the gaps, per term
+[[nodiscard]] State evaluate(const Objective& objective, Sites sites,
+                             const std::vector<std::vector<double>>& radii, const Context* context);
+
+/// Add up again after the radii have changed.
+void set_radii(const Objective& objective, State& state,
+               const std::vector<std::vector<double>>& radii);
+
+/// Per site what its cells and pairs add to the total, capacities counted from their means.
+[[nodiscard]] std::vector<double> energy_shares(const Objective& objective, const State& state);
+
+/// The terms' normalised energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
+[[nodiscard]] double normalised_energy(const Objective& objective, const State& state);
+
+/// Of them the part n E_cvt / |S|_phi^2.
+[[nodiscard]] double normalised_cvt(const Objective& objective, const State& state);
+
+/// Standard deviation / mean of the capacities: the rest is lambda times its square.
+[[nodiscard]] double capacity_spread(const Objective& objective, const State& state);
+
+/// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
+void stick(Objective& objective, State& state, Vectors anchors, double gamma);
+
+/// Add up again with another weight of E_cvt.
+void weigh_cvt(Objective& objective, State& state, double weight);
+
+}  // namespace dapple

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimize/rescue.hpp"
+
+#include <cmath>
+#include <dapple/neighbours.hpp>
+#include <numbers>
+#include <set>
+
+namespace dapple {
+namespace {
+
+constexpr double kEmpty = 1e-6;  // of the mean capacity: a cell that rounding may have left
+
+class Rescuer {
+ public:
+  Rescuer(const Objective& objective, const State& state) : objective_(objective), state_(state) {}
+
+  Rescue run() {
+    split();
+    if (empty_.empty() || held_.empty()) return {};
+    const Neighbours tree(held_positions_);
+    std::vector<Neighbour> found;
+    Rescue rescue;
+    for (const std::size_t site : empty_) {
+      tree.nearest(state_.sites.positions[site], 1, found);
+      const std::size_t host = roomiest(held_[static_cast<std::size_t>(found[0].index)]);
+      taken_.insert(host);
+      rescue.sites.push_back(static_cast<std::int32_t>(site));
+      rescue.positions.push_back(open_place(host));
+      rescue.faces.push_back(state_.sites.faces[host]);
+    }
+    return rescue;
+  }
+
+ private:
+  [[nodiscard]] const Moments& cell(std::size_t site) const { return state_.diagram().cells[site]; }
+
+  void split() {
+    const double least =
+        kEmpty * objective_.domain().mass() / static_cast<double>(state_.sites.size());
+    for (std::size_t k = 0; k < state_.sites.size(); ++k) {
+      if (cell(k).capacity > least) {
+        held_.push_back(k);
+        held_positions_.push_back(state_.sites.positions[k]);
+      } else if (objective_.locked.empty() || !objective_.locked[k]) {
+        empty_.push_back(k);
+      }
+    }
+  }
+
+  /// Of a cell and those beside it, the largest to which nobody has been sent yet.
+  [[nodiscard]] std::size_t roomiest(std::size_t start) const {
+    std::size_t best = start;
+    for (const CellBoundary& side : state_.diagram().boundary(start)) {
+      const auto j = static_cast<std::size_t>(side.neighbour);
+      const bool free = !taken_.contains(j);
+      if (free && (taken_.contains(best) || cell(j).capacity > cell(best).capacity)) best = j;
+    }
+    return best;
+  }
+
+  [[nodiscard]] Vec3 open_place(std::size_t host) const {
+    const Vec3& x = state_.sites.positions[host];
+    const CellBoundary* farthest = nullptr;
+    for (const CellBoundary& side : state_.diagram().boundary(host))
+      if (!farthest || side.offset.squaredNorm() > farthest->offset.squaredNorm()) farthest = &side;
+    if (farthest) return x + 0.5 * farthest->offset;
+    return x +
+           std::sqrt(cell(host).area / std::numbers::pi) * state_.normals[host].unitOrthogonal();
+  }
+
+  const Objective& objective_;
+  const State& state_;
+  std::vector<std::size_t> empty_;
+  std::vector<std::size_t> held_;  // sites that have a cell
+  Vectors held_positions_;
+  std::set<std::size_t> taken_;
+};
+
+}  // namespace
+
+Rescue find_rescue(const Objective& objective, const State& state) {
+  return Rescuer(objective, state).run();
+}
+
+}  // namespace dapple

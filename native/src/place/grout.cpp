@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "place/grout.hpp"
+
+#include "base/polygon.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kBeyond = 1e-9;  // of the distance to a neighbour: rounding of the cell's corners
+
+std::vector<std::int32_t> neighbours_of(std::span<const CellPolygon> cell) {
+  std::vector<std::int32_t> result;
+  for (const CellPolygon& piece : cell)
+    for (const std::int32_t edge : piece.edges)
+      if (edge >= 0) result.push_back(edge);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+void start(Polygon& polygon, const CellPolygon& piece, const Vec3& site) {
+  std::vector<Polygon::Corner> corners;
+  for (std::size_t k = 0; k < piece.points.size(); ++k)
+    corners.push_back({piece.points[k] - site, 0.0, piece.edges[k]});
+  polygon.start(corners);
+}
+
+/// Cut by the plane of points nearer to the site than to the one at `to`, moved by `width`.
+void cut(Polygon& polygon, const Vec3& to, std::int32_t neighbour, double width) {
+  const double distance = to.norm();
+  const Vec3 normal = to / distance;
+  if (polygon.measure(normal, 0.5 * distance).high > kBeyond * distance) return;
+  if (polygon.measure(normal, 0.5 * distance - width).high > 0.0) polygon.cut(neighbour);
+}
+
+CellPolygon to_piece(const Polygon& polygon, const CellPolygon& like, const Vec3& site) {
+  CellPolygon result{like.site, like.face, {}, {}};
+  for (const Polygon::Corner& corner : polygon.corners()) {
+    result.points.push_back(corner.x + site);
+    result.edges.push_back(corner.edge);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<CellPolygon> without_grout(std::span<const CellPolygon> cell,
+                                       std::span<const Vec3> sites, double width) {
+  if (width == 0.0) return {cell.begin(), cell.end()};
+  const std::vector<std::int32_t> neighbours = neighbours_of(cell);
+  std::vector<CellPolygon> result;
+  Polygon polygon;
+  for (const CellPolygon& piece : cell) {
+    const Vec3& site = sites[static_cast<std::size_t>(piece.site)];
+    start(polygon, piece, site);
+    for (const std::int32_t j : neighbours)
+      if (!polygon.empty()) cut(polygon, sites[static_cast<std::size_t>(j)] - site, j, width);
+    if (polygon.corners().size() >= 3) result.push_back(to_piece(polygon, piece, site));
+  }
+  return result;
+}
+
+double area_of(const CellPolygon& piece) {
+  double twice = 0.0;
+  for (std::size_t k = 2; k < piece.points.size(); ++k)
+    twice +=
+        (piece.points[k - 1] - piece.points[0]).cross(piece.points[k] - piece.points[0]).norm();
+  return 0.5 * twice;
+}
+
+}  // namespace dapple

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <dapple/mosaic.hpp>
+#include <numeric>
+
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+#include "density/cut_surface.hpp"
+#include "place/grout.hpp"
+#include "place/patch.hpp"
+#include "place/tile.hpp"
+#include "sample/validate_samples.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kGrain = 32;   // cells a chunk
+constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
+constexpr double kCellsShare = 0.4;  // of the progress
+
+void check(const Surface& surface, const Samples& samples, const MosaicOptions& options) {
+  check_samples(surface, samples);
+  check_at_least("grout", options.grout, 0.0);
+  check_at_least("thickness", options.thickness, 0.0);
+  check_at_least("tolerance", options.tolerance, 0.0);
+  if (options.insets.empty()) return;
+  check_same_length("insets", options.insets.size(), "samples", samples.size());
+  for (std::size_t k = 0; k < options.insets.size(); ++k)
+    check_at_least(entry("insets", k).c_str(), options.insets[k], 0.0);
+}
+
+/// A tile before all tiles are put into one mesh.
+struct MadeTile {
+  TileMesh mesh;
+  Tile tile;
+};
+
+class Tiler {
+ public:
+  Tiler(const Surface& surface, const Samples& samples, const MosaicOptions& options)
+      : vertices_(surface.vertices()),
+        faces_(surface.welded_faces()),
+        builder_(vertices_, faces_),
+        samples_(samples),
+        options_(options),
+        tolerance_(std::max(options.tolerance, kRounding) * surface.spacing(samples.size())) {}
+
+  [[nodiscard]] MadeTile make(std::size_t site, std::span<const CellPolygon> cell) const {
+    MadeTile result;
+    for (const CellPolygon& piece : cell) result.tile.cell_area += area_of(piece);
+    const double inset = options_.insets.empty() ? 0.0 : options_.insets[site];
+    const std::vector<CellPolygon> pieces =
+        without_grout(cell, samples_.positions, 0.5 * options_.grout + inset);
+    const Patch patch = apart(builder_.build(pieces, tolerance_));
+    for (const PatchPolygon& polygon : patch.polygons)
+      result.tile.area += 0.5 * twice_area_vector(patch, polygon).norm();
+    const auto [parts, loops] = topology_of(patch);
+    result.tile.parts = parts;
+    result.tile.loops = loops;
+    result.mesh = raised(options_.merge ? merged(patch) : patch, options_.thickness);
+    return result;
+  }
+
+ private:
+  std::vector<Vec3> vertices_;
+  std::vector<Face> faces_;
+  PatchBuilder builder_;
+  const Samples& samples_;
+  const MosaicOptions& options_;
+  double tolerance_;
+};
+
+/// Where the pieces of each site begin, and their number.
+std::vector<std::size_t> rows_of(std::span<const CellPolygon> pieces, std::size_t sites) {
+  std::vector<std::size_t> result(sites + 1, 0);
+  for (const CellPolygon& piece : pieces) ++result[static_cast<std::size_t>(piece.site) + 1];
+  std::partial_sum(result.begin(), result.end(), result.begin());
+  return result;
+}
+
+void append(Mosaic& mosaic, std::int32_t site, std::int32_t kind, const MadeTile& made) {
+  const auto first = static_cast<std::int32_t>(mosaic.vertices.size());
+  const Patch& patch = made.mesh.patch;
+  mosaic.vertices.insert(mosaic.vertices.end(), patch.points.begin(), patch.points.end());
+  for (const auto& [corners, face] : patch.polygons) {
+    for (const std::int32_t v : corners) mosaic.corners.push_back(first + v);
+    mosaic.starts.push_back(static_cast<std::int32_t>(mosaic.corners.size()));
+    mosaic.sites.push_back(site);
+    mosaic.classes.push_back(kind);
+    mosaic.faces.push_back(face);
+  }
+  mosaic.sides.insert(mosaic.sides.end(), made.mesh.sides.begin(), made.mesh.sides.end());
+  mosaic.tiles.push_back(made.tile);
+}
+
+/// On the caller's faces instead of pieces of them.
+void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
+  for (MadeTile& made : tiles)
+    for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
+}
+
+std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
+                                 const MosaicOptions& options, Context* context) {
+  Sites sites;
+  sites.positions = samples.positions;
+  sites.faces = samples.faces;
+  const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size());
+  const Surface& drawn = cut ? cut->surface() : surface;
+  const std::vector<CellPolygon> pieces = restricted_voronoi_polygons(
+      drawn, cut ? cut->on_pieces(sites) : sites, options.cells, context);
+  if (context) context->advance(kCellsShare);
+  const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
+  const Tiler tiler(drawn, samples, options);
+  std::vector<MadeTile> tiles(samples.size());
+  std::atomic<std::size_t> done = 0;
+  parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
+    for (std::size_t k = begin; k < end; ++k)
+      tiles[k] = tiler.make(k, std::span(pieces).subspan(rows[k], rows[k + 1] - rows[k]));
+    done += end - begin;
+    if (context)
+      context->advance(kCellsShare + (1.0 - kCellsShare) * static_cast<double>(done) /
+                                         static_cast<double>(samples.size()));
+  });
+  if (cut) name_parents(*cut, tiles);
+  return tiles;
+}
+
+}  // namespace
+
+Mosaic mosaic(const Surface& surface, const Samples& samples, const MosaicOptions& options,
+              Context* context) {
+  check(surface, samples, options);
+  if (context) context->check();
+  const std::vector<MadeTile> tiles =
+      with_threads(options.threads, [&] { return make_tiles(surface, samples, options, context); });
+  Mosaic result;
+  result.starts.push_back(0);
+  for (std::size_t k = 0; k < tiles.size(); ++k)
+    append(result, static_cast<std::int32_t>(k), samples.classes[k], tiles[k]);
+  if (context) context->advance(1.0);
+  return result;
+}
+
+}  // namespace dapple

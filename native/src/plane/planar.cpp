@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/planar.hpp>
+
+#include "base/triangle.hpp"
+#include "base/validate.hpp"
+#include "density/cut_surface.hpp"
+#include "plane/delaunay_graph.hpp"
+#include "plane/polygon_mesh.hpp"
+#include "start/class_start.hpp"
+#include "surface/ordered_surface.hpp"
+#include "surface/validate_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kOutside = 1e-9;  // of the domain's size: farther is not rounding
+
+const Image& checked(const Image& image) {
+  check_image("density", image);
+  return image;
+}
+
+/// Before memory is asked for: two triangles to a cell.
+void check_grid(std::size_t columns, std::size_t rows) {
+  if (columns > kMostSurfaceFaces / 2 / rows)
+    throw ArgumentError("density needs " + std::to_string(rows) + " x " + std::to_string(columns) +
+                        " vertices: at most " + std::to_string(kMostSurfaceFaces / 2) +
+                        " are possible");
+}
+
+/// Triangles over the lines x and y of a grid, two to a cell: 2 (row * columns + column), and one
+/// more above the diagonal. `value(column, row)` is the density at a crossing.
+template <typename Value>
+Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
+                     const Value& value) {
+  check_grid(x.size(), y.size());
+  std::vector<Vec3> vertices;
+  std::vector<double> density;
+  for (std::size_t row = 0; row < y.size(); ++row)
+    for (std::size_t column = 0; column < x.size(); ++column) {
+      vertices.emplace_back(x[column], y[row], 0.0);
+      density.push_back(value(column, row));
+    }
+  std::vector<Face> faces;
+  const auto vertex = [&](std::size_t column, std::size_t row) {
+    return static_cast<std::int32_t>(row * x.size() + column);
+  };
+  for (std::size_t row = 0; row + 1 < y.size(); ++row)
+    for (std::size_t column = 0; column + 1 < x.size(); ++column) {
+      const std::int32_t a = vertex(column, row), c = vertex(column + 1, row + 1);
+      faces.push_back({a, vertex(column + 1, row), c});
+      faces.push_back({a, c, vertex(column, row + 1)});
+    }
+  return Surface(vertices, faces, density);
+}
+
+Surface box_surface(const Vec2& low, const Vec2& high) {
+  const std::vector<Vec3> vertices = {{low.x(), low.y(), 0},
+                                      {high.x(), low.y(), 0},
+                                      {high.x(), high.y(), 0},
+                                      {low.x(), high.y(), 0}};
+  const std::vector<Face> faces = {{0, 1, 2}, {0, 2, 3}};
+  return Surface(vertices, faces);
+}
+
+/// The centres of pixels first .. last of `count` to a length of 1.
+std::vector<double> centres(int first, int last, int count) {
+  std::vector<double> result;
+  for (int k = first; k <= last; ++k) result.push_back((k + 0.5) / count);
+  return result;
+}
+
+/// The image going on periodically, over the centres of pixels from `first` to `last`.
+Surface periodic_surface(const Image& image, const Eigen::Array2i& first,
+                         const Eigen::Array2i& last) {
+  const auto columns = static_cast<int>(image.columns), rows = static_cast<int>(image.rows);
+  const auto wrapped = [](int k, int count) {
+    return static_cast<std::size_t>((k % count + count) % count);
+  };
+  return grid_surface(centres(first.x(), last.x(), columns), centres(first.y(), last.y(), rows),
+                      [&](std::size_t column, std::size_t row) {
+                        const std::size_t c =
+                            wrapped(static_cast<int>(column) + first.x(), columns);
+                        const std::size_t r = wrapped(static_cast<int>(row) + first.y(), rows);
+                        return image.values[r * image.columns + c];
+                      });
+}
+
+Eigen::Array2i size_of(const Image& image) {
+  return {static_cast<int>(image.columns), static_cast<int>(image.rows)};
+}
+
+// A cell reaches half a period beyond its site, which is in the square: the cover is the square and
+// half a period around it, to whole pixels.
+Eigen::Array2i pixels_before(const Eigen::Array2i& size) { return size / 2 + 2; }
+Eigen::Array2i last_pixel(const Eigen::Array2i& size) { return size + (size + 1) / 2 + 1; }
+
+double wrap(double x) {
+  const double wrapped = x - std::floor(x);
+  return wrapped < 1.0 ? wrapped : 0.0;  // the difference can round up to 1
+}
+
+std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
+  std::vector<Vec3> result;
+  for (const Vec2& p : points) result.emplace_back(p.x(), p.y(), 0.0);
+  check_finite(name, result);
+  return result;
+}
+
+}  // namespace
+
+// ---- both ----
+
+Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed,
+                        const Context* context) const {
+  check_count("count", count);
+  const ClassStarts starts{{{&drawn_on(), count}}, &drawn_on(), period(), seed};
+  return project(
+      (kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context)).positions,
+      {});
+}
+
+// ---- the plane ----
+
+PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<const Image> density)
+    : FlatDomain(std::move(density)),
+      surface_(std::move(surface)),
+      size_(size),
+      projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)),
+      cuts_(std::make_shared<CutSurfaces>()) {}
+
+PlanarDomain PlanarDomain::rectangle(double width, double height) {
+  check_positive("width", width);
+  check_positive("height", height);
+  return {box_surface(Vec2::Zero(), {width, height}), {width, height}, nullptr};
+}
+
+PlanarDomain PlanarDomain::image(double width, double height, const Image& density) {
+  check_positive("width", width);
+  check_positive("height", height);
+  checked(density);
+  const auto lines = [](double length, std::size_t count) {
+    std::vector<double> result = {0.0};
+    for (std::size_t k = 0; k < count; ++k)
+      result.push_back(length * (static_cast<double>(k) + 0.5) / static_cast<double>(count));
+    result.push_back(length);
+    return result;
+  };
+  const auto pixel = [](std::size_t line, std::size_t count) {
+    return std::clamp<std::size_t>(line, 1, count) - 1;
+  };
+  Surface surface = grid_surface(
+      lines(width, density.columns), lines(height, density.rows),
+      [&](std::size_t column, std::size_t row) {
+        return density
+            .values[pixel(row, density.rows) * density.columns + pixel(column, density.columns)];
+      });
+  return {std::move(surface), {width, height}, std::make_shared<const Image>(density)};
+}
+
+PlanarDomain PlanarDomain::polygon(const std::vector<Vec2>& outline,
+                                   std::span<const std::vector<Vec2>> holes) {
+  return {polygon_surface(outline, holes), Vec2::Zero(), nullptr};
+}
+
+RestrictedVoronoi PlanarDomain::cells(const Sites& sites, const Context* context) const {
+  if (context) context->check();
+  // A rectangle has no corner that a straight way between two of its points could leave it at.
+  const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size()) : nullptr;
+  return restricted_voronoi(cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
+                            plane_graph(sites.positions), context, cells_);
+}
+
+double PlanarDomain::density_unit() const { return surface_.ordered().density_unit(); }
+
+Sites PlanarDomain::project(std::span<const Vec3> points,
+                            std::span<const std::int32_t> hints) const {
+  Projection found = projector_->project(points, hints);
+  return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+void PlanarDomain::check(const Sites& sites) const { check_sites(surface_, sites); }
+
+Sites PlanarDomain::sites(std::span<const Vec2> points) const {
+  Projection found = Projector(surface_).project(in_space("positions", points));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (found.distances[k] > kOutside * std::sqrt(area()))
+      throw ArgumentError(entry("positions", k) + " is (" + number(points[k].x()) + ", " +
+                          number(points[k].y()) + "), outside the domain by " +
+                          number(found.distances[k]));
+  return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+std::unique_ptr<FlatDomain> PlanarDomain::with_cells(Cells cells) const {
+  auto result = std::make_unique<PlanarDomain>(*this);
+  result->cells_ = cells;
+  return result;
+}
+
+std::vector<bool> PlanarDomain::on_border(const Sites& sites,
+                                          const RestrictedVoronoi& diagram) const {
+  return cells_on_border(surface_, sites, diagram);
+}
+
+std::unique_ptr<FlatDomain> PlanarDomain::with_density(const Image& density) const {
+  if (size_.x() == 0.0)
+    throw ArgumentError("density is an image, and the domain a polygon: only rectangles take one");
+  return image(size_.x(), size_.y(), density).with_cells(cells_);
+}
+
+// ---- the torus ----
+
+TorusDomain::TorusDomain()
+    : FlatDomain(nullptr),
+      pixels_(0, 0),
+      before_(0, 0),
+      quads_(1, 1),
+      period_(box_surface({0, 0}, {1, 1})),
+      cover_(box_surface({-1, -1}, {2, 2})) {}
+
+TorusDomain::TorusDomain(const Image& density)
+    : FlatDomain(std::make_shared<const Image>(density)),
+      pixels_(size_of(checked(density))),
+      before_(pixels_before(pixels_)),
+      quads_(last_pixel(pixels_) + before_),
+      period_(periodic_surface(density, {0, 0}, pixels_)),
+      cover_(periodic_surface(density, -before_, last_pixel(pixels_))) {}
+
+std::int32_t TorusDomain::face_at(const Vec2& wrapped) const {
+  const Eigen::Array2d at =
+      uniform() ? ((wrapped.array() + 1.0) / 3.0).eval()
+                : (wrapped.array() * pixels_.cast<double>() - 0.5 + before_.cast<double>()).eval();
+  const Eigen::Array2i quad = at.floor().cast<int>().max(0).min(quads_ - 1);
+  const Eigen::Array2d inside = at - quad.cast<double>();
+  return 2 * (quad.y() * quads_.x() + quad.x()) + (inside.y() > inside.x() ? 1 : 0);
+}
+
+Vec2 TorusDomain::canonical(const Vec3& position) const {
+  return {wrap(position.x()), wrap(position.y())};
+}
+
+RestrictedVoronoi TorusDomain::cells(const Sites& sites, const Context* context) const {
+  if (context) context->check();
+  Sites wrapped;
+  for (const Vec3& x : sites.positions) {
+    const Vec2 p = canonical(x);
+    wrapped.positions.emplace_back(p.x(), p.y(), 0.0);
+    wrapped.faces.push_back(face_at(p));
+  }
+  return restricted_voronoi(cover_, wrapped, torus_graph(wrapped.positions), context);
+}
+
+double TorusDomain::density_unit() const { return cover_.ordered().density_unit(); }
+
+Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>) const {
+  check_finite("points", points);
+  Sites sites;
+  for (const Vec3& x : points) {
+    const Vec2 p = canonical(x);
+    const std::int32_t face = face_at(p);
+    const auto [a, b, c] = cover_.ordered().corners(cover_.ordered().ordered_face(face));
+    sites.positions.emplace_back(x.x(), x.y(), 0.0);
+    sites.faces.push_back(face);
+    sites.barycentric.push_back(closest_barycentric({p.x(), p.y(), 0.0}, cover_.ordered().vertex(a),
+                                                    cover_.ordered().vertex(b),
+                                                    cover_.ordered().vertex(c)));
+  }
+  return sites;
+}
+
+void TorusDomain::check(const Sites& sites) const { check_sites(cover_, sites); }
+
+Sites TorusDomain::sites(std::span<const Vec2> points) const {
+  return project(in_space("positions", points), {});
+}
+
+// Its cells are whole, whatever the rule for parts of them.
+std::unique_ptr<FlatDomain> TorusDomain::with_cells(Cells) const {
+  return std::make_unique<TorusDomain>(*this);
+}
+
+std::vector<bool> TorusDomain::on_border(const Sites& sites, const RestrictedVoronoi&) const {
+  return std::vector<bool>(sites.size(), false);
+}
+
+std::unique_ptr<FlatDomain> TorusDomain::with_density(const Image& density) const {
+  return std::make_unique<TorusDomain>(density);
+}
+
+Sites TorusDomain::to_drawn(const Sites& sites) const {
+  std::vector<Vec3> points;
+  for (const Vec3& x : sites.positions) {
+    const Vec2 p = canonical(x);
+    points.emplace_back(p.x(), p.y(), 0.0);
+  }
+  Projection found = Projector(period_).project(points);
+  return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+}  // namespace dapple

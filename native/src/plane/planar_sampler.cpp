@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/planar_sampler.hpp>
+
+#include "base/clock.hpp"
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+#include "sample/class_problem.hpp"
+#include "sample/outcome.hpp"
+
+namespace dapple {
+namespace {
+
+std::string shape(const Image& image) {
+  return std::to_string(image.rows) + " x " + std::to_string(image.columns);
+}
+
+/// The density of class c as an image of this shape.
+const Image& image_of(const FlatDomain& domain, const PlanarClass& member, const Image& ones) {
+  if (member.density) return *member.density;
+  return domain.density() ? *domain.density() : ones;
+}
+
+const Image* first_image(std::span<const PlanarClass> classes) {
+  for (const PlanarClass& member : classes)
+    if (member.density) return &*member.density;
+  return nullptr;
+}
+
+/// Sum of the classes' images, each scaled to its count.
+Image union_image(const FlatDomain& domain, std::span<const PlanarClass> classes,
+                  const std::vector<double>& weights) {
+  Image sum = *first_image(classes);
+  Image ones = sum;
+  ones.values.assign(ones.values.size(), 1.0);
+  sum.values.assign(sum.values.size(), 0.0);
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    const Image& own = image_of(domain, classes[c], ones);
+    if (own.rows != sum.rows || own.columns != sum.columns)
+      throw ArgumentError("density of class " + std::to_string(c) + " is " + shape(own) +
+                          " pixels, another " + shape(sum) + ": all must be of one shape");
+    for (std::size_t k = 0; k < sum.values.size(); ++k) sum.values[k] += weights[c] * own.values[k];
+  }
+  return sum;
+}
+
+ClassProblem planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
+                            Cells cells) {
+  if (classes.empty()) throw ArgumentError("classes is empty: at least one is needed");
+  const std::shared_ptr<const FlatDomain> own = domain.with_cells(cells);
+  ClassProblem problem{own, {}};
+  std::size_t filled = 0;
+  for (const PlanarClass& member : classes) {
+    const std::shared_ptr<const Domain> mine =
+        member.density
+            ? std::shared_ptr<const Domain>(domain.with_density(*member.density)->with_cells(cells))
+            : own;
+    problem.classes.push_back({mine, member.count, member.radius, member.locked});
+    filled += member.count > 0 ? 1 : 0;
+    if (member.count > 0) problem.all = mine;
+  }
+  if (filled > 1)
+    problem.all =
+        first_image(classes)
+            ? std::shared_ptr<const Domain>(
+                  domain.with_density(union_image(domain, classes, union_weights(problem)))
+                      ->with_cells(cells))
+            : own;
+  return problem;
+}
+
+}  // namespace
+
+PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
+                            const SampleOptions& options, Context* context) {
+  const PlanarClass all{.count = count, .locked = options.locked};
+  ClassOptions of_class{.sample = options};
+  of_class.sample.locked = {};
+  return sample_planar_classes(domain, {&all, 1}, of_class, context);
+}
+
+PlanarSamples sample_planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
+                                    const ClassOptions& options, Context* context) {
+  const Clock clock;
+  if (context) context->check();
+  check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
+  PlanarSamples samples = with_threads(options.sample.threads, [&] {
+    const ClassProblem problem = planar_classes(domain, classes, options.sample.cells);
+    const ClassMinimum found = solve(problem, options, context);
+    const Sites& sites = found.minimum.state.sites;
+    PlanarSamples result;
+    for (const Vec3& x : sites.positions) result.positions.push_back(domain.canonical(x));
+    result.classes = found.objective.classes;
+    result.report = to_report(found.objective, found.minimum, classes.size(),
+                              std::vector<Vec3>(sites.size(), Vec3::UnitZ()));
+    return result;
+  });
+  samples.report.seconds = clock.seconds();
+  if (context) context->advance(1.0);
+  return samples;
+}
+
+}  // namespace dapple

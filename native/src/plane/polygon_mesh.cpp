@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "plane/polygon_mesh.hpp"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_2_algorithms.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <optional>
+
+#include "base/validate.hpp"
+
+namespace dapple {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+using Structure = CGAL::Triangulation_data_structure_2<
+    CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>,
+    CGAL::Constrained_triangulation_face_base_2<
+        Kernel, CGAL::Triangulation_face_base_with_info_2<std::optional<bool>, Kernel>>>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                               CGAL::No_constraint_intersection_tag>;
+
+struct NamedRing {
+  std::string name;
+  std::vector<Point> points;
+};
+
+NamedRing check_ring(std::string name, const Ring& ring) {
+  NamedRing result{std::move(name), {}};
+  if (ring.size() < 3)
+    throw ArgumentError(result.name + " has " + std::to_string(ring.size()) +
+                        " points: a polygon needs at least 3");
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    for (Eigen::Index axis = 0; axis < 2; ++axis)
+      if (!std::isfinite(ring[k][axis]))
+        throw ArgumentError(entry(result.name.c_str(), k) + " is not finite: coordinate " +
+                            std::to_string(axis) + " is " + number(ring[k][axis]));
+    result.points.emplace_back(ring[k].x(), ring[k].y());
+  }
+  return result;
+}
+
+/// Triangulates rings that do not meet.
+class RingMesh {
+ public:
+  void insert_points(const NamedRing& ring) {
+    std::vector<Triangulation::Vertex_handle>& vertices = rings_.emplace_back();
+    for (std::size_t k = 0; k < ring.points.size(); ++k) {
+      const auto vertex = mesh_.insert(ring.points[k]);
+      if (mesh_.number_of_vertices() == vertices_.size())
+        throw ArgumentError(entry(ring.name.c_str(), k) +
+                            " repeats an earlier point: a polygon's points must differ");
+      vertex->info() = static_cast<std::int32_t>(vertices_.size());
+      vertices_.emplace_back(ring.points[k].x(), ring.points[k].y(), 0.0);
+      vertices.push_back(vertex);
+    }
+  }
+
+  void insert_edges(const NamedRing& ring, std::size_t index) {
+    const auto& vertices = rings_[index];
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      const auto a = vertices[k], b = vertices[(k + 1) % vertices.size()];
+      if (!insert_edge(a, b))
+        throw ArgumentError("the edge that starts at " + entry(ring.name.c_str(), k) +
+                            " crosses or touches another edge: polygons must not meet themselves "
+                            "or each other");
+    }
+  }
+
+  /// The triangles that an odd number of rings surrounds.
+  Surface surface() {
+    mark_from(mesh_.infinite_face());
+    std::vector<Face> faces;
+    for (const auto face : mesh_.finite_face_handles()) {
+      if (!face->info().value_or(false)) continue;
+      const auto corner = [&](int k) { return face->vertex(k)->info(); };
+      faces.push_back({corner(0), corner(1), corner(2)});
+    }
+    return Surface(vertices_, faces);
+  }
+
+ private:
+  bool insert_edge(Triangulation::Vertex_handle a, Triangulation::Vertex_handle b) {
+    try {
+      mesh_.insert_constraint(a, b);
+    } catch (const Triangulation::Intersection_of_constraints_exception&) {
+      return false;
+    }
+    return mesh_.is_edge(a, b);  // not if another point lies on it
+  }
+
+  void mark_from(Triangulation::Face_handle outside) {
+    outside->info() = false;
+    std::vector<Triangulation::Face_handle> pending = {outside};
+    while (!pending.empty()) {
+      const auto face = pending.back();
+      pending.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        const auto next = face->neighbor(k);
+        if (next->info().has_value()) continue;
+        next->info() = face->info().value_or(false) != face->is_constrained(k);
+        pending.push_back(next);
+      }
+    }
+  }
+
+  Triangulation mesh_;
+  std::vector<Vec3> vertices_;
+  std::vector<std::vector<Triangulation::Vertex_handle>> rings_;
+};
+
+bool inside(const NamedRing& ring, const Point& point) {
+  return CGAL::bounded_side_2(ring.points.begin(), ring.points.end(), point, Kernel()) ==
+         CGAL::ON_BOUNDED_SIDE;
+}
+
+/// \pre the rings do not meet
+void check_nesting(const std::vector<NamedRing>& rings) {
+  for (std::size_t k = 1; k < rings.size(); ++k) {
+    if (!inside(rings[0], rings[k].points[0]))
+      throw ArgumentError(rings[k].name + " is not inside the outline");
+    for (std::size_t other = 1; other < rings.size(); ++other)
+      if (other != k && inside(rings[other], rings[k].points[0]))
+        throw ArgumentError(rings[k].name + " is inside " + rings[other].name +
+                            ": holes must lie apart");
+  }
+}
+
+}  // namespace
+
+Surface polygon_surface(const Ring& outline, std::span<const Ring> holes) {
+  std::vector<NamedRing> rings = {check_ring("outline", outline)};
+  for (std::size_t k = 0; k < holes.size(); ++k)
+    rings.push_back(check_ring(entry("holes", k), holes[k]));
+  RingMesh mesh;
+  for (const NamedRing& ring : rings) mesh.insert_points(ring);
+  for (std::size_t k = 0; k < rings.size(); ++k) mesh.insert_edges(rings[k], k);
+  check_nesting(rings);
+  return mesh.surface();
+}
+
+}  // namespace dapple

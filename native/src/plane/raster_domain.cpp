@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "plane/raster_domain.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/density_unit.hpp"
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+#include "plane/delaunay_graph.hpp"
+#include "plane/pixel_integrals.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kGrain = 64;   // cells a chunk
+constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
+
+/// In a unit of its own if its values are far from 1.
+Image checked(Image density) {
+  check_image("density", density);
+  const double most = *std::max_element(density.values.begin(), density.values.end());
+  double sum = 0.0;
+  for (const double value : density.values) sum += value / most;
+  const double unit = density_unit(most, sum / static_cast<double>(density.values.size()));
+  if (unit != 1.0)
+    for (double& value : density.values) value *= unit;
+  return density;
+}
+
+Surface rectangle(const Vec2& size) {
+  const std::vector<Vec3> vertices = {
+      {0, 0, 0}, {size.x(), 0, 0}, {size.x(), size.y(), 0}, {0, size.y(), 0}};
+  const std::vector<Face> faces = {{0, 1, 2}, {0, 2, 3}};
+  return {vertices, faces};
+}
+
+/// The cell of a site in the rectangle [0, size]; edge k lies on the bisector with link k. Empty if
+/// the site coincides with one of lower index.
+void shape_cell(const Vec2& size, const Vec2& x, std::span<const SiteGraph::Link> links,
+                std::int32_t site, FlatPolygon& cell) {
+  cell.corners = {{-x, kFrame},
+                  {Vec2(size.x(), 0.0) - x, kFrame},
+                  {size - x, kFrame},
+                  {Vec2(0.0, size.y()) - x, kFrame}};
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const Vec2 d = links[k].offset.head<2>();
+    if (d.isZero(0.0) && links[k].site < site) return cell.corners.clear();
+    if (!d.isZero(0.0)) cell.cut(d, 0.5 * d.squaredNorm(), static_cast<std::int32_t>(k));
+  }
+}
+
+double distance_to_segment(const Vec2& p, const Vec2& q) {
+  const Vec2 d = q - p;
+  return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
+}
+
+void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
+                       std::span<const SiteGraph::Link> links, std::vector<CellBoundary>& out) {
+  for (std::size_t k = 0; k < cell.corners.size(); ++k) {
+    const FlatPolygon::Corner& corner = cell.corners[k];
+    if (corner.edge == kFrame) continue;
+    const PixelIntegrals::Edge edge = integrals.along(corner.edge);
+    if (edge.length <= 0.0) continue;
+    const SiteGraph::Link& link = links[static_cast<std::size_t>(corner.edge)];
+    const Vec2 flux = edge.flux / link.offset.norm();
+    const Vec2& end = cell.corners[k + 1 < cell.corners.size() ? k + 1 : 0].x;
+    out.push_back({link.site, Vec3(flux.x(), flux.y(), 0.0), link.offset, edge.length,
+                   2.0 * distance_to_segment(corner.x, end)});
+  }
+}
+
+Vec2 flat(const Vec3& p) { return p.head<2>(); }
+
+}  // namespace
+
+RasterDomain::RasterDomain(Image density)
+    : density_(checked(std::move(density))),
+      size_(static_cast<double>(density_.columns), static_cast<double>(density_.rows)),
+      mass_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
+      frame_(rectangle(size_)) {}
+
+RestrictedVoronoi RasterDomain::cells(const Sites& sites, const Context* context) const {
+  const SiteGraph graph = plane_graph(sites.positions);
+  RestrictedVoronoi result;
+  result.cells.resize(sites.size());
+  result.rows.resize(sites.size());
+  std::vector<std::vector<CellBoundary>> boundaries((sites.size() + kGrain - 1) / kGrain);
+  parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
+    FlatPolygon cell;
+    PixelIntegrals integrals(density_);
+    std::vector<CellBoundary>& mine = boundaries[begin / kGrain];
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec2 x = flat(sites.positions[k]);
+      shape_cell(size_, x, graph.of(k), static_cast<std::int32_t>(k), cell);
+      integrals.reset(cell, x);
+      result.cells[k] = integrals.moments();
+      const std::size_t first = mine.size();
+      append_boundaries(cell, integrals, graph.of(k), mine);
+      result.rows[k] = {first, mine.size() - first};
+    }
+  });
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    if (k % kGrain == 0 && k > 0) {
+      const auto& before = boundaries[k / kGrain - 1];
+      result.boundaries.insert(result.boundaries.end(), before.begin(), before.end());
+    }
+    result.rows[k].first += result.boundaries.size();
+  }
+  if (!boundaries.empty())
+    result.boundaries.insert(result.boundaries.end(), boundaries.back().begin(),
+                             boundaries.back().end());
+  return result;
+}
+
+Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>) const {
+  Sites sites;
+  sites.positions.resize(points.size());
+  sites.faces.resize(points.size());
+  sites.barycentric.assign(points.size(), Vec3::Zero());
+  parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec2 p = nearest(flat(points[k]));
+      const Vec2 last = size_ - Vec2::Ones();
+      const Vec2 pixel = p.array().floor().min(last.array());
+      sites.positions[k] = {p.x(), p.y(), 0.0};
+      sites.faces[k] = static_cast<std::int32_t>(pixel.y() * size_.x() + pixel.x());
+    }
+  });
+  return sites;
+}
+
+// Pixels lie on square rings around the one that holds the point; all of ring k are at least k - 1
+// away.
+Vec2 RasterDomain::nearest(const Vec2& point) const {
+  const auto columns = static_cast<std::int32_t>(density_.columns);
+  const auto rows = static_cast<std::int32_t>(density_.rows);
+  const Vec2 inside = point.cwiseMax(0.0).cwiseMin(size_);
+  const std::int32_t column = std::min(static_cast<std::int32_t>(inside.x()), columns - 1);
+  const std::int32_t row = std::min(static_cast<std::int32_t>(inside.y()), rows - 1);
+  Vec2 best = inside;
+  double distance = std::numeric_limits<double>::infinity();
+  const auto look = [&](std::int32_t c, std::int32_t r) {
+    if (c < 0 || c >= columns || r < 0 || r >= rows) return;
+    if (density_.values[static_cast<std::size_t>(r) * density_.columns +
+                        static_cast<std::size_t>(c)] <= 0.0)
+      return;
+    const Vec2 low(c, r);
+    const Vec2 p = inside.cwiseMax(low).cwiseMin(low + Vec2::Ones());
+    if ((p - inside).norm() >= distance) return;
+    distance = (p - inside).norm();
+    best = p;
+  };
+  look(column, row);
+  for (std::int32_t k = 1; distance > k - 1 && k <= std::max(columns, rows); ++k)
+    for (std::int32_t along = -k; along <= k; ++along) {
+      look(column + along, row - k);
+      look(column + along, row + k);
+      look(column - k, row + along);
+      look(column + k, row + along);
+    }
+  return best;
+}
+
+std::vector<bool> RasterDomain::on_border(const Sites& sites, const RestrictedVoronoi&) const {
+  const SiteGraph graph = plane_graph(sites.positions);
+  std::vector<bool> result(sites.size(), false);
+  FlatPolygon cell;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    shape_cell(size_, flat(sites.positions[k]), graph.of(k), static_cast<std::int32_t>(k), cell);
+    result[k] = std::any_of(cell.corners.begin(), cell.corners.end(),
+                            [](const auto& corner) { return corner.edge == kFrame; });
+  }
+  return result;
+}
+
+void RasterDomain::check(const Sites& sites) const { check_finite("positions", sites.positions); }
+
+}  // namespace dapple

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/class_problem.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "base/progress.hpp"
+#include "base/validate.hpp"
+#include "start/class_start.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kUnionGap = 5.0 / 6.0;  // of the gap's radius, between sites of any class
+constexpr double kThings = 20.0;         // weight of overlapping things in the first round ...
+constexpr double kHarder = 10.0;         // ... and by how much it grows
+constexpr int kRounds = 4;
+constexpr double kStarted = 0.05;  // of the progress: the start is there ...
+constexpr double kAlone = 0.35;    // ... and every class is even by itself
+constexpr double kRound = 0.6;  // of the progress that is left: nobody knows how many there will be
+constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
+constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
+
+bool any_radius(const ClassProblem& problem) {
+  return std::any_of(problem.classes.begin(), problem.classes.end(),
+                     [](const auto& member) { return member.radius > 0.0; });
+}
+
+void check_radii(const ClassProblem& problem) {
+  double covered = 0.0, most = -1.0;
+  std::size_t largest = 0;
+  for (std::size_t c = 0; c < problem.classes.size(); ++c) {
+    const ClassProblem::Member& member = problem.classes[c];
+    check_at_least("radius", member.radius, 0.0);
+    const double area =
+        static_cast<double>(member.count) * std::numbers::pi * member.radius * member.radius;
+    covered += area;
+    if (area > most) largest = c;
+    most = std::max(most, area);
+  }
+  const double room = kPacking * problem.all->area();
+  if (covered <= room) return;
+  throw ArgumentError("radii ask for discs of area " + number(covered) + ", and at most " +
+                      number(room) + " (the densest packing) fits; most of it, " + number(most) +
+                      ", is class " + std::to_string(largest) + ": " +
+                      std::to_string(problem.classes[largest].count) + " of radius " +
+                      number(problem.classes[largest].radius));
+}
+
+void check_counts(const ClassProblem& problem) {
+  std::size_t sum = 0;
+  for (std::size_t c = 0; c < problem.classes.size(); ++c) {
+    check_count(problem.classes.size() == 1 ? "count" : entry("classes", c) + ".count",
+                problem.classes[c].count);
+    sum += problem.classes[c].count;
+  }
+  check_count("the sum of all counts", sum);
+}
+
+void check_locked(const ClassProblem& problem) {
+  for (std::size_t c = 0; c < problem.classes.size(); ++c) {
+    const ClassProblem::Member& member = problem.classes[c];
+    if (member.locked.size() > member.count)
+      throw ArgumentError("locked holds " + std::to_string(member.locked.size()) +
+                          " sites of class " + std::to_string(c) + ", whose count is " +
+                          std::to_string(member.count) + ": the count includes them");
+    check_same_length("locked.barycentric", member.locked.barycentric.size(), "locked.positions",
+                      member.locked.size());
+    member.domain->check(member.locked);
+  }
+}
+
+void check(const ClassProblem& problem, const ClassOptions& options) {
+  check_at_least("union_weight", options.union_weight, 0.0);
+  check_counts(problem);
+  check_radii(problem);
+  check_locked(problem);
+}
+
+std::vector<bool> locked_sites(const ClassProblem& problem) {
+  std::vector<bool> locked;
+  bool any = false;
+  for (const ClassProblem::Member& member : problem.classes)
+    for (std::size_t k = 0; k < member.count; ++k) {
+      locked.push_back(k < member.locked.size());
+      any = any || locked.back();
+    }
+  return any ? locked : std::vector<bool>();
+}
+
+/// The start's part of one class, moved to where that class is even by itself.
+void settle_alone(const ClassProblem::Member& member, const ClassOptions& options,
+                  std::size_t first, Sites& sites, Minimum& sum, Context* context) {
+  const auto from = static_cast<std::ptrdiff_t>(first);
+  const auto to = static_cast<std::ptrdiff_t>(first + member.count);
+  const Sites mine = {{sites.positions.begin() + from, sites.positions.begin() + to},
+                      {sites.faces.begin() + from, sites.faces.begin() + to},
+                      {sites.barycentric.begin() + from, sites.barycentric.begin() + to}};
+  const ClassProblem alone{member.domain, {member}};
+  const Minimum found =
+      minimize(make_objective(alone, class_of_sites(alone), options, locked_sites(alone)), mine,
+               options.sample.optimizer, context);
+  std::copy(found.state.sites.positions.begin(), found.state.sites.positions.end(),
+            sites.positions.begin() + from);
+  std::copy(found.state.sites.faces.begin(), found.state.sites.faces.end(),
+            sites.faces.begin() + from);
+  std::copy(found.state.sites.barycentric.begin(), found.state.sites.barycentric.end(),
+            sites.barycentric.begin() + from);
+  sum.evaluations += found.evaluations;
+  sum.iterations += found.iterations;
+}
+
+/// Sites of classes that are done, as a share of all.
+double progress_of(std::size_t done, const Sites& all) {
+  return static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+}
+
+std::vector<std::int32_t> members_of(const std::vector<std::int32_t>& classes, std::size_t c) {
+  std::vector<std::int32_t> members;
+  for (std::size_t k = 0; k < classes.size(); ++k)
+    if (classes[k] == static_cast<std::int32_t>(c)) members.push_back(static_cast<std::int32_t>(k));
+  return members;
+}
+
+}  // namespace
+
+std::vector<double> union_weights(const ClassProblem& problem) {
+  std::vector<double> weights;
+  weights.reserve(problem.classes.size());
+  for (const ClassProblem::Member& member : problem.classes)
+    weights.push_back(static_cast<double>(member.count) / member.domain->mass() *
+                      member.domain->density_unit());
+  return weights;
+}
+
+std::vector<std::int32_t> class_of_sites(const ClassProblem& problem) {
+  std::vector<std::int32_t> classes;
+  for (std::size_t c = 0; c < problem.classes.size(); ++c)
+    classes.insert(classes.end(), problem.classes[c].count, static_cast<std::int32_t>(c));
+  return classes;
+}
+
+Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> classes,
+                         const ClassOptions& options, std::vector<bool> locked) {
+  const OptimizerOptions& optimizer = options.sample.optimizer;
+  Objective objective;
+  objective.capacity_weight = optimizer.capacity_weight;
+  objective.locked = std::move(locked);
+  objective.terms.push_back({.domain = problem.all.get(),
+                             .gap_radius = optimizer.gap_radius,
+                             .gap_weight = optimizer.gap_weight});
+  for (const ClassProblem::Member& member : problem.classes)
+    objective.homes.push_back(member.domain.get());
+  if (any_radius(problem)) {
+    for (const std::int32_t c : classes)
+      objective.things.push_back(problem.classes[static_cast<std::size_t>(c)].radius);
+    objective.things_weight =
+        kThings / static_cast<double>(std::max<std::size_t>(classes.size(), 1));
+  }
+  for (std::size_t c = 0; c < problem.classes.size(); ++c) {
+    std::vector<std::int32_t> members = members_of(classes, c);
+    if (members.empty() || members.size() == classes.size()) continue;
+    objective.terms.push_back({.domain = problem.classes[c].domain.get(),
+                               .members = std::move(members),
+                               .gap_radius = optimizer.gap_radius,
+                               .gap_weight = optimizer.gap_weight});
+  }
+  if (objective.terms.size() > 1) {
+    objective.terms[0].weight =
+        options.union_weight * static_cast<double>(objective.terms.size() - 1);
+    objective.terms[0].gap_radius *= kUnionGap;
+  }
+  objective.classes = std::move(classes);
+  return objective;
+}
+
+Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
+                 const Context* context) {
+  ClassStarts starts{{}, &problem.all->drawn_on(), problem.all->period(), seed};
+  for (const ClassProblem::Member& member : problem.classes)
+    starts.classes.push_back({&member.domain->drawn_on(), member.count, member.radius,
+                              member.domain->to_drawn(member.locked)});
+  Sites sites = kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context);
+  return starts.period > 0.0 ? problem.all->project(sites.positions, {}) : sites;
+}
+
+ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
+                   Context* context) {
+  double done = objective.things.empty() ? 1.0 : kRound;
+  Stretch first(context, 0.0, done);
+  Minimum found = minimize(objective, start, options, first.context());
+  for (int round = 1; round < kRounds && !objective.things.empty(); ++round) {
+    const ClosePair* worst = worst_pair(found.state.things);
+    if (!worst || worst->lack <= kOverlap) break;
+    objective.things_weight *= kHarder;
+    const double before = std::exchange(done, done + kRound * (1.0 - done));
+    Stretch harder(context, before, done);
+    Minimum next = minimize(objective, found.state.sites, options, harder.context());
+    next.evaluations += found.evaluations;
+    next.iterations += found.iterations;
+    found = std::move(next);
+  }
+  return {std::move(objective), std::move(found)};
+}
+
+ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
+  check(problem, options);
+  Sites start = make_start(problem, options.sample.start, options.sample.seed, context);
+  if (context) context->advance(kStarted);
+  const bool stages = options.two_stages && problem.classes.size() > 1;
+  const double together = stages ? kAlone : kStarted;
+  Stretch alone(context, kStarted, together);
+  Stretch finishing(context, together, 1.0);
+  Minimum before;
+  std::size_t first = 0;
+  for (const ClassProblem::Member& member : problem.classes) {
+    Stretch step(alone.context(), progress_of(first, start),
+                 progress_of(first + member.count, start));
+    if (stages && member.count > 0)
+      settle_alone(member, options, first, start, before, step.context());
+    first += member.count;
+  }
+  ClassMinimum found =
+      solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
+            options.sample.optimizer, finishing.context());
+  found.minimum.evaluations += before.evaluations;
+  found.minimum.iterations += before.iterations;
+  return found;
+}
+
+}  // namespace dapple

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/outcome.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/energy.hpp>
+#include <numeric>
+
+#include "base/validate.hpp"
+#include "sample/validate_samples.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+/// Which term is about this class; all sites' if they are all of it. -1 for an empty class.
+std::int32_t term_of(const Objective& objective, std::size_t c) {
+  const auto is_of_class = [&](std::int32_t site) {
+    return objective.classes[static_cast<std::size_t>(site)] == static_cast<std::int32_t>(c);
+  };
+  for (std::size_t t = 1; t < objective.terms.size(); ++t)
+    if (is_of_class(objective.terms[t].members[0])) return static_cast<std::int32_t>(t);
+  return objective.terms.size() == 1 && !objective.classes.empty() && is_of_class(0) ? 0 : -1;
+}
+
+/// Each component's samples share its mass at best.
+double whole_count_spread(const Surface& surface, const Sites& sites) {
+  if (surface.ordered().components() < 2 || sites.size() == 0) return 0.0;
+  const auto components = static_cast<std::size_t>(surface.ordered().components());
+  std::vector<double> masses(components, 0.0), counts(components, 0.0);
+  const auto component_of = [&](std::int32_t ordered) {
+    return static_cast<std::size_t>(surface.ordered().component(ordered));
+  };
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const auto face = static_cast<std::int32_t>(f);
+    masses[component_of(face)] += surface.ordered().geometry(face).moments.capacity;
+  }
+  for (const std::int32_t face : sites.faces)
+    ++counts[component_of(surface.ordered().ordered_face(face))];
+  const double mean = surface.mass() / static_cast<double>(sites.size());
+  double sum = 0.0;
+  for (std::size_t c = 0; c < components; ++c)
+    if (counts[c] > 0.0) sum += counts[c] * std::pow(masses[c] / (counts[c] * mean) - 1.0, 2);
+  return std::sqrt(sum / static_cast<double>(sites.size()));
+}
+
+Quality measure_class(const Objective& objective, const Minimum& found, std::size_t c,
+                      std::span<const Vec3> normals) {
+  const std::int32_t t = term_of(objective, c);
+  if (t < 0) return {};
+  const Term& term = objective.terms[static_cast<std::size_t>(t)];
+  const Energy& energy = found.state.parts[static_cast<std::size_t>(t)].energy;
+  if (term.members.empty()) return measure(*term.domain, energy, found.state.sites, normals);
+  Vectors mine;
+  for (const std::int32_t site : term.members)
+    mine.push_back(normals[static_cast<std::size_t>(site)]);
+  return measure(*term.domain, energy, select(found.state.sites, term.members), mine);
+}
+
+}  // namespace
+
+Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
+                std::span<const Vec3> normals) {
+  return {
+      .count = sites.size(),
+      .spacing = domain.spacing(sites.size()),
+      .evenness = measure_evenness(energy.diagram),
+      .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
+      .energy = energy.normalised,
+      .whole_count_spread = whole_count_spread(domain.drawn_on(), domain.to_drawn(sites))};
+}
+
+Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,
+                 std::span<const Vec3> normals) {
+  const State& state = found.state;
+  Report report;
+  static_cast<Quality&>(report) =
+      measure(objective.domain(), state.parts[0].energy, state.sites, normals);
+  for (std::size_t c = 0; c < class_count && class_count > 1; ++c)
+    report.classes.push_back(measure_class(objective, found, c, normals));
+  if (const ClosePair* worst = worst_pair(state.things)) {
+    report.worst_overlap = worst->lack;
+    report.overlapping = {worst->i, worst->j};
+  }
+  report.evaluations = found.evaluations;
+  report.iterations = found.iterations;
+  report.converged = found.converged;
+  report.energies = found.energies;
+  return report;
+}
+
+Samples to_samples(const Surface& surface, const Objective& objective, const Minimum& found,
+                   std::size_t class_count, std::span<const std::int32_t> ids) {
+  const Sites& sites = found.state.sites;
+  Samples samples = bind_samples(surface, sites.faces, sites.barycentric, ids, objective.classes);
+  samples.report = to_report(objective, found, class_count, samples.normals);
+  return samples;
+}
+
+Samples to_samples(const Surface& surface, const Domain& domain, OptimizerResult&& found,
+                   std::span<const std::int32_t> ids) {
+  Samples samples = bind_samples(surface, found.sites.faces, found.sites.barycentric, ids);
+  Report& report = samples.report;
+  static_cast<Quality&>(report) = measure(domain, found.energy, found.sites, samples.normals);
+  report.evaluations = found.evaluations;
+  report.iterations = found.iterations;
+  report.converged = found.converged;
+  report.energies = std::move(found.energies);
+  return samples;
+}
+
+void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Vec3> before) {
+  std::vector<double> slides;
+  for (std::size_t k = 0; k < std::min(now.size(), before.size()); ++k)
+    slides.push_back((now[k] - before[k]).norm() / report.spacing);
+  if (slides.empty()) return;
+  report.slide_mean =
+      std::accumulate(slides.begin(), slides.end(), 0.0) / static_cast<double>(slides.size());
+  std::sort(slides.begin(), slides.end());
+  report.slide_median = slides[slides.size() / 2];
+  report.slide_max = slides.back();
+}
+
+Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,
+               Cells cells) {
+  check_samples(surface, samples);
+  const Sites sites{samples.positions, samples.faces, samples.barycentric};
+  const SurfaceDomain domain(surface, cells);
+  Report report;
+  static_cast<Quality&>(report) =
+      measure(domain, evaluate_energy(domain, sites, capacity_weight), sites, samples.normals);
+  report.evaluations = 1;
+  return report;
+}
+
+}  // namespace dapple

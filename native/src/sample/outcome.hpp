@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer.hpp>
+#include <dapple/samples.hpp>
+
+#include "optimize/minimizer.hpp"
+
+namespace dapple {
+
+/// How even sites are by the energy over their cells. \param normals of the surface, per site
+[[nodiscard]] Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
+                              std::span<const Vec3> normals);
+
+/// What the minimiser found, all together and class by class.
+/// \param class_count number of classes, empty ones too
+/// \param normals     of the surface, per site
+[[nodiscard]] Report to_report(const Objective& objective, const Minimum& found,
+                               std::size_t class_count, std::span<const Vec3> normals);
+
+/// The same as samples of a surface.
+[[nodiscard]] Samples to_samples(const Surface& surface, const Objective& objective,
+                                 const Minimum& found, std::size_t class_count,
+                                 std::span<const std::int32_t> ids = {});
+
+/// One class, found by optimize().
+[[nodiscard]] Samples to_samples(const Surface& surface, const Domain& domain,
+                                 OptimizerResult&& found, std::span<const std::int32_t> ids);
+
+/// How far samples are from where they were, in spacings; `before` may be fewer.
+void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Vec3> before);
+
+}  // namespace dapple

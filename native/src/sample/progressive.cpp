@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/neighbours.hpp>
+#include <dapple/progressive.hpp>
+#include <numeric>
+#include <queue>
+
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kGrain = 512;
+constexpr std::size_t kRing = 6;  // neighbours in a hexagonal lattice
+
+using Indices = std::vector<std::int32_t>;
+
+std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+struct Link {
+  std::int32_t other;
+  double weight;
+};
+
+/// Points that are to be even among themselves: all of them, or those of a class.
+class Layer {
+ public:
+  Layer(std::span<const Vec3> all, Indices members, const Context* context)
+      : all_(all), members_(std::move(members)) {
+    const std::vector<Vec3> places = places_of(members_);
+    const Neighbours tree(places);
+    spacing_.resize(members_.size());
+    parallel_chunks(members_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context) context->check();
+      std::vector<Neighbour> ring;
+      for (std::size_t k = begin; k < end; ++k) {
+        tree.nearest(places[k], kRing + 1, ring);  // the first is the point itself
+        double sum = 0.0;
+        for (const Neighbour& one : ring) sum += std::sqrt(one.squared_distance);
+        spacing_[k] = sum / static_cast<double>(std::max<std::size_t>(ring.size(), 2) - 1);
+      }
+    });
+  }
+
+  /// Add to each point's links those to points that are nearer than the spacing would be if the
+  /// share `left` of the layer were there: (1 - distance / spacing)^8, as in weighted sample
+  /// elimination, once for each of both points' spacings.
+  void link(const std::vector<std::uint8_t>& alive, double left,
+            std::vector<std::vector<Link>>& links, const Context* context) const {
+    std::vector<std::size_t> kept;
+    for (std::size_t k = 0; k < members_.size(); ++k)
+      if (alive[at(members_[k])]) kept.push_back(k);
+    Indices who;
+    for (const std::size_t k : kept) who.push_back(members_[k]);
+    const std::vector<Vec3> places = places_of(who);
+    const Neighbours tree(places);
+    std::vector<std::vector<Link>> found(kept.size());
+    parallel_chunks(kept.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      if (context) context->check();
+      std::vector<Neighbour> near;
+      for (std::size_t k = begin; k < end; ++k) {
+        const double radius = spacing_[kept[k]] / std::sqrt(left);
+        tree.within(places[k], radius, near);
+        for (const Neighbour& one : near)
+          if (at(one.index) != k)
+            found[k].push_back(
+                {who[at(one.index)], closeness(std::sqrt(one.squared_distance) / radius)});
+      }
+    });
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      for (const Link& one : found[k]) {
+        links[at(who[k])].push_back(one);
+        links[at(one.other)].push_back({who[k], one.weight});
+      }
+  }
+
+ private:
+  static double closeness(double part) { return std::pow(1.0 - part, 8.0); }
+
+  [[nodiscard]] std::vector<Vec3> places_of(const Indices& who) const {
+    std::vector<Vec3> places;
+    places.reserve(who.size());
+    for (const std::int32_t one : who) places.push_back(all_[at(one)]);
+    return places;
+  }
+
+  std::span<const Vec3> all_;
+  Indices members_;
+  std::vector<double> spacing_;  // of each member: mean distance to its ring
+};
+
+/// Which class gives the next point, so that all keep their shares.
+class Shares {
+ public:
+  explicit Shares(const std::vector<Indices>& classes) {
+    for (const Indices& one : classes) total_ += one.size();
+    for (const Indices& one : classes) size_.push_back(one.size());
+    left_ = size_;
+    remaining_ = total_;
+  }
+
+  /// The class that is farthest above its share of one point fewer.
+  std::size_t take() {
+    --remaining_;
+    std::size_t chosen = 0;
+    double most = -1e300;
+    for (std::size_t c = 0; c < size_.size(); ++c) {
+      const double share = static_cast<double>(size_[c]) * static_cast<double>(remaining_) /
+                           static_cast<double>(total_);
+      const double above = static_cast<double>(left_[c]) - share;
+      if (left_[c] == 0 || above <= most) continue;
+      most = above;
+      chosen = c;
+    }
+    --left_[chosen];
+    return chosen;
+  }
+
+ private:
+  std::vector<std::size_t> size_, left_;
+  std::size_t total_ = 0, remaining_ = 0;
+};
+
+/// The points that are left, and whose turn it is to go.
+class Elimination {
+ public:
+  Elimination(std::span<const Vec3> points, const std::vector<Indices>& classes,
+              const Indices& class_of, const Context* context)
+      : class_of_(class_of), shares_(classes), alive_(points.size(), 1), ranks_(points.size()) {
+    Indices all(points.size());
+    std::iota(all.begin(), all.end(), 0);
+    layers_.emplace_back(points, std::move(all), context);
+    if (classes.size() > 1)
+      for (const Indices& one : classes) layers_.emplace_back(points, one, context);
+    left_ = points.size();
+  }
+
+  Indices run(Context* context) && {
+    // Radii grow with the gaps, so neighbours are looked up anew whenever half are gone.
+    while (left_ > 0) {
+      const std::size_t target = left_ / 2;
+      begin_level(target, context);
+      while (left_ > target) {
+        if (context && left_ % kGrain == 0) report(*context);
+        remove(next());
+      }
+    }
+    return std::move(ranks_);
+  }
+
+ private:
+  struct Entry {
+    double weight;
+    std::int32_t point;
+    bool operator<(const Entry& other) const {
+      return weight != other.weight ? weight < other.weight : point > other.point;
+    }
+  };
+
+  /// Each half that goes takes half as long as the one before.
+  void report(Context& context) const {
+    context.check();
+    context.advance(1.0 - static_cast<double>(left_) / static_cast<double>(alive_.size()));
+  }
+
+  void begin_level(std::size_t target, const Context* context) {
+    const double share =
+        static_cast<double>(std::max<std::size_t>(target, 1)) / static_cast<double>(alive_.size());
+    links_.assign(alive_.size(), {});
+    for (const Layer& layer : layers_) layer.link(alive_, share, links_, context);
+    weights_.assign(alive_.size(), 0.0);
+    queues_.assign(layers_.size() > 1 ? layers_.size() - 1 : 1, {});
+    for (std::size_t k = 0; k < alive_.size(); ++k) {
+      if (!alive_[k]) continue;
+      for (const Link& one : links_[k]) weights_[k] += one.weight;
+      enter(static_cast<std::int32_t>(k));
+    }
+  }
+
+  void enter(std::int32_t point) {
+    queues_[at(class_of_[at(point)])].push({weights_[at(point)], point});
+  }
+
+  std::int32_t next() {
+    std::priority_queue<Entry>& queue = queues_[shares_.take()];
+    while (true) {
+      const Entry top = queue.top();
+      queue.pop();
+      if (alive_[at(top.point)] && weights_[at(top.point)] == top.weight) return top.point;
+    }
+  }
+
+  void remove(std::int32_t point) {
+    alive_[at(point)] = 0;
+    ranks_[at(point)] = static_cast<std::int32_t>(--left_);
+    for (const Link& one : links_[at(point)]) {
+      if (!alive_[at(one.other)]) continue;
+      weights_[at(one.other)] -= one.weight;
+      enter(one.other);
+    }
+  }
+
+  const Indices& class_of_;
+  Shares shares_;
+  std::vector<Layer> layers_;  // all, then the classes if there are several
+  std::vector<std::uint8_t> alive_;
+  std::size_t left_ = 0;
+  Indices ranks_;
+  std::vector<std::vector<Link>> links_;
+  std::vector<double> weights_;
+  std::vector<std::priority_queue<Entry>> queues_;  // per class
+};
+
+/// Members of each class that has any, and per point which of these lists it is in.
+std::pair<std::vector<Indices>, Indices> grouped(std::size_t count,
+                                                 std::span<const std::int32_t> classes) {
+  Indices names(classes.begin(), classes.end());
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::vector<Indices> members(std::max<std::size_t>(names.size(), 1));
+  Indices group(count, 0);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!classes.empty())
+      group[k] = static_cast<std::int32_t>(
+          std::lower_bound(names.begin(), names.end(), classes[k]) - names.begin());
+    members[at(group[k])].push_back(static_cast<std::int32_t>(k));
+  }
+  return {members, group};
+}
+
+}  // namespace
+
+std::vector<std::int32_t> progressive_ranks(std::span<const Vec3> points,
+                                            std::span<const std::int32_t> classes,
+                                            Context* context) {
+  if (context) context->check();
+  check_finite("points", points);
+  if (!classes.empty()) check_same_length("classes", classes.size(), "points", points.size());
+  for (std::size_t k = 0; k < classes.size(); ++k)
+    if (classes[k] < 0)
+      throw ArgumentError(entry("classes", k) + " is " + std::to_string(classes[k]) +
+                          ": it must be >= 0");
+  const auto [members, group] = grouped(points.size(), classes);
+  Indices ranks = Elimination(points, members, group, context).run(context);
+  if (context) context->advance(1.0);
+  return ranks;
+}
+
+}  // namespace dapple

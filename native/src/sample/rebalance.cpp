@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/rebalance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <set>
+
+#include "base/hexagonal.hpp"
+#include "base/morton.hpp"
+#include "base/random.hpp"
+#include "base/tangent_basis.hpp"
+#include "optimize/objective.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::ptrdiff_t kPatch = 8;  // sites that settle among themselves who goes
+// Of one sample: what a neighborhood may have too much or too little before that is mended.
+constexpr double kReluctance = 0.75;
+constexpr int kCandidates = 16;  // places that are tried for a new site ...
+constexpr double kAround = 0.9;  // ... within so many spacings of its host
+constexpr int kRounds = 40;      // each at most doubles or halves; the last one does the rest
+
+std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
+
+/// The nearest whole number between 0 and `change`; another only where that is far off.
+std::ptrdiff_t reluctantly(double x, std::ptrdiff_t change) {
+  const std::ptrdiff_t inside = std::clamp(rounded(x), std::min<std::ptrdiff_t>(0, change),
+                                           std::max<std::ptrdiff_t>(0, change));
+  return std::abs(x - static_cast<double>(inside)) <= kReluctance ? inside : rounded(x);
+}
+
+/// Whole numbers near real ones of the same sum. Where whole numbers cannot be right, what is there
+/// stays: they are rounded towards 0 unless the sum or a neighbor's gain demands more.
+std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
+  std::vector<std::ptrdiff_t> result;
+  std::set<std::pair<double, std::size_t>> rest;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    result.push_back(static_cast<std::ptrdiff_t>(wanted[k]));
+    rest.emplace(wanted[k] - static_cast<double>(result[k]), k);
+    sum += wanted[k] - static_cast<double>(result[k]);
+  }
+  const auto change = [&](auto which, int by) {
+    const auto [left, k] = *which;
+    rest.erase(which);
+    result[k] += by;
+    rest.emplace(left - by, k);
+  };
+  std::ptrdiff_t owed = rounded(sum);
+  for (; owed > 0; --owed) change(std::prev(rest.end()), 1);
+  for (; owed < 0; ++owed) change(rest.begin(), -1);
+  while (std::prev(rest.end())->first - rest.begin()->first > 2.0 * kReluctance) {
+    change(std::prev(rest.end()), 1);
+    change(rest.begin(), -1);
+  }
+  return result;
+}
+
+/// What one round has changed.
+struct Passed {
+  std::vector<bool> alive;  // per site
+  Sites fresh;
+  bool complete = true;  // every neighborhood has its number
+};
+
+/// One pass over all sites, after which each neighborhood has at most twice and at least half as
+/// many as before.
+class Round {
+ public:
+  Round(const Surface& surface, const Domain& domain, const Sites& sites, std::size_t count,
+        bool limited, Random& random, const Context* context)
+      : surface_(surface),
+        domain_(domain),
+        sites_(sites),
+        count_(count),
+        limited_(limited),
+        random_(random),
+        diagram_(domain.cells(sites, context)),
+        fill_(sites.size(), 0.0),
+        patch_(sites.size(), 0),
+        guests_(sites.size()) {
+    passed_.alive.assign(sites.size(), true);
+  }
+
+  Passed run() {
+    share_out();
+    take_out();
+    put_in();
+    return std::move(passed_);
+  }
+
+ private:
+  using Place = std::vector<std::int32_t>::const_iterator;
+  using Queue = std::set<std::pair<double, std::size_t>>;
+
+  [[nodiscard]] std::size_t component(std::int32_t site) const {
+    const std::int32_t face = sites_.faces[static_cast<std::size_t>(site)];
+    return static_cast<std::size_t>(
+        surface_.ordered().component(surface_.ordered().ordered_face(face)));
+  }
+
+  // Once cells follow the surface, components exchange no sites.
+  void share_out() {
+    order_ = morton_order(sites_.positions);
+    std::stable_sort(order_.begin(), order_.end(), [this](std::int32_t a, std::int32_t b) {
+      return component(a) < component(b);
+    });
+    const std::vector<std::ptrdiff_t> held = count_held();
+    const std::vector<std::ptrdiff_t> changes = whole_changes(lacking(held));
+    auto first = order_.begin();
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+      const auto last = first + held[c];
+      fill(first, last, static_cast<double>(held[c] + changes[c]));
+      if (held[c] > 0) split(first, last, changes[c]);
+      if (held[c] == 0 && changes[c] > 0) settle(largest_[c], changes[c]);
+      first = last;
+    }
+  }
+
+  [[nodiscard]] std::vector<std::ptrdiff_t> count_held() const {
+    std::vector<std::ptrdiff_t> held(static_cast<std::size_t>(surface_.ordered().components()), 0);
+    for (const std::int32_t site : order_) ++held[component(site)];
+    return held;
+  }
+
+  /// Per component, how many it should have more.
+  [[nodiscard]] std::vector<double> lacking(const std::vector<std::ptrdiff_t>& held) {
+    std::vector<double> result(held.size(), 0.0);
+    largest_.assign(held.size(), -1);
+    double sum = 0.0;
+    for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface_.face_count()); ++f) {
+      const auto c = static_cast<std::size_t>(surface_.ordered().component(f));
+      result[c] += mass(f);
+      sum += mass(f);
+      if (largest_[c] < 0 || mass(f) > mass(largest_[c])) largest_[c] = f;
+    }
+    for (std::size_t c = 0; c < held.size(); ++c)
+      result[c] = static_cast<double>(count_) * result[c] / sum - static_cast<double>(held[c]);
+    return result;
+  }
+
+  [[nodiscard]] double mass(std::int32_t face) const {
+    return surface_.ordered().geometry(face).moments.capacity;
+  }
+
+  /// What each cell is worth when all of them are worth `total`.
+  void fill(Place first, Place last, double total) {
+    const auto capacity = [this](std::int32_t s) {
+      return diagram_.cells[static_cast<std::size_t>(s)].capacity;
+    };
+    double sum = 0.0;
+    for (Place s = first; s != last; ++s) sum += capacity(*s);
+    if (sum > 0.0)
+      for (Place s = first; s != last; ++s)
+        fill_[static_cast<std::size_t>(*s)] = total * capacity(*s) / sum;
+  }
+
+  [[nodiscard]] double worth(Place first, Place last) const {
+    return std::accumulate(first, last, 0.0, [this](double sum, std::int32_t s) {
+      return sum + fill_[static_cast<std::size_t>(s)];
+    });
+  }
+
+  void split(Place first, Place last, std::ptrdiff_t change) {
+    if (last - first <= kPatch) return add_patch(first, last, change);
+    const Place middle = first + (last - first) / 2;
+    const double left = worth(first, middle) - static_cast<double>(middle - first);
+    const double right = worth(middle, last) - static_cast<double>(last - middle);
+    const double missed = static_cast<double>(change) - left - right;
+    const std::ptrdiff_t part = std::clamp(reluctantly(left + 0.5 * missed, change), first - middle,
+                                           change + (last - middle));
+    split(first, middle, part);
+    split(middle, last, change - part);
+  }
+
+  void add_patch(Place first, Place last, std::ptrdiff_t change) {
+    const std::ptrdiff_t size = last - first;
+    const bool half = worth(first, last) >= 0.5;  // nothing stays where nothing shall be
+    const std::ptrdiff_t possible =
+        limited_ ? std::clamp(change, half ? -((size + 1) / 2) : -size, size) : change;
+    passed_.complete = passed_.complete && possible == change;
+    for (Place s = first; s != last; ++s) patch_[static_cast<std::size_t>(*s)] = changes_.size();
+    changes_.push_back(possible);
+  }
+
+  /// A first site on a component that has none: the next round does the rest.
+  void settle(std::int32_t ordered_face, std::ptrdiff_t change) {
+    const Vec3 middle = Vec3::Constant(1.0 / 3.0);
+    const std::int32_t face = surface_.ordered().original_face(ordered_face);
+    const Sites first{{surface_.point(face, middle)}, {face}, {middle}};
+    for (std::ptrdiff_t k = 0; k < (limited_ ? 1 : change); ++k) add(first, 0);
+    passed_.complete = passed_.complete && (!limited_ || change == 1);
+  }
+
+  void add(const Sites& found, std::size_t which) {
+    passed_.fresh.positions.push_back(found.positions[which]);
+    passed_.fresh.faces.push_back(found.faces[which]);
+    passed_.fresh.barycentric.push_back(found.barycentric[which]);
+  }
+
+  /// The sites of neighborhoods with `sign` changes to make, by `sign` times what they are worth.
+  [[nodiscard]] Queue queue(int sign) const {
+    Queue result;
+    for (std::size_t s = 0; s < fill_.size(); ++s)
+      if (passed_.alive[s] && sign * changes_[patch_[s]] < 0) result.emplace(sign * fill_[s], s);
+    return result;
+  }
+
+  /// Give the site's living neighbors equal shares of `worth`.
+  void hand_out(std::size_t site, double worth, int sign, Queue& waiting) {
+    std::vector<std::size_t> near;
+    for (const CellBoundary& side : diagram_.boundary(site))
+      if (passed_.alive[static_cast<std::size_t>(side.neighbour)])
+        near.push_back(static_cast<std::size_t>(side.neighbour));
+    for (const std::size_t n : near) {
+      const bool waits = waiting.erase({sign * fill_[n], n}) > 0;
+      fill_[n] += worth / static_cast<double>(near.size());
+      if (waits) waiting.emplace(sign * fill_[n], n);
+    }
+  }
+
+  void take_out() {
+    for (Queue waiting = queue(1); !waiting.empty();) {
+      const std::size_t site = waiting.extract(waiting.begin()).value().second;
+      if (changes_[patch_[site]] == 0) continue;
+      ++changes_[patch_[site]];
+      passed_.alive[site] = false;
+      hand_out(site, fill_[site], 1, waiting);
+    }
+  }
+
+  // The new site is worth one sample, half of it its host's, half of it the neighbors'.
+  void put_in() {
+    for (Queue waiting = queue(-1); !waiting.empty();) {
+      const std::size_t host = waiting.extract(waiting.begin()).value().second;
+      if (changes_[patch_[host]] == 0) continue;
+      --changes_[patch_[host]];
+      place_beside(host);
+      fill_[host] -= 0.5;
+      hand_out(host, -0.5, -1, waiting);
+      waiting.emplace(-fill_[host], host);
+    }
+  }
+
+  /// Of some places around the host, the one that is farthest from all that are there, in spacings
+  /// at the place: else beside a jump of the density all would go to its lower side.
+  void place_beside(std::size_t host) {
+    const std::vector<Vec3> near = near_positions(host);
+    const std::vector<Vec3> places = places_around(host);
+    const std::vector<std::int32_t> hints(places.size(), sites_.faces[host]);
+    const Sites found = domain_.project(places, hints);
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const double room = density_at(found, k) * squared_distance(found.positions[k], near);
+      if (room <= most) continue;
+      most = room;
+      best = k;
+    }
+    guests_[host].push_back(passed_.fresh.size());
+    add(found, best);
+  }
+
+  [[nodiscard]] double density_at(const Sites& sites, std::size_t k) const {
+    return sites.barycentric[k].dot(
+        surface_.ordered().densities(surface_.ordered().ordered_face(sites.faces[k])));
+  }
+
+  static double squared_distance(const Vec3& point, const std::vector<Vec3>& others) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vec3& x : others) least = std::min(least, (x - point).squaredNorm());
+    return least;
+  }
+
+  [[nodiscard]] std::vector<Vec3> places_around(std::size_t host) {
+    const Moments& cell = diagram_.cells[host];
+    const double spacing = cell.mass > 0.0
+                               ? hexagonal_spacing(cell.capacity * cell.capacity / cell.mass)
+                               : surface_.spacing(count_);
+    const Eigen::Matrix<double, 3, 2> basis = tangent_basis(domain_.normal(sites_.faces[host]));
+    const double turn = 2.0 * std::numbers::pi * random_.uniform();
+    std::vector<Vec3> result;
+    for (int k = 0; k < kCandidates; ++k) {  // Vogel's spiral
+      const double angle = turn + k * std::numbers::pi * (3.0 - std::sqrt(5.0));
+      const double radius = kAround * spacing * std::sqrt((k + 0.5) / kCandidates);
+      result.push_back(sites_.positions[host] +
+                       radius * (basis * Vec2(std::cos(angle), std::sin(angle))));
+    }
+    return result;
+  }
+
+  /// The host, the sites of the two rings around it, and what was put in beside those.
+  [[nodiscard]] std::vector<Vec3> near_positions(std::size_t host) const {
+    std::set<std::size_t> near = {host};
+    for (int ring = 0; ring < 2; ++ring) {
+      const std::vector<std::size_t> inner(near.begin(), near.end());
+      for (const std::size_t s : inner)
+        for (const CellBoundary& side : diagram_.boundary(s))
+          near.insert(static_cast<std::size_t>(side.neighbour));
+    }
+    std::vector<Vec3> result;
+    for (const std::size_t s : near) {
+      if (passed_.alive[s]) result.push_back(sites_.positions[s]);
+      for (const std::size_t guest : guests_[s]) result.push_back(passed_.fresh.positions[guest]);
+    }
+    return result;
+  }
+
+  const Surface& surface_;
+  const Domain& domain_;
+  const Sites& sites_;
+  std::size_t count_;
+  bool limited_;
+  Random& random_;
+  RestrictedVoronoi diagram_;
+  std::vector<std::int32_t> order_;    // sites by component, in each along a curve that fills space
+  std::vector<std::int32_t> largest_;  // per component: the face with the most density
+  std::vector<double> fill_;           // per site: how many samples what it owns is worth
+  std::vector<std::size_t> patch_;     // per site
+  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
+  std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
+  Passed passed_;
+};
+
+/// Sites, and which of those at the beginning each is; -1 for new ones, which come last.
+struct Traced {
+  Sites sites;
+  std::vector<std::int32_t> origin;
+};
+
+void apply(const Passed& passed, Traced& now) {
+  std::vector<std::int32_t> left, origin;
+  for (std::size_t k = 0; k < now.sites.size(); ++k) {
+    if (!passed.alive[k]) continue;
+    left.push_back(static_cast<std::int32_t>(k));
+    origin.push_back(now.origin[k]);
+  }
+  now.sites = select(now.sites, left);
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(now.sites.positions, passed.fresh.positions);
+  append(now.sites.faces, passed.fresh.faces);
+  append(now.sites.barycentric, passed.fresh.barycentric);
+  origin.resize(now.sites.size(), -1);
+  now.origin = std::move(origin);
+}
+
+}  // namespace
+
+Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
+                     std::size_t count, std::uint64_t seed, const Context* context) {
+  Random random(seed);
+  Rebalanced result;
+  Traced now{sites, std::vector<std::int32_t>(sites.size())};
+  std::iota(now.origin.begin(), now.origin.end(), 0);
+  for (bool complete = false; !complete;) {
+    const bool limited = ++result.evaluations < kRounds;
+    const Passed passed = Round(surface, domain, now.sites, count, limited, random, context).run();
+    apply(passed, now);
+    complete = passed.complete;
+  }
+  std::vector<std::int32_t> fresh;
+  for (std::size_t k = 0; k < now.origin.size(); ++k) {
+    if (now.origin[k] >= 0)
+      result.stay.push_back(static_cast<std::size_t>(now.origin[k]));
+    else
+      fresh.push_back(static_cast<std::int32_t>(k));
+  }
+  result.fresh = select(now.sites, fresh);
+  return result;
+}
+
+}  // namespace dapple

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/samples.hpp>
+#include <numeric>
+
+#include "base/validate.hpp"
+#include "surface/validate_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kRounding = 1e-14;  // of weights that already are normalised
+
+/// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding
+/// again changes nothing.
+Vec3 normalised(const Vec3& row) {
+  const Vec3 weights = row.cwiseMax(0.0);
+  const double sum = weights.sum();
+  return std::abs(sum - 1.0) <= kRounding ? weights : Vec3(weights / sum);
+}
+
+void check_ids(std::span<const std::int32_t> ids) {
+  std::vector<std::int32_t> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twin != sorted.end())
+    throw ArgumentError("ids holds " + std::to_string(*twin) + " twice: each must be unique");
+}
+
+}  // namespace
+
+Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
+                     std::span<const Vec3> barycentric, std::span<const std::int32_t> ids,
+                     std::span<const std::int32_t> classes) {
+  const std::size_t count = faces.size();
+  check_count("the number of faces", count);
+  check_binding("", surface, faces, barycentric);
+  if (!ids.empty()) check_same_length("ids", ids.size(), "faces", count);
+  if (!classes.empty()) check_same_length("classes", classes.size(), "faces", count);
+  check_ids(ids);
+
+  Samples samples;
+  samples.faces.assign(faces.begin(), faces.end());
+  for (const Vec3& row : barycentric) samples.barycentric.push_back(normalised(row));
+  for (std::size_t k = 0; k < count; ++k)
+    samples.positions.push_back(surface.point(faces[k], samples.barycentric[k]));
+  samples.normals = surface.normals(samples.faces, samples.barycentric);
+  samples.ids.assign(ids.begin(), ids.end());
+  samples.classes.assign(classes.begin(), classes.end());
+  samples.classes.resize(count, 0);
+  if (ids.empty()) {
+    samples.ids.resize(count);
+    std::iota(samples.ids.begin(), samples.ids.end(), 0);
+  }
+  samples.report.count = count;
+  samples.report.spacing = surface.spacing(count);
+  return samples;
+}
+
+}  // namespace dapple

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "start/class_start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "start/darts.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+// Random sequential packing jams at 0.776 of the hexagonal spacing; the last darts before that take
+// very long.
+constexpr double kFirstRadius = 0.76;
+constexpr double kShrink = 0.96;
+constexpr std::size_t kPatience = 4;  // darts per wanted sample at one radius
+constexpr double kUnion = 0.85;       // distance to any class, in the spacing of all
+constexpr double kSizesYield = 0.4;   // fraction below which the things' own radii shrink too
+
+/// Where `count` points have the density n phi / mass, their hexagonal spacing is
+/// sqrt(2 mass / (sqrt(3) n phi)): this at phi = 1.
+double spacing_at_1(const Surface& surface, std::size_t count) {
+  return surface.spacing(count) * std::sqrt(surface.mass() / surface.area());
+}
+
+std::vector<Dart> darts_at(const Surface& surface, const Sites& sites) {
+  std::vector<Dart> result;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    result.push_back(
+        dart_at(surface, surface.ordered().ordered_face(sites.faces[k]), sites.barycentric[k]));
+  return result;
+}
+
+/// The darts of one class.
+struct ClassDarts {
+  ClassDarts(const ClassStart& wanted, double period)
+      : start(&wanted),
+        darts(darts_at(*wanted.surface, wanted.locked)),
+        board(*wanted.surface, wanted.count, darts),
+        near(period),
+        things(std::max(2.0 * wanted.radius, 1e-300), period),
+        spacing(spacing_at_1(*wanted.surface, wanted.count)) {}
+
+  [[nodiscard]] bool full() const { return darts.size() >= start->count; }
+  [[nodiscard]] double filled() const {
+    return static_cast<double>(darts.size()) / static_cast<double>(start->count);
+  }
+
+  const ClassStart* start;
+  std::vector<Dart> darts;
+  DartBoard board;
+  DartSet near;     // of its own class
+  DartGrid things;  // its darts as things of its radius
+  double spacing;
+};
+
+class Throwing {
+ public:
+  Throwing(const ClassStarts& starts, const Context* context)
+      : starts_(starts), context_(context), random_(starts.seed), any_(starts.period) {
+    std::size_t count = 0;
+    for (const ClassStart& wanted : starts.classes) {
+      classes_.emplace_back(wanted, starts.period);
+      count += wanted.count;
+    }
+    spacing_ = spacing_at_1(*starts.all, count);
+    for (ClassDarts& members : classes_)
+      for (const Dart& dart : members.darts) note(members, dart, kFirstRadius);
+  }
+
+  Sites run() {
+    for (const std::vector<ClassDarts*>& group : by_size()) fill(group);
+    Sites sites;
+    for (const ClassDarts& members : classes_)
+      for (const Dart& dart : members.darts) {
+        sites.positions.push_back(dart.position);
+        sites.faces.push_back(members.start->surface->ordered().original_face(dart.face));
+        sites.barycentric.push_back(dart.barycentric);
+      }
+    return sites;
+  }
+
+ private:
+  /// Classes of equal radius together, the largest first.
+  std::vector<std::vector<ClassDarts*>> by_size() {
+    std::vector<ClassDarts*> sorted;
+    for (ClassDarts& members : classes_)
+      if (!members.full()) sorted.push_back(&members);
+    std::stable_sort(sorted.begin(), sorted.end(), [](const ClassDarts* a, const ClassDarts* b) {
+      return a->start->radius > b->start->radius;
+    });
+    std::vector<std::vector<ClassDarts*>> groups;
+    for (ClassDarts* members : sorted) {
+      if (groups.empty() || groups.back()[0]->start->radius != members->start->radius)
+        groups.emplace_back();
+      groups.back().push_back(members);
+    }
+    return groups;
+  }
+
+  void fill(const std::vector<ClassDarts*>& group) {
+    std::size_t count = 0;
+    for (const ClassDarts* members : group) count += members->start->count;
+    for (double fraction = kFirstRadius;; fraction *= kShrink) {
+      for (std::size_t thrown = 0; thrown < kPatience * count; ++thrown) {
+        if (context_ && thrown % 1024 == 0) context_->check();
+        ClassDarts* members = least_filled(group);
+        if (!members) return;
+        throw_one(*members, fraction);
+      }
+      for (ClassDarts* members : group) members->near.scale(kShrink);
+      if (many()) any_.scale(kShrink);
+    }
+  }
+
+  static ClassDarts* least_filled(const std::vector<ClassDarts*>& group) {
+    ClassDarts* best = nullptr;
+    for (ClassDarts* members : group)
+      if (!members->full() && (!best || members->filled() < best->filled())) best = members;
+    return best;
+  }
+
+  void throw_one(ClassDarts& members, double fraction) {
+    const Dart dart = members.board.draw(random_);
+    if (members.near.refuses(dart, own_radius(members, dart, fraction))) return;
+    if (many() && any_.refuses(dart, union_radius(dart, fraction))) return;
+    if (overlaps(members, dart, std::min(1.0, fraction / kSizesYield))) return;
+    members.board.take(dart);
+    members.darts.push_back(dart);
+    note(members, dart, fraction);
+  }
+
+  void note(ClassDarts& members, const Dart& dart, double fraction) {
+    if (!(dart.density > 0.0)) return;  // a locked site outside the density
+    members.near.insert(dart, own_radius(members, dart, fraction));
+    if (many()) any_.insert(dart, union_radius(dart, fraction));
+    if (members.start->radius > 0.0) members.things.insert(dart, members.start->radius);
+  }
+
+  // Only things at least as large are there, so a grid's cell, twice its radius, is wide enough.
+  [[nodiscard]] bool overlaps(const ClassDarts& members, const Dart& dart, double yield) const {
+    const auto reach = [&](const Dart& other, double radius) {
+      return dart.faces(other) ? yield * (radius + members.start->radius) : 0.0;
+    };
+    return std::any_of(classes_.begin(), classes_.end(), [&](const ClassDarts& others) {
+      return others.start->radius > 0.0 && others.start->radius >= members.start->radius &&
+             others.things.refuses(dart, reach);
+    });
+  }
+
+  static double own_radius(const ClassDarts& members, const Dart& dart, double fraction) {
+    return fraction * members.spacing / std::sqrt(dart.density);
+  }
+
+  [[nodiscard]] double union_radius(const Dart& dart, double fraction) const {
+    const double density = dart.barycentric.dot(starts_.all->ordered().densities(dart.face));
+    return kUnion * fraction * spacing_ / std::sqrt(density);
+  }
+
+  [[nodiscard]] bool many() const { return classes_.size() > 1; }
+
+  const ClassStarts& starts_;
+  const Context* context_;
+  Random random_;
+  std::vector<ClassDarts> classes_;
+  DartSet any_;  // of all classes
+  double spacing_;
+};
+
+}  // namespace
+
+Sites random_start(const ClassStarts& starts) {
+  Random random(starts.seed);
+  Sites sites;
+  for (const ClassStart& wanted : starts.classes) {
+    std::vector<Dart> darts = darts_at(*wanted.surface, wanted.locked);
+    DartBoard board(*wanted.surface, wanted.count, darts);
+    while (darts.size() < wanted.count) {
+      darts.push_back(board.draw(random));
+      board.take(darts.back());
+    }
+    for (const Dart& dart : darts) {
+      sites.positions.push_back(dart.position);
+      sites.faces.push_back(wanted.surface->ordered().original_face(dart.face));
+      sites.barycentric.push_back(dart.barycentric);
+    }
+  }
+  return sites;
+}
+
+Sites poisson_start(const ClassStarts& starts, const Context* context) {
+  return Throwing(starts, context).run();
+}
+
+}  // namespace dapple

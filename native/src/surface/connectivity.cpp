@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/connectivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include "base/morton.hpp"
+#include "base/reorder.hpp"
+#include "surface/weld.hpp"
+
+namespace dapple {
+namespace {
+
+struct HalfEdgeKey {
+  std::int32_t low, high, half_edge;
+  auto operator<=>(const HalfEdgeKey&) const = default;
+};
+
+/// Link the half-edges of equal keys into rings, in the order of their faces.
+std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys) {
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::int32_t> next(keys.size());
+  for (std::size_t first = 0; first < keys.size();) {
+    std::size_t last = first;
+    while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low &&
+           keys[last + 1].high == keys[first].high)
+      ++last;
+    for (std::size_t k = first; k <= last; ++k)
+      next[static_cast<std::size_t>(keys[k].half_edge)] = keys[k == last ? first : k + 1].half_edge;
+    first = last + 1;
+  }
+  return next;
+}
+
+/// Link the half-edges that share an (undirected) edge.
+std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
+  std::vector<HalfEdgeKey> keys;
+  keys.reserve(3 * faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
+      keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
+    }
+  return link_rings(std::move(keys));
+}
+
+/// Number the sets of faces connected over edges, in the order of their first faces.
+void find_components(Connectivity& mesh) {
+  mesh.component.assign(mesh.faces.size(), -1);
+  std::vector<std::int32_t> pending;
+  const auto push = [&](std::int32_t face) {
+    std::int32_t& component = mesh.component[static_cast<std::size_t>(face)];
+    if (component >= 0) return;
+    component = mesh.components;
+    pending.push_back(face);
+  };
+  const auto next = [&](std::int32_t h) {
+    return mesh.next_around_edge[static_cast<std::size_t>(h)];
+  };
+  for (std::size_t start = 0; start < mesh.faces.size(); ++start) {
+    if (mesh.component[start] >= 0) continue;
+    push(static_cast<std::int32_t>(start));
+    while (!pending.empty()) {
+      const std::int32_t face = pending.back();
+      pending.pop_back();
+      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
+        for (std::int32_t g = next(h); g != h; g = next(g)) push(g / 3);
+    }
+    ++mesh.components;
+  }
+}
+
+std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
+  std::vector<std::int32_t> inverse(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    inverse[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+  return inverse;
+}
+
+double diagonal_of(std::span<const Vec3> vertices) {
+  Vec3 low = vertices[0], high = vertices[0];
+  for (const Vec3& v : vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  return (high - low).stableNorm();
+}
+
+/// Link the edges, those at the same place too where `weld` asks for it.
+void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivity& mesh) {
+  mesh.weld = weld;
+  mesh.next_around_edge = link_edges(mesh.faces);
+  mesh.welded_vertex.resize(vertices.size());
+  std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
+  const double tolerance = weld ? *weld * diagonal_of(vertices) : 0.0;
+  if (weld && std::isfinite(tolerance))  // if not, the area is not finite either
+    mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), tolerance, mesh.faces,
+                                      mesh.next_around_edge);
+}
+
+/// Link the edges that the caller knows to be one.
+void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
+          Connectivity& mesh) {
+  std::vector<HalfEdgeKey> keys;
+  for (std::size_t h = 0; h < edges.size(); ++h) {
+    const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
+    const std::int32_t edge = edges[3 * face + h % 3];
+    keys.push_back({edge, edge, static_cast<std::int32_t>(h)});
+  }
+  mesh.next_around_edge = link_rings(std::move(keys));
+  const std::vector<std::int32_t> place_of = gather(places, mesh.original_vertex);
+  std::unordered_map<std::int32_t, std::int32_t> lowest;
+  for (std::size_t v = 0; v < place_of.size(); ++v)
+    mesh.welded_vertex.push_back(
+        lowest.try_emplace(place_of[v], static_cast<std::int32_t>(v)).first->second);
+}
+
+/// All but the links.
+Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face> faces) {
+  Connectivity result;
+  result.original_vertex = morton_order(vertices);
+  const std::vector<std::int32_t> ordered_vertex = invert(result.original_vertex);
+  std::vector<Vec3> centroids(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto corner = [&](std::size_t k) -> const Vec3& {
+      return vertices[static_cast<std::size_t>(faces[f][k])];
+    };
+    centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
+  }
+  result.original_face = morton_order(centroids);
+  result.ordered_face = invert(result.original_face);
+  result.faces.reserve(faces.size());
+  for (const std::int32_t f : result.original_face) {
+    const Face& face = faces[static_cast<std::size_t>(f)];
+    const auto ordered = [&](std::size_t k) {
+      return ordered_vertex[static_cast<std::size_t>(face[k])];
+    };
+    result.faces.push_back({ordered(0), ordered(1), ordered(2)});
+  }
+  return result;
+}
+
+}  // namespace
+
+Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
+                     std::optional<double> weld) {
+  Connectivity result = ordered_faces(vertices, faces);
+  link(vertices, weld, result);
+  find_components(result);
+  return result;
+}
+
+Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
+                     std::span<const std::int32_t> edges, std::span<const std::int32_t> places) {
+  Connectivity result = ordered_faces(vertices, faces);
+  link(edges, places, result);
+  find_components(result);
+  return result;
+}
+
+}  // namespace dapple

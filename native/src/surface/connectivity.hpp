@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/types.hpp>
+#include <optional>
+#include <span>
+
+namespace dapple {
+
+/// Faces and vertices in an order of their own (along Morton curves, which is kind to caches;
+/// *ordered* for short), how that maps to the caller's, and which faces are neighbors. All surfaces
+/// deformed from one share it.
+struct Connectivity {
+  std::optional<double> weld;                  // see SurfaceOptions
+  std::vector<Face> faces;                     // ordered faces of ordered vertices
+  std::vector<std::int32_t> original_face;     // ordered -> caller's
+  std::vector<std::int32_t> ordered_face;      // caller's -> ordered
+  std::vector<std::int32_t> original_vertex;   // ordered -> caller's
+  std::vector<std::int32_t> next_around_edge;  // per half-edge, see OrderedSurface::next_around
+  std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see OrderedSurface::welded
+  std::vector<std::int32_t> component;         // per ordered face; connected over edges
+  std::int32_t components = 0;
+};
+
+/// Connect faces over edges of the same vertices and, where `weld` asks for it, over border edges
+/// at the same place (see SurfaceOptions::weld).
+/// \pre the faces' vertices are there
+[[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
+                                   std::optional<double> weld);
+
+/// Connect faces over the edges that the caller knows to be one (see Joints).
+/// \param edges per face three. \param places per vertex
+/// \pre the faces' vertices are there, and the lengths fit
+[[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
+                                   std::span<const std::int32_t> edges,
+                                   std::span<const std::int32_t> places);
+
+}  // namespace dapple

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/local_projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_set>
+
+#include "base/parallel.hpp"
+#include "base/triangle.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+
+/// The nearest point found so far, on an ordered face.
+struct LocalProjection::Hit {
+  double squared_distance;
+  std::int32_t face;
+  Vec3 barycentric;
+};
+
+namespace {
+
+constexpr std::size_t kGrain = 64;
+constexpr double kRounding = 1e-9;  // of a distance ...
+constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes from
+constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
+constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
+
+class Walk {
+ public:
+  using Hit = LocalProjection::Hit;
+
+  Walk(const Surface& surface, const Vec3& point) : surface_(surface), point_(point) {}
+
+  /// The nearest point among the faces connected to `start` within the ball that touches it.
+  Hit from(std::int32_t start) {
+    Hit best = closest(start);
+    // The ball touches the edge where the nearest point is: rounding must not part them.
+    const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
+                          kDigits * point_.cwiseAbs().maxCoeff();
+    const double ball = radius * radius;
+    visit(start);
+    while (!pending_.empty()) {
+      const std::int32_t face = pending_.back();
+      pending_.pop_back();
+      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
+        if (squared_distance_to_edge(h) > ball) continue;
+        for (std::int32_t g = surface_.ordered().next_around(h); g != h;
+             g = surface_.ordered().next_around(g))
+          if (visit(g / 3) && surface_.ordered().geometry(g / 3).moments.capacity > 0.0)
+            best = better(best, closest(g / 3));
+      }
+    }
+    return best;
+  }
+
+ private:
+  bool visit(std::int32_t face) {
+    if (!seen_.insert(face).second) return false;
+    pending_.push_back(face);
+    return true;
+  }
+
+  [[nodiscard]] Hit closest(std::int32_t face) const {
+    const auto [a, b, c] = surface_.ordered().corners(face);
+    const Vec3 weights =
+        closest_barycentric(point_, surface_.ordered().vertex(a), surface_.ordered().vertex(b),
+                            surface_.ordered().vertex(c));
+    const Vec3 found = surface_.point(surface_.ordered().original_face(face), weights);
+    return {(found - point_).squaredNorm(), face, weights};
+  }
+
+  // Ties go to the lowest face of the caller, as in the projector.
+  [[nodiscard]] Hit better(const Hit& a, const Hit& b) const {
+    if (a.squared_distance != b.squared_distance)
+      return a.squared_distance < b.squared_distance ? a : b;
+    return surface_.ordered().original_face(a.face) < surface_.ordered().original_face(b.face) ? a
+                                                                                               : b;
+  }
+
+  [[nodiscard]] double squared_distance_to_edge(std::int32_t half_edge) const {
+    const Face& corners = surface_.ordered().corners(half_edge / 3);
+    const auto k = static_cast<std::size_t>(half_edge % 3);
+    const Vec3& a = surface_.ordered().vertex(corners[k]);
+    const Vec3 along = surface_.ordered().vertex(corners[(k + 1) % 3]) - a;
+    const double length = along.squaredNorm();
+    const double t = length > 0.0 ? std::clamp((point_ - a).dot(along) / length, 0.0, 1.0) : 0.0;
+    return (a + t * along - point_).squaredNorm();
+  }
+
+  const Surface& surface_;
+  const Vec3& point_;
+  std::unordered_set<std::int32_t> seen_;
+  std::vector<std::int32_t> pending_;
+};
+
+/// The edge of a face (its half-edge) beyond which a point lies, seen along the face's normal; none
+/// if it lies over the face.
+std::optional<std::int32_t> edge_towards(const Surface& surface, std::int32_t face,
+                                         const Vec3& point) {
+  const Face& corners = surface.ordered().corners(face);
+  const Vec3& normal = surface.ordered().geometry(face).normal;
+  std::optional<std::int32_t> best;
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3& a = surface.ordered().vertex(corners[k]);
+    const Vec3 along = surface.ordered().vertex(corners[(k + 1) % 3]) - a;
+    const double beyond = normal.cross(along).dot(a - point) / along.norm();
+    if (!(beyond > farthest + kDigits * point.cwiseAbs().maxCoeff())) continue;
+    farthest = beyond;
+    best = 3 * face + static_cast<std::int32_t>(k);
+  }
+  return best;
+}
+
+/// Whether going straight from one face leads to the hit: if it lies on another sheet it does not,
+/// not even on one that lies at the same place.
+bool leads_to(const Surface& surface, std::int32_t from, std::int32_t hit, const Vec3& point) {
+  for (int step = 0; step < kStraight && from != hit; ++step) {
+    const std::optional<std::int32_t> edge = edge_towards(surface, from, point);
+    if (!edge) return false;
+    const std::int32_t across = surface.ordered().next_around(*edge);
+    if (across == *edge || surface.ordered().next_around(across) != *edge) return false;
+    from = across / 3;
+  }
+  return from == hit;
+}
+
+/// A hit on another component, or on a face turned away.
+bool on_another_sheet(const Surface& surface, std::int32_t from, std::int32_t hit) {
+  return surface.ordered().component(from) != surface.ordered().component(hit) ||
+         surface.ordered().geometry(from).normal.dot(surface.ordered().geometry(hit).normal) <
+             kTurned;
+}
+
+}  // namespace
+
+Projection LocalProjection::walk(std::span<const Vec3> points,
+                                 std::span<const std::int32_t> from) const {
+  const std::size_t count = points.size();
+  Projection hits{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
+                  std::vector<Vec3>(count), std::vector<double>(count)};
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      walk_to(points[k], surface_->ordered().ordered_face(from[k]), k, hits);
+  });
+  return hits;
+}
+
+void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
+                           Projection& hits) const {
+  parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::int32_t start = surface_->ordered().ordered_face(from[k]);
+      const std::int32_t hit = surface_->ordered().ordered_face(hits.faces[k]);
+      if (start == hit) continue;
+      if (on_another_sheet(*surface_, start, hit))
+        walk_to(points[k], start, k, hits);
+      else if (!leads_to(*surface_, start, hit, hits.positions[k]))
+        stay(points[k], start, k, hits);
+    }
+  });
+}
+
+void LocalProjection::walk_to(const Vec3& point, std::int32_t start, std::size_t k,
+                              Projection& hits) const {
+  put(Walk(*surface_, point).from(start), k, hits);
+}
+
+void LocalProjection::stay(const Vec3& point, std::int32_t start, std::size_t k,
+                           Projection& hits) const {
+  const Hit hit = Walk(*surface_, point).from(start);
+  const double same = hits.distances[k] * (1.0 + kRounding) + kDigits * point.cwiseAbs().maxCoeff();
+  if (std::sqrt(hit.squared_distance) <= same) put(hit, k, hits);
+}
+
+void LocalProjection::put(const Hit& hit, std::size_t k, Projection& hits) const {
+  hits.faces[k] = surface_->ordered().original_face(hit.face);
+  hits.barycentric[k] = hit.barycentric;
+  hits.positions[k] = surface_->point(hits.faces[k], hit.barycentric);
+  hits.distances[k] = std::sqrt(hit.squared_distance);
+}
+
+}  // namespace dapple

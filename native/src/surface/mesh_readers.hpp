@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/mesh_arrays.hpp>
+#include <string_view>
+
+#include "surface/mesh_text.hpp"
+
+namespace dapple {
+
+// Each reads the bytes of one format, whatever they are: a number or an index is looked at before
+// it is used, a count before memory is asked for. \throw ReadError
+
+/// OFF in text, also with colours, normals or texture coordinates, which are left out.
+[[nodiscard]] MeshArrays read_off(std::string_view bytes);
+
+/// The v and f lines of OBJ.
+[[nodiscard]] MeshArrays read_obj(std::string_view bytes);
+
+/// PLY (Turk 1994) in text or binary, with any properties besides x, y, z and vertex_indices.
+[[nodiscard]] MeshArrays read_ply(std::string_view bytes);
+
+/// STL in text or binary; corners at the same place become one vertex.
+[[nodiscard]] MeshArrays read_stl(std::string_view bytes);
+
+}  // namespace dapple

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/ordered_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/errors.hpp>
+
+#include "base/density_unit.hpp"
+#include "base/parallel.hpp"
+#include "base/reorder.hpp"
+#include "surface/integrate.hpp"
+
+namespace dapple {
+namespace {
+
+// A face thinner than this against its longest edge has no usable normal; it counts as having no
+// area.
+constexpr double kDegenerate = 1e-14;
+constexpr std::size_t kGrain = 4096;  // faces a chunk
+
+/// Geometry of the triangle x with the density f at its corners.
+FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
+  FaceGeometry face;
+  face.centroid = (x[0] + x[1] + x[2]) / 3.0;
+  const Vec3 cross = (x[1] - x[0]).cross(x[2] - x[0]);
+  const double longest = std::max(
+      {(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
+  const double twice_area = cross.norm();
+  if (std::isfinite(longest) && !(twice_area > kDegenerate * longest)) return face;
+  face.normal = cross / twice_area;
+  const std::array<Vec3, 3> y = {x[0] - face.centroid, x[1] - face.centroid, x[2] - face.centroid};
+  if (uniform) {
+    add_uniform_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2]);
+    finish_uniform(face.moments);
+    return face;
+  }
+  add_linear_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2], f[0], f[1], f[2]);
+  for (std::size_t k = 0; k < 3;
+       ++k)  // the gradient of a hat function is normal x opposite edge / (2 area)
+    face.density_gradient += f[static_cast<Eigen::Index>(k)] / twice_area *
+                             face.normal.cross(x[(k + 2) % 3] - x[(k + 1) % 3]);
+  return face;
+}
+
+}  // namespace
+
+DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
+  return {at == DensityAt::kVertices ? mesh.original_vertex : mesh.original_face,
+          at == DensityAt::kCorners ? std::size_t{3} : std::size_t{1}};
+}
+
+OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity,
+                               const Density& density)
+    : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
+  vertices_ =
+      std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
+  *this = with_density(density);
+}
+
+OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices) const {
+  OrderedSurface result = *this;
+  result.vertices_ =
+      std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
+  result.measure();
+  return result;
+}
+
+OrderedSurface OrderedSurface::with_density(const Density& density) const {
+  OrderedSurface result = *this;
+  const auto [order, width] = density_layout(*connectivity_, density.at);
+  result.density_ =
+      std::make_shared<const Values>(Values{density.at, gather(density.values, order, width)});
+  result.measure();
+  return result;
+}
+
+void OrderedSurface::measure() {
+  auto result = std::make_shared<Geometry>();
+  const double unit = result->density_unit = find_density_unit();
+  result->faces.resize(face_count());
+  parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto face = static_cast<std::int32_t>(f);
+      const auto [a, b, c] = corners(face);
+      result->faces[f] = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face),
+                                      density_->values.empty());
+    }
+  });
+  for (const FaceGeometry& face : result->faces) {
+    result->area += face.moments.area;
+    result->mass += face.moments.capacity;
+  }
+  check(*result);
+  result->mass /= unit;
+  geometry_ = std::move(result);
+}
+
+double OrderedSurface::find_density_unit() const {
+  if (density_->values.empty()) return 1.0;
+  const double most = *std::max_element(density_->values.begin(), density_->values.end());
+  if (dapple::density_unit(most, 1.0) == 1.0) return 1.0;
+  double area = 0.0, sum = 0.0;  // the largest value may lie where there is no area
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(face_count()); ++f) {
+    const auto [a, b, c] = corners(f);
+    const double twice = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a)).norm();
+    area += twice;
+    sum += twice * (densities(f) / most).mean();
+  }
+  return dapple::density_unit(most, sum / area);
+}
+
+void OrderedSurface::check(const Geometry& geometry) {
+  if (!std::isfinite(geometry.area)) throw SurfaceError("vertices span an area that is not finite");
+  if (!(geometry.area > 0.0))
+    throw SurfaceError("faces have no area: all triangles are degenerate");
+  if (!(geometry.mass > 0.0))
+    throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
+}
+
+Vec3 OrderedSurface::densities(std::int32_t face) const {
+  const std::vector<double>& values = density_->values;
+  if (values.empty()) return Vec3::Ones();
+  const auto f = static_cast<std::size_t>(face);
+  if (density_->at == DensityAt::kFaces) return Vec3::Constant(values[f]);
+  if (density_->at == DensityAt::kCorners)
+    return {values[3 * f], values[3 * f + 1], values[3 * f + 2]};
+  const auto value = [&](std::int32_t v) { return values[static_cast<std::size_t>(v)]; };
+  const auto [a, b, c] = corners(face);
+  return {value(a), value(b), value(c)};
+}
+
+}  // namespace dapple

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/density.hpp>
+#include <dapple/moments.hpp>
+#include <memory>
+
+#include "surface/connectivity.hpp"
+
+namespace dapple {
+
+/// What the algorithms need to know of one face.
+struct FaceGeometry {
+  Vec3 normal = Vec3::Zero();            ///< unit; zero for a face without area
+  Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
+  Vec3 centroid = Vec3::Zero();
+  Moments moments;  ///< of the whole face, relative to its centroid
+};
+
+/// A surface as the algorithms see it: faces and vertices in their own order (see Connectivity),
+/// in which all indices here are unless they are called the caller's. Immutable; copies share all.
+class OrderedSurface {
+ public:
+  /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
+  /// not finite
+  OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density);
+
+  /// The same with moved vertices, or another density (both in the caller's order).
+  /// \pre as many as before. \throw SurfaceError as the constructor
+  [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices) const;
+  [[nodiscard]] OrderedSurface with_density(const Density& density) const;
+
+  [[nodiscard]] std::size_t vertex_count() const { return vertices_->size(); }
+  [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
+  [[nodiscard]] double area() const { return geometry_->area; }
+  /// Integral of the density, in the caller's unit.
+  [[nodiscard]] double mass() const { return geometry_->mass; }
+  /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
+  /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
+  /// integrals stay in the range of numbers.
+  [[nodiscard]] double density_unit() const { return geometry_->density_unit; }
+
+  [[nodiscard]] std::int32_t ordered_face(std::int32_t callers) const {
+    return connectivity_->ordered_face[static_cast<std::size_t>(callers)];
+  }
+  [[nodiscard]] std::int32_t original_face(std::int32_t face) const {
+    return connectivity_->original_face[static_cast<std::size_t>(face)];
+  }
+  [[nodiscard]] const Face& corners(std::int32_t face) const {
+    return connectivity_->faces[static_cast<std::size_t>(face)];
+  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t vertex) const {
+    return (*vertices_)[static_cast<std::size_t>(vertex)];
+  }
+  /// The density at the corners of a face; it is linear in between.
+  [[nodiscard]] Vec3 densities(std::int32_t face) const;
+  [[nodiscard]] const FaceGeometry& geometry(std::int32_t face) const {
+    return geometry_->faces[static_cast<std::size_t>(face)];
+  }
+  /// Sets of faces connected over edges; `component(face)` is in 0..components() - 1.
+  [[nodiscard]] std::int32_t components() const { return connectivity_->components; }
+  [[nodiscard]] std::int32_t component(std::int32_t face) const {
+    return connectivity_->component[static_cast<std::size_t>(face)];
+  }
+  /// The lowest vertex that another hangs together with over connected edges.
+  [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
+    return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];
+  }
+  /// The corners of a face as welded vertices.
+  [[nodiscard]] Face welded_corners(std::int32_t face) const {
+    const auto [a, b, c] = corners(face);
+    return {welded(a), welded(b), welded(c)};
+  }
+  /// The next half-edge around the edge of `half_edge` (3 * face + corner it starts from):
+  /// the other side of an inner edge, itself on a border, the next of a ring where three or more
+  /// faces meet.
+  [[nodiscard]] std::int32_t next_around(std::int32_t half_edge) const {
+    return connectivity_->next_around_edge[static_cast<std::size_t>(half_edge)];
+  }
+
+  [[nodiscard]] const Connectivity& connectivity() const { return *connectivity_; }
+  [[nodiscard]] const std::vector<Vec3>& vertices() const { return *vertices_; }
+  [[nodiscard]] DensityAt density_at() const { return density_->at; }
+  [[nodiscard]] const std::vector<double>& density() const { return density_->values; }
+
+ private:
+  struct Values {
+    DensityAt at = DensityAt::kVertices;
+    std::vector<double> values;  // empty if uniform
+  };
+  struct Geometry {
+    std::vector<FaceGeometry> faces;  // of the density times the unit
+    double area = 0.0;
+    double mass = 0.0;  // the caller's
+    double density_unit = 1.0;
+  };
+
+  void measure();
+  [[nodiscard]] double find_density_unit() const;
+  static void check(const Geometry& geometry);
+
+  std::shared_ptr<const Connectivity> connectivity_;
+  std::shared_ptr<const std::vector<Vec3>> vertices_;
+  std::shared_ptr<const Values> density_;
+  std::shared_ptr<const Geometry> geometry_;
+};
+
+/// The indices of a density's values in the caller's order, and how many go together.
+struct DensityLayout {
+  const std::vector<std::int32_t>& order;
+  std::size_t width;
+};
+[[nodiscard]] DensityLayout density_layout(const Connectivity& mesh, DensityAt at);
+
+}  // namespace dapple

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/projector.hpp>
+
+#include "surface/ordered_surface.hpp"
+
+#if DAPPLE_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "base/triangle.hpp"
+#include "base/validate.hpp"
+#include "surface/validate_surface.hpp"
+
+namespace dapple {
+namespace {
+
+// Embree sees the surface in single precision, in [-1, 1]: a coordinate is off by at most 2^-24, a
+// distance by a few times that. Everything within this much of the best distance is compared in
+// double precision.
+constexpr double kMargin = 2e-6;
+// Sizes of the surface from its middle: from farther away, only the direction counts.
+constexpr double kFar = 1e12;
+
+/// Something of Embree's, given back at the end.
+template <typename T, void (*Release)(T)>
+class Handle {
+ public:
+  explicit Handle(T handle) : handle_(handle) {
+    if (!handle_) throw std::runtime_error("Embree could not be set up");
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { Release(handle_); }
+  [[nodiscard]] T get() const { return handle_; }
+
+ private:
+  T handle_;
+};
+
+}  // namespace
+
+struct Projector::Scene {
+  Scene(const Surface& s, bool support_only);
+
+  [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - centre) / scale; }
+  [[nodiscard]] Vec3 within_reach(const Vec3& p) const;
+  void attach_triangles();
+  void check() const;
+
+  Surface surface;
+  std::vector<std::int32_t> faces;  // ordered faces that Embree knows, by its index
+  Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
+  Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get())};
+  Vec3 centre;
+  double scale;
+  double factor;  // a power of two, about 1 / scale: squares of what is scaled by it are safe
+};
+
+namespace {
+
+float search_radius(double distance, double scale) {
+  return static_cast<float>(distance / scale * (1.0 + kMargin) + kMargin);
+}
+
+/// The best candidate so far for one query point.
+struct Query {
+  const Surface* surface;
+  const std::vector<std::int32_t>* faces;
+  double scale;
+  double factor;
+  Vec3 point;
+  double squared_distance = std::numeric_limits<double>::infinity();  // scaled
+  std::int32_t face = -1;                                             // the caller's index
+  Vec3 barycentric = Vec3::Zero();
+
+  void consider(std::int32_t ordered) {
+    const auto [a, b, c] = surface->ordered().corners(ordered);
+    const Vec3 weights = closest_barycentric(factor * point, factor * surface->ordered().vertex(a),
+                                             factor * surface->ordered().vertex(b),
+                                             factor * surface->ordered().vertex(c));
+    const std::int32_t candidate = surface->ordered().original_face(ordered);
+    const double squared = (factor * (surface->point(candidate, weights) - point)).squaredNorm();
+    if (squared > squared_distance || (squared == squared_distance && candidate >= face)) return;
+    squared_distance = squared;
+    face = candidate;
+    barycentric = weights;
+  }
+
+  /// Radius within which Embree must still look.
+  [[nodiscard]] float radius() const { return search_radius(distance(), scale); }
+  [[nodiscard]] double distance() const { return std::sqrt(squared_distance) / factor; }
+};
+
+bool visit(RTCPointQueryFunctionArguments* arguments) noexcept {
+  Query& query = *static_cast<Query*>(arguments->userPtr);
+  query.consider((*query.faces)[arguments->primID]);
+  const float radius = query.radius();
+  if (!(radius < arguments->query->radius)) return false;
+  arguments->query->radius = radius;
+  return true;
+}
+
+/// The faces nearer than a radius to one point.
+struct Gathering {
+  const Surface* surface;
+  const std::vector<std::int32_t>* faces;
+  Vec3 point;
+  bool far;  // so far away that all of the surface is at one distance
+  double radius;
+  std::vector<std::int32_t> found;  // the caller's indices
+  std::exception_ptr error = nullptr;
+};
+
+void gather_face(Gathering& query, std::int32_t ordered) {
+  const auto [a, b, c] = query.surface->ordered().corners(ordered);
+  const Vec3 weights = query.far
+                           ? Vec3(Vec3::UnitX())
+                           : closest_barycentric(query.point, query.surface->ordered().vertex(a),
+                                                 query.surface->ordered().vertex(b),
+                                                 query.surface->ordered().vertex(c));
+  const std::int32_t face = query.surface->ordered().original_face(ordered);
+  if ((query.surface->point(face, weights) - query.point).stableNorm() < query.radius)
+    query.found.push_back(face);
+}
+
+/// Exceptions must not pass through Embree, which is C.
+bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
+  Gathering& query = *static_cast<Gathering*>(arguments->userPtr);
+  try {
+    gather_face(query, (*query.faces)[arguments->primID]);
+  } catch (...) {
+    query.error = std::current_exception();
+  }
+  return false;
+}
+
+}  // namespace
+
+Projector::Scene::Scene(const Surface& s, bool support_only) : surface(s) {
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
+    if (!support_only || surface.ordered().geometry(f).moments.capacity > 0.0) faces.push_back(f);
+  Vec3 low = surface.ordered().vertex(0);
+  Vec3 high = low;
+  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    low = low.cwiseMin(surface.ordered().vertex(static_cast<std::int32_t>(k)));
+    high = high.cwiseMax(surface.ordered().vertex(static_cast<std::int32_t>(k)));
+  }
+  centre = 0.5 * (low + high);
+  scale = 0.5 * (high - low).maxCoeff();  // > 0: a surface has area
+  factor = std::ldexp(1.0, -std::ilogb(scale));
+  attach_triangles();
+  rtcCommitScene(handle.get());
+  check();
+}
+
+/// A point so far away that it has no place in single precision gives way to one in its direction.
+Vec3 Projector::Scene::within_reach(const Vec3& p) const {
+  const Vec3 way = p - centre;
+  const double most = way.cwiseAbs().maxCoeff();
+  return most <= kFar * scale ? p : Vec3(centre + kFar * scale * (way / most));
+}
+
+/// \throw std::bad_alloc, std::runtime_error for what Embree could not do
+void Projector::Scene::check() const {
+  const RTCError error = rtcGetDeviceError(device.get());
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
+}
+
+template <typename T>
+T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t count) {
+  void* memory = rtcSetNewGeometryBuffer(geometry, type, 0, format, 3 * sizeof(T), count);
+  if (!memory) throw std::bad_alloc();
+  return static_cast<T*>(memory);
+}
+
+void Projector::Scene::attach_triangles() {
+  const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
+      rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE)};
+  const RTCGeometry triangles = geometry.get();
+  auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
+                             surface.vertex_count());
+  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    const Vec3 unit = to_unit(surface.ordered().vertex(static_cast<std::int32_t>(k)));
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
+  }
+  auto* index =
+      buffer_of<unsigned>(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      index[3 * f + k] = static_cast<unsigned>(surface.ordered().corners(faces[f])[k]);
+  rtcCommitGeometry(triangles);
+  rtcAttachGeometry(handle.get(), triangles);
+}
+
+Projector::Projector(const Surface& surface, bool support_only)
+    : scene_(std::make_unique<Scene>(surface, support_only)) {}
+Projector::~Projector() = default;
+Projector::Projector(Projector&&) noexcept = default;
+Projector& Projector::operator=(Projector&&) noexcept = default;
+
+namespace {
+
+/// Any face will do to begin with, as long as Embree knows it.
+template <typename Scene>
+std::int32_t first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
+  if (hints.empty()) return scene.faces[0];
+  const std::int32_t face = scene.surface.ordered().ordered_face(hints[k]);
+  return std::binary_search(scene.faces.begin(), scene.faces.end(), face) ? face : scene.faces[0];
+}
+
+}  // namespace
+
+Projection Projector::project(std::span<const Vec3> points,
+                              std::span<const std::int32_t> hints) const {
+  check_hints(scene_->surface, points, hints);
+  const std::size_t count = points.size();
+  Projection result{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
+                    std::vector<Vec3>(count), std::vector<double>(count)};
+  parallel_chunks(count, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3 point = scene_->within_reach(points[k]);
+      Query query{&scene_->surface, &scene_->faces, scene_->scale, scene_->factor, point};
+      query.consider(first_guess(*scene_, hints, k));
+      const Vec3 unit = scene_->to_unit(point);
+      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      rtcPointQuery(scene_->handle.get(), &embree, &context, visit, &query);
+      result.faces[k] = query.face;
+      result.barycentric[k] = query.barycentric;
+      result.positions[k] = scene_->surface.point(query.face, query.barycentric);
+      result.distances[k] =
+          point == points[k] ? query.distance() : (result.positions[k] - points[k]).stableNorm();
+    }
+  });
+  return result;
+}
+
+std::vector<std::vector<std::int32_t>> Projector::faces_within(
+    std::span<const Vec3> points, std::span<const double> radii) const {
+  check_finite("points", points);
+  check_same_length("radii", radii.size(), "points", points.size());
+  for (std::size_t k = 0; k < radii.size(); ++k)
+    if (!std::isfinite(radii[k]) || radii[k] <= 0.0)
+      throw ArgumentError(entry("radii", k) + " is " + number(radii[k]) +
+                          ": it must be finite and > 0");
+  std::vector<std::vector<std::int32_t>> result(points.size());
+  parallel_chunks(points.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Gathering query{&scene_->surface, &scene_->faces,
+                      points[k],        scene_->within_reach(points[k]) != points[k],
+                      radii[k],         {}};
+      const Vec3 unit = scene_->to_unit(points[k]).cwiseMax(-kFar).cwiseMin(kFar);
+      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
+                           search_radius(radii[k], scene_->scale)};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      rtcPointQuery(scene_->handle.get(), &embree, &context, gather, &query);
+      if (query.error) std::rethrow_exception(query.error);
+      std::sort(query.found.begin(), query.found.end());
+      result[k] = std::move(query.found);
+    }
+  });
+  return result;
+}
+
+}  // namespace dapple

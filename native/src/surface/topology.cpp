@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/topology.hpp>
+
+#include "surface/border_loops.hpp"
+#include "surface/openmesh.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+/// Count edges by how many faces meet at them; each is looked at from its lowest half-edge. True if
+/// no two faces are turned against each other, that is, run along their common edge in the same
+/// direction.
+bool count_edges(const Surface& surface, Topology& result) {
+  const auto start = [&](std::int32_t h) {
+    return surface.ordered().welded_corners(h / 3)[static_cast<std::size_t>(h % 3)];
+  };
+  bool consistent = true;
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
+    int faces = 1;
+    bool lowest = true;
+    for (std::int32_t g = surface.ordered().next_around(h); g != h;
+         g = surface.ordered().next_around(g), ++faces) {
+      lowest = lowest && h < g;
+      consistent = consistent && start(g) != start(h);
+    }
+    if (lowest && faces == 1) ++result.border_edges;
+    if (lowest && faces > 2) ++result.nonmanifold_edges;
+  }
+  return consistent;
+}
+
+/// False if a face does not fit: a complex edge or vertex, or neighbours turned against each other.
+bool build(const Surface& surface, HalfEdgeMesh& mesh) {
+  std::vector<HalfEdgeMesh::VertexHandle> handles(surface.vertex_count());
+  const auto handle = [&](std::int32_t v) {
+    HalfEdgeMesh::VertexHandle& h = handles[static_cast<std::size_t>(v)];
+    if (!h.is_valid())
+      h = mesh.add_vertex({surface.ordered().vertex(v).x(), surface.ordered().vertex(v).y(),
+                           surface.ordered().vertex(v).z()});
+    return h;
+  };
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const auto [a, b, c] = surface.ordered().welded_corners(static_cast<std::int32_t>(f));
+    if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid())
+      return false;
+  }
+  for (const auto vertex : mesh.vertices())
+    if (!mesh.is_manifold(vertex)) return false;
+  return true;
+}
+
+}  // namespace
+
+Topology topology(const Surface& surface) {
+  Topology result;
+  result.components = surface.ordered().components();
+  const bool consistent = count_edges(surface, result);
+  result.border_loops = -1;
+  HalfEdgeMesh mesh;
+  result.manifold = consistent && result.nonmanifold_edges == 0 && build(surface, mesh);
+  if (!result.manifold) return result;
+  result.border_loops = count_border_loops(mesh);
+  result.closed = result.border_loops == 0;
+  // Euler and Poincare: V - E + F = 2 components - 2 genus - borders.
+  const auto euler = static_cast<std::int32_t>(mesh.n_vertices()) -
+                     static_cast<std::int32_t>(mesh.n_edges()) +
+                     static_cast<std::int32_t>(mesh.n_faces());
+  result.genus = (2 * result.components - result.border_loops - euler) / 2;
+  return result;
+}
+
+}  // namespace dapple

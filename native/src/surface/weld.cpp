@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/weld.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+
+namespace dapple {
+namespace {
+
+constexpr double kTouching = 1e-3;  // radians between faces that lie on each other
+constexpr double kFlat = 1e-9;      // height of a face over its side: it has no angle
+constexpr double kCell =
+    64.0;  // side of the grid's cells, in tolerances: few points are near a side
+constexpr double kFinest = 1e-9;  // of the extent: side of the cells where the tolerance is 0
+
+std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+/// Finds, for points added one after another, an earlier one within the tolerance.
+class Places {
+ public:
+  Places(std::span<const Vec3> points, double tolerance)
+      : points_(points), tolerance_(tolerance), low_(points[0]) {
+    Vec3 high = low_;
+    for (const Vec3& p : points) {
+      low_ = low_.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    cell_ = std::max({kCell * tolerance, kFinest * (high - low_).maxCoeff(), 1e-300});
+  }
+
+  /// The first point added within the tolerance of this one; -1 if there is none.
+  [[nodiscard]] std::int32_t find(const Vec3& p) const {
+    const Address from = address(p - Vec3::Constant(tolerance_));
+    const Address to = address(p + Vec3::Constant(tolerance_));
+    std::int32_t best = -1;
+    for (std::int64_t x = from[0]; x <= to[0]; ++x)
+      for (std::int64_t y = from[1]; y <= to[1]; ++y)
+        for (std::int64_t z = from[2]; z <= to[2]; ++z) best = lower(best, find_in({x, y, z}, p));
+    return best;
+  }
+
+  void add(std::int32_t k) { cells_[hash(address(points_[as_size(k)]))].push_back(k); }
+
+ private:
+  using Address = std::array<std::int64_t, 3>;
+
+  static std::int32_t lower(std::int32_t a, std::int32_t b) {
+    return a < 0 || (b >= 0 && b < a) ? b : a;
+  }
+
+  [[nodiscard]] std::int32_t find_in(const Address& at, const Vec3& p) const {
+    const auto cell = cells_.find(hash(at));
+    if (cell == cells_.end()) return -1;
+    const auto found = std::find_if(cell->second.begin(), cell->second.end(), [&](std::int32_t k) {
+      return (points_[as_size(k)] - p).norm() <= tolerance_;
+    });
+    return found == cell->second.end() ? -1 : *found;
+  }
+
+  [[nodiscard]] Address address(const Vec3& p) const {
+    const auto along = [&](Eigen::Index k) {
+      return static_cast<std::int64_t>(std::floor((p[k] - low_[k]) / cell_));
+    };
+    return {along(0), along(1), along(2)};
+  }
+
+  static std::uint64_t hash(const Address& a) {
+    return static_cast<std::uint64_t>(a[0]) * 0x9e3779b97f4a7c15u ^
+           static_cast<std::uint64_t>(a[1]) * 0xc2b2ae3d27d4eb4fu ^
+           static_cast<std::uint64_t>(a[2]) * 0x165667b19e3779f9u;
+  }
+
+  std::span<const Vec3> points_;
+  double tolerance_;
+  Vec3 low_;
+  double cell_;
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;
+};
+
+/// A half-edge and what lies around its edge, seen along the edge from its lower place.
+struct Side {
+  std::int32_t low, high;  // places
+  std::int32_t half_edge;
+  bool forwards;       // from the lower place to the higher
+  bool border;         // no other face shares its vertices
+  double angle = 0.0;  // of its face about the edge; not a number for a face without area
+  auto operator<=>(const Side& other) const {
+    return std::tie(low, high, half_edge) <=> std::tie(other.low, other.high, other.half_edge);
+  }
+};
+
+class Welder {
+ public:
+  Welder(std::span<const Vec3> vertices, double tolerance, std::span<const Face> faces,
+         std::vector<std::int32_t>& next_around)
+      : vertices_(vertices), faces_(faces), next_around_(next_around), welded_(vertices.size()) {
+    std::iota(welded_.begin(), welded_.end(), 0);
+    border_ = border_vertices();
+    if (std::find(border_.begin(), border_.end(), true) != border_.end()) find_places(tolerance);
+  }
+
+  std::vector<std::int32_t> run() {
+    std::vector<Side> sides = crowded_sides();
+    for (auto first = sides.begin(); first != sides.end();) {
+      const auto last = std::find_if(first, sides.end(), [&](const Side& side) {
+        return side.low != first->low || side.high != first->high;
+      });
+      connect({first, last});
+      first = last;
+    }
+    for (std::size_t v = 0; v < welded_.size(); ++v)
+      welded_[v] = root(static_cast<std::int32_t>(v));
+    return std::move(welded_);
+  }
+
+ private:
+  [[nodiscard]] std::int32_t start(std::int32_t h) const {
+    return faces_[as_size(h / 3)][as_size(h % 3)];
+  }
+  [[nodiscard]] std::int32_t end(std::int32_t h) const {
+    return faces_[as_size(h / 3)][as_size((h % 3 + 1) % 3)];
+  }
+  [[nodiscard]] std::int32_t opposite(std::int32_t h) const {
+    return faces_[as_size(h / 3)][as_size((h % 3 + 2) % 3)];
+  }
+  [[nodiscard]] bool is_border(std::int32_t h) const { return next_around_[as_size(h)] == h; }
+  [[nodiscard]] std::int32_t half_edges() const {
+    return static_cast<std::int32_t>(3 * faces_.size());
+  }
+
+  [[nodiscard]] std::vector<bool> border_vertices() const {
+    std::vector<bool> result(vertices_.size(), false);
+    for (std::int32_t h = 0; h < half_edges(); ++h)
+      if (is_border(h)) result[as_size(start(h))] = result[as_size(end(h))] = true;
+    return result;
+  }
+
+  /// The lowest vertex at the place of each; only places with a vertex on a border matter.
+  void find_places(double tolerance) {
+    Places places(vertices_, tolerance);
+    places_.resize(vertices_.size());
+    std::iota(places_.begin(), places_.end(), 0);
+    const auto settle = [&](bool at_border) {
+      for (std::size_t v = 0; v < places_.size(); ++v) {
+        if (border_[v] != at_border) continue;
+        const std::int32_t found = places.find(vertices_[v]);
+        if (found >= 0)
+          places_[v] = found;
+        else if (at_border)
+          places.add(static_cast<std::int32_t>(v));
+      }
+    };
+    settle(true);
+    settle(false);
+  }
+
+  /// The half-edges of edges between places where a border edge has company, sorted by edge.
+  [[nodiscard]] std::vector<Side> crowded_sides() const {
+    std::vector<Side> sides;
+    if (places_.empty()) return sides;
+    std::vector<bool> at_border(vertices_.size(), false);  // by place
+    for (std::size_t v = 0; v < border_.size(); ++v)
+      if (border_[v]) at_border[as_size(places_[v])] = true;
+    for (std::int32_t h = 0; h < half_edges(); ++h) {
+      const std::int32_t a = places_[as_size(start(h))], b = places_[as_size(end(h))];
+      if (a != b && at_border[as_size(a)] && at_border[as_size(b)])
+        sides.push_back({std::min(a, b), std::max(a, b), h, a < b, is_border(h)});
+    }
+    std::sort(sides.begin(), sides.end());
+    return sides;
+  }
+
+  /// Connect what meets at one edge.
+  void connect(std::span<Side> sides) {
+    const auto borders = std::count_if(sides.begin(), sides.end(), std::mem_fn(&Side::border));
+    if (borders == 0 || sides.size() < 2) return;
+    measure_angles(sides);
+    if (static_cast<std::size_t>(borders) != sides.size() || !connect_walls(sides))
+      connect_all(sides);
+  }
+
+  /// The angles of the faces around their edge, from the first that has an area.
+  void measure_angles(std::span<Side> sides) const {
+    const Vec3& origin = vertices_[as_size(sides[0].low)];
+    const Vec3 along = (vertices_[as_size(sides[0].high)] - origin).normalized();
+    std::optional<Vec3> first;
+    for (Side& side : sides) {
+      const Vec3 to = vertices_[as_size(opposite(side.half_edge))] - origin;
+      const Vec3 across = to - to.dot(along) * along;
+      side.angle = std::numeric_limits<double>::quiet_NaN();
+      if (across.norm() <= kFlat * to.norm()) continue;
+      if (!first) first = across;
+      side.angle = std::atan2(along.dot(first->cross(across)), first->dot(across));
+      if (side.angle < -0.5 * kTouching) side.angle += 2.0 * std::numbers::pi;
+    }
+  }
+
+  /// Pair the sides that bound the same material: each wedge of it lies between two faces that
+  /// turn their backs to it. False, and nothing is done, where the faces are not turned that way.
+  bool connect_walls(std::span<const Side> sides) {
+    std::vector<Side> around = in_turn(sides);
+    const std::optional<std::size_t> first = first_wedge(around);
+    if (!first) return false;
+    std::rotate(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(*first), around.end());
+    std::vector<Side> opened, closed;
+    for (const Side& side : around) (side.forwards ? closed : opened).push_back(side);
+    for (std::size_t k = 0; k < opened.size(); ++k)
+      if (touch(opened[k], closed[k])) return false;
+    for (std::size_t k = 0; k < opened.size(); ++k) make_ring(std::array{opened[k], closed[k]});
+    return true;
+  }
+
+  /// Sorted by angle; of faces that lie on each other those first that end a wedge.
+  static std::vector<Side> in_turn(std::span<const Side> sides) {
+    std::vector<Side> around(sides.begin(), sides.end());
+    for (Side& side : around)
+      if (std::isnan(side.angle)) side.angle = 0.0;
+    std::sort(around.begin(), around.end(), [](const Side& a, const Side& b) {
+      return a.angle != b.angle ? a.angle < b.angle : a.half_edge < b.half_edge;
+    });
+    for (std::size_t k = 1; k < around.size(); ++k)
+      if (around[k].angle - around[k - 1].angle <= kTouching) around[k].angle = around[k - 1].angle;
+    std::stable_sort(around.begin(), around.end(), [](const Side& a, const Side& b) {
+      return a.angle != b.angle ? a.angle < b.angle : a.forwards && !b.forwards;
+    });
+    return around;
+  }
+
+  /// Where to begin so that no wedge ends before it began; none if their ends do not match.
+  static std::optional<std::size_t> first_wedge(std::span<const Side> around) {
+    std::ptrdiff_t depth = 0, least = 0;
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      depth += around[k].forwards ? -1 : 1;
+      if (depth < least) {
+        least = depth;
+        first = k + 1;
+      }
+    }
+    if (depth != 0) return std::nullopt;
+    return first;
+  }
+
+  static bool touch(const Side& a, const Side& b) {
+    const double turn = std::abs(a.angle - b.angle);
+    return turn <= kTouching || turn >= 2.0 * std::numbers::pi - kTouching;
+  }
+
+  /// Make one ring of all sides but the borders of faces that lie on another.
+  void connect_all(std::span<const Side> sides) {
+    std::vector<Side> ring;
+    for (const Side& side : sides)
+      if (!side.border || std::none_of(sides.begin(), sides.end(), [&](const Side& other) {
+            return other.half_edge != side.half_edge && touch(side, other);
+          }))
+        ring.push_back(side);
+    if (ring.size() > 1 && std::any_of(ring.begin(), ring.end(), std::mem_fn(&Side::border)))
+      make_ring(ring);
+  }
+
+  template <typename Sides>
+  void make_ring(const Sides& sides) {
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      const std::int32_t a = sides[k].half_edge, b = sides[(k + 1) % sides.size()].half_edge;
+      next_around_[as_size(a)] = b;
+      const bool same = sides[k].forwards == sides[(k + 1) % sides.size()].forwards;
+      unite(start(a), same ? start(b) : end(b));
+      unite(end(a), same ? end(b) : start(b));
+    }
+  }
+
+  [[nodiscard]] std::int32_t root(std::int32_t v) {
+    while (welded_[as_size(v)] != v)
+      v = welded_[as_size(v)] = welded_[as_size(welded_[as_size(v)])];
+    return v;
+  }
+  void unite(std::int32_t a, std::int32_t b) {
+    const std::int32_t p = root(a), q = root(b);
+    welded_[as_size(std::max(p, q))] = std::min(p, q);
+  }
+
+  std::span<const Vec3> vertices_;
+  std::span<const Face> faces_;
+  std::vector<std::int32_t>& next_around_;
+  std::vector<std::int32_t> welded_;  // towards the lowest vertex of each set
+  std::vector<bool> border_;          // per vertex
+  std::vector<std::int32_t> places_;  // per vertex; empty without any border
+};
+
+}  // namespace
+
+std::vector<std::int32_t> weld_borders(std::span<const Vec3> vertices, double tolerance,
+                                       std::span<const Face> faces,
+                                       std::vector<std::int32_t>& next_around) {
+  return Welder(vertices, tolerance, faces, next_around).run();
+}
+
+}  // namespace dapple

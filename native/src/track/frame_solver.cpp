@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "track/frame_solver.hpp"
+
+#include <algorithm>
+
+#include "base/validate.hpp"
+#include "sample/outcome.hpp"
+#include "sample/surface_classes.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+// A frame this little above the first one's normalised energy is as even to the eye: nothing needs
+// to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
+constexpr double kSlack = 5e-4;
+
+/// The samples of each class; all of them one class if none is given.
+std::vector<SampleClass> counted(std::vector<SampleClass> classes,
+                                 std::span<const std::int32_t> class_of) {
+  if (classes.empty()) return {{.count = class_of.size()}};
+  for (SampleClass& member : classes) member.count = 0;
+  for (std::size_t k = 0; k < class_of.size(); ++k) {
+    const std::int32_t c = class_of[k];
+    if (c < 0 || static_cast<std::size_t>(c) >= classes.size())
+      throw ArgumentError(entry("samples.classes", k) + " is " + std::to_string(c) +
+                          ", outside 0.." + std::to_string(classes.size() - 1));
+    ++classes[static_cast<std::size_t>(c)].count;
+  }
+  return classes;
+}
+
+std::vector<SampleClass> deformed(std::vector<SampleClass> classes,
+                                  std::span<const Vec3> vertices) {
+  for (SampleClass& member : classes)
+    if (member.surface) member.surface = member.surface->deformed(vertices);
+  return classes;
+}
+
+/// What is minimised on one frame, over domains that it owns.
+struct Frame {
+  Frame(const Surface& surface, std::span<const SampleClass> classes,
+        const std::vector<std::int32_t>& class_of, const TrackerOptions& options)
+      : problem(surface_classes(surface, classes, options.cells, Steps::kConnected)),
+        objective(make_objective(
+            problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
+            {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
+
+  ClassProblem problem;
+  Objective objective;
+};
+
+Vectors face_normals(const Surface& surface, const Sites& sites) {
+  Vectors normals;
+  for (const std::int32_t face : sites.faces)
+    normals.push_back(surface.ordered().geometry(surface.ordered().ordered_face(face)).normal);
+  return normals;
+}
+
+/// The sites after their moves; those that do not move keep their bytes.
+Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
+  std::vector<std::int32_t> moving;
+  for (std::size_t k = 0; k < moves.size(); ++k)
+    if (moves[k] != Vec3::Zero()) moving.push_back(static_cast<std::int32_t>(k));
+  const Sites from = select(sites, moving);
+  Vectors points = from.positions;
+  for (std::size_t k = 0; k < moving.size(); ++k)
+    points[k] += moves[static_cast<std::size_t>(moving[k])];
+  put(sites, moving, objective.project(points, from.faces, moving));
+  return sites;
+}
+
+void check(const TrackerOptions& options) {
+  check_at_least("union_weight", options.union_weight, 0.0);
+  check_at_least("longest_motion", options.longest_motion, 0.0);
+  if (!(options.memory >= 0.0 && options.memory <= 1.0))
+    throw ArgumentError("memory is " + number(options.memory) + ": it must be in 0..1");
+}
+
+}  // namespace
+
+Sites sites_of(const Samples& samples) {
+  return {samples.positions, samples.faces, samples.barycentric};
+}
+
+Sites carried(const Surface& surface, Sites sites) {
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    sites.positions[k] = surface.point(sites.faces[k], sites.barycentric[k]);
+  return sites;
+}
+
+FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
+                         const TrackerOptions& options, std::vector<SampleClass> classes)
+    : options_(options),
+      classes_(counted(std::move(classes), samples.classes)),
+      ids_(samples.ids),
+      class_of_(samples.classes),
+      first_(sites_of(samples)) {
+  check(options);
+  const Frame frame(surface, classes_, class_of_, options_);
+  const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
+  const State state = evaluate(frame.objective, first_, no_gaps, nullptr);
+  target_energy_ = normalised_energy(frame.objective, state);
+  restoration_.cvt = normalised_cvt(frame.objective, state);
+  restoration_.first_spread = capacity_spread(frame.objective, state);
+  restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
+  memory_ = PatternMemory(state.diagram());
+}
+
+Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const Sites& now) const {
+  const Sites first = carried(surface, first_);
+  const Vectors first_normals = face_normals(surface, first);
+  const Vectors normals = face_normals(surface, now);
+  return memory_.recall({first.positions, first_normals}, before.positions,
+                        {now.positions, normals}, options_.memory);
+}
+
+OptimizerOptions FrameSolver::aims() const {
+  OptimizerOptions options = options_.optimizer;
+  if (options.method == Method::kTrustRegion)
+    options.restore = restoration_;
+  else
+    options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
+  return options;
+}
+
+FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
+                                           const Vectors& moves, const Sites* home, bool idle,
+                                           Context* context) const {
+  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  OptimizerOptions options = aims();
+  if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
+  const Minimum found =
+      minimize(frame.objective, move(start, moves, frame.objective), options, context, home);
+  Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
+  samples.classes = class_of_;
+  return {std::move(samples), found.settled};
+}
+
+FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
+                                      const Vectors& moves, const Sites& home,
+                                      Context* context) const {
+  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  Minimum found =
+      minimize(frame.objective, move(start, moves, frame.objective), aims(), context, &home);
+  return {std::move(found.state.sites), found.evaluations};
+}
+
+FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const Samples& now) const {
+  FrameSolver result = *this;
+  result.ids_ = now.ids;
+  result.class_of_ = now.classes;
+  if (classes_.size() == 1) result.classes_[0].count = now.size();
+  result.first_ = sites_of(now);
+  for (std::size_t k = 0; k < origin.size(); ++k) {
+    if (origin[k] < 0) continue;
+    const auto o = static_cast<std::size_t>(origin[k]);
+    result.first_.faces[k] = first_.faces[o];
+    result.first_.barycentric[k] = first_.barycentric[o];
+  }
+  result.memory_ = memory_.exchanged(origin);
+  return result;
+}
+
+}  // namespace dapple

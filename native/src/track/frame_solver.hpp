@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/class_options.hpp>
+#include <dapple/context.hpp>
+#include <dapple/samples.hpp>
+#include <dapple/tracker_options.hpp>
+
+#include "track/pattern_memory.hpp"
+
+namespace dapple {
+
+[[nodiscard]] Sites sites_of(const Samples& samples);
+
+/// The sites at the same places of their faces, on another frame of the surface.
+[[nodiscard]] Sites carried(const Surface& surface, Sites sites);
+
+/// Brings the samples of one body, frame by frame, back to the evenness of its first frame.
+class FrameSolver {
+ public:
+  /// \throw ArgumentError for options out of range, or samples of a class that is not given
+  FrameSolver(const Surface& surface, const Samples& samples, const TrackerOptions& options,
+              std::vector<SampleClass> classes);
+
+  /// Moves back towards the first frame's pattern; see PatternMemory.
+  /// \param before the sites on the last frame
+  /// \param now those, carried to this one
+  [[nodiscard]] Vectors recall(const Surface& surface, const Sites& before, const Sites& now) const;
+
+  struct Restored {
+    Samples samples;
+    bool settled;  ///< the same frame again would gain nothing, see Minimum
+  };
+  /// Even samples on a frame.
+  /// \param start, moves where the search begins: at the sites, moved
+  /// \param home where max_slide and stickiness hold them; null: where the search begins
+  /// \param idle whether to measure only
+  [[nodiscard]] Restored restore(const Surface& surface, const Sites& start, const Vectors& moves,
+                                 const Sites* home, bool idle, Context* context) const;
+
+  struct Passed {
+    Sites sites;
+    int evaluations;
+  };
+  /// Even sites part of the way to a frame, where nobody asks how even.
+  [[nodiscard]] Passed pass(const Surface& surface, const Sites& start, const Vectors& moves,
+                            const Sites& home, Context* context) const;
+
+  /// For other samples of the same body.
+  /// \param origin per sample its index so far, or -1 for one that is new
+  /// \param now where they are, on the present frame
+  [[nodiscard]] FrameSolver exchanged(std::span<const std::int32_t> origin,
+                                      const Samples& now) const;
+
+  [[nodiscard]] const TrackerOptions& options() const { return options_; }
+
+ private:
+  [[nodiscard]] OptimizerOptions aims() const;
+
+  TrackerOptions options_;
+  std::vector<SampleClass> classes_;
+  std::vector<std::int32_t> ids_, class_of_;  // per sample
+  Sites first_;                               // on the first frame
+  PatternMemory memory_;
+  double target_energy_ = 0.0;
+  Restoration restoration_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "track/pattern_memory.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "base/tangent_basis.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kRebuilt = 0.5;   // misfit, in distances to neighbours, from where memory ends
+constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbours
+constexpr std::size_t kLeast = 4;  // neighbours: three determine an affine map, without a misfit
+constexpr double kInLine = 1e-12;  // determinant of offsets that have no width, of their square
+constexpr std::size_t kGrain = 256;
+
+/// The best affine map of planar offsets to others, as far as recall needs it.
+struct Fit {
+  Eigen::Vector2d shift;  // of the origin
+  double misfit;          // root mean square
+};
+
+/// \param from, to offsets in columns
+Fit fit_affine(const Eigen::Matrix2Xd& from, const Eigen::Matrix2Xd& to) {
+  const Eigen::Vector2d middle_from = from.rowwise().mean();
+  const Eigen::Vector2d middle_to = to.rowwise().mean();
+  const Eigen::Matrix2Xd x = from.colwise() - middle_from;
+  const Eigen::Matrix2Xd y = to.colwise() - middle_to;
+  const Eigen::Matrix2d square = x * x.transpose();
+  if (!(square.determinant() > kInLine * square.squaredNorm()))
+    return {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()};
+  const Eigen::Matrix2d map = y * x.transpose() * square.inverse();
+  const double misfit = (map * x - y).squaredNorm() / static_cast<double>(from.cols());
+  return {middle_to - map * middle_from, std::sqrt(misfit)};
+}
+
+/// Of a ring from its middle, in the tangent plane; in columns.
+Eigen::Matrix2Xd offsets(std::size_t middle, std::span<const std::int32_t> ring,
+                         const Vectors& positions, const Eigen::Matrix<double, 3, 2>& basis) {
+  Eigen::Matrix2Xd result(2, static_cast<Eigen::Index>(ring.size()));
+  for (std::size_t k = 0; k < ring.size(); ++k)
+    result.col(static_cast<Eigen::Index>(k)) =
+        basis.transpose() * (positions[static_cast<std::size_t>(ring[k])] - positions[middle]);
+  return result;
+}
+
+}  // namespace
+
+PatternMemory::PatternMemory(const RestrictedVoronoi& first) {
+  for (std::size_t i = 0; i < first.cells.size(); ++i) {
+    for (const CellBoundary& side : first.boundary(i)) neighbours_.push_back(side.neighbour);
+    starts_.push_back(neighbours_.size());
+  }
+}
+
+PatternMemory PatternMemory::exchanged(std::span<const std::int32_t> origin) const {
+  std::vector<std::int32_t> present(starts_.size() - 1, -1);
+  for (std::size_t k = 0; k < origin.size(); ++k)
+    if (origin[k] >= 0) present[static_cast<std::size_t>(origin[k])] = static_cast<std::int32_t>(k);
+  PatternMemory result;
+  for (const std::int32_t o : origin) {
+    if (o >= 0)
+      for (const std::int32_t j : of(static_cast<std::size_t>(o)))
+        if (present[static_cast<std::size_t>(j)] >= 0)
+          result.neighbours_.push_back(present[static_cast<std::size_t>(j)]);
+    result.starts_.push_back(result.neighbours_.size());
+  }
+  return result;
+}
+
+std::span<const std::int32_t> PatternMemory::of(std::size_t site) const {
+  return std::span(neighbours_).subspan(starts_[site], starts_[site + 1] - starts_[site]);
+}
+
+Vectors PatternMemory::recall(const Places& first, const Vectors& before, const Places& now,
+                              double share) const {
+  Vectors moves(now.positions.size());
+  parallel_chunks(moves.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) moves[i] = recall_one(i, first, before, now, share);
+  });
+  return moves;
+}
+
+Vec3 PatternMemory::recall_one(std::size_t i, const Places& first, const Vectors& before,
+                               const Places& now, double share) const {
+  const std::span<const std::int32_t> ring = of(i);
+  if (ring.size() < kLeast) return Vec3::Zero();
+  const auto now_basis = tangent_basis(now.normals[i]);
+  const Fit fit = fit_affine(offsets(i, ring, first.positions, tangent_basis(first.normals[i])),
+                             offsets(i, ring, now.positions, now_basis));
+  double then = 0.0, today = 0.0, change = 0.0;  // sums of distances, and of what they change by
+  for (const std::int32_t neighbour : ring) {
+    const auto j = static_cast<std::size_t>(neighbour);
+    const double length = (now.positions[j] - now.positions[i]).norm();
+    then += (first.positions[j] - first.positions[i]).norm();
+    today += length;
+    change += std::abs(length - (before[j] - before[i]).norm());
+  }
+  const auto count = static_cast<double>(ring.size());
+  const double strangeness = fit.misfit / (kRebuilt * std::min(then, today) / count);
+  if (!(strangeness < 1.0)) return Vec3::Zero();
+  const double trust = 1.0 - strangeness * strangeness;
+  const Vec3 way = share * trust * trust * (now_basis * fit.shift);
+  const double longest = kPace * change / count;
+  return way.norm() <= longest ? way : Vec3(longest / way.norm() * way);
+}
+
+}  // namespace dapple

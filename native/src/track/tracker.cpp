@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <dapple/tracker.hpp>
+#include <map>
+
+#include "base/clock.hpp"
+#include "base/parallel.hpp"
+#include "base/progress.hpp"
+#include "base/validate.hpp"
+#include "sample/outcome.hpp"
+#include "track/frame_solver.hpp"
+#include "track/motion.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr int kMostParts = 16;   // of a frame
+constexpr double kStill = 1e-9;  // motion that rounding alone makes, relative to the size
+constexpr double kHeld = 0.9;    // of the longest slide: a sample so far was held back by it
+
+int part_count(const Motion& motion, double longest) {
+  if (longest == 0.0 || !(motion.extent > longest)) return 1;
+  return static_cast<int>(std::min<double>(std::ceil(motion.extent / longest), kMostParts));
+}
+
+/// Even sites on each part of the way to a frame but the last, which is the frame itself.
+FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, const Sites& first,
+                             const Motion& motion, int parts, Context* context) {
+  FrameSolver::Passed passed{first, 0};
+  for (int part = 1; part < parts; ++part) {
+    const double share = static_cast<double>(part) / parts;
+    const Surface way = surface.deformed(part_way(surface.vertices(), motion, share));
+    const Sites now = carried(way, passed.sites);
+    const Sites home = carried(way, first);
+    const int evaluations = passed.evaluations;
+    Stretch step(context, static_cast<std::size_t>(part - 1), static_cast<std::size_t>(parts));
+    passed = solver.pass(way, now, solver.recall(way, passed.sites, now), home, step.context());
+    passed.evaluations += evaluations;
+  }
+  return passed;
+}
+
+}  // namespace
+
+Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
+                 std::vector<SampleClass> classes)
+    : surface_(std::move(surface)),
+      samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids,
+                            samples.classes)) {
+  samples_.report = samples.report;
+  with_threads(options.threads, [&] {
+    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes));
+  });
+}
+
+const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
+  const Clock clock;
+  if (context) context->check();
+  const TrackerOptions& options = solver_->options();
+  with_threads(options.threads, [&] {
+    Surface surface = surface_.deformed(vertices);
+    const Motion motion =
+        motion_between(surface_.vertices(), vertices, surface_.distinct_vertices());
+    const bool still = motion.extent < kStill;
+    const int parts = part_count(motion, options.longest_motion);
+    const Sites before = sites_of(samples_);
+    const FrameSolver::Passed last = approach(*solver_, surface_, before, motion, parts, context);
+    const Sites now = carried(surface, last.sites);
+    const Sites home = carried(surface, before);
+    const Vectors moves = solver_->recall(surface, last.sites, now);
+    const auto last_part = static_cast<std::size_t>(parts - 1);
+    Stretch step(context, last_part, last_part + 1);
+    auto [samples, settled] =
+        solver_->restore(surface, now, moves, &home, still && settled_, step.context());
+    samples.report.evaluations += last.evaluations;
+    samples.report.parts = parts;
+    measure_slide(samples.report, samples.positions, home.positions);
+    samples.report.seconds = clock.seconds();
+    settled_ = (still && settled_) ||
+               (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
+    surface_ = std::move(surface);
+    samples_ = std::move(samples);
+  });
+  if (context) context->advance(1.0);
+  return samples_;
+}
+
+void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, bool settled) {
+  check_same_length("samples", samples.size(), "the tracker's samples", samples_.size());
+  Surface surface = surface_.deformed(vertices);
+  samples_ =
+      bind_samples(surface, samples.faces, samples.barycentric, samples_.ids, samples_.classes);
+  surface_ = std::move(surface);
+  settled_ = settled;
+}
+
+/// Go on with other samples on the present frame; those of known ids keep their place in the first
+/// frame's pattern.
+void Tracker::exchange(const Samples& samples) {
+  std::map<std::int32_t, std::int32_t> known;
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    known.emplace(samples_.ids[k], static_cast<std::int32_t>(k));
+  std::vector<std::int32_t> origin;
+  for (const std::int32_t id : samples.ids) {
+    const auto found = known.find(id);
+    origin.push_back(found == known.end() ? -1 : found->second);
+  }
+  solver_ = std::make_shared<const FrameSolver>(solver_->exchanged(origin, samples));
+  samples_ = samples;
+  settled_ = false;
+}
+
+}  // namespace dapple

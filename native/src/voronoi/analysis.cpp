@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <dapple/analysis.hpp>
+#include <dapple/neighbours.hpp>
+#include <limits>
+#include <optional>
+
+#include "base/hexagonal.hpp"
+#include "base/validate.hpp"
+#include "surface/ordered_surface.hpp"
+#include "surface/validate_surface.hpp"
+
+namespace dapple {
+namespace {
+
+// Along the surface: straight through a fold or a thin rim all is near.
+double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
+  double way = std::numeric_limits<double>::infinity();
+  for (const CellBoundary& side : diagram.boundary(i)) way = std::min(way, side.way);
+  return way;
+}
+
+double spread(const RestrictedVoronoi& diagram, double mean) {
+  double sum = 0.0;
+  for (const Moments& cell : diagram.cells) sum += (cell.capacity - mean) * (cell.capacity - mean);
+  return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
+}
+
+/// Neighbours over less of this than their distance touch at a corner, to rounding.
+constexpr double kCorner = 1e-9;
+constexpr std::size_t kFewestNeighbours = 3;  // around a closed cell of straight sides
+
+/// |mean of exp(6 i theta)| over the neighbours of a site; none if it has too few.
+std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t site,
+                               const Vec3& normal) {
+  const Vec3 u = normal.unitOrthogonal();
+  const Vec3 v = normal.cross(u);
+  std::complex<double> sum = 0.0;
+  std::size_t count = 0;
+  for (const CellBoundary& side : diagram.boundary(site)) {
+    if (side.length <= kCorner * side.offset.norm()) continue;
+    sum += std::polar(1.0, 6.0 * std::atan2(side.offset.dot(v), side.offset.dot(u)));
+    ++count;
+  }
+  if (count < kFewestNeighbours) return std::nullopt;
+  return std::abs(sum) / static_cast<double>(count);
+}
+
+/// The neighbour whose cell follows along a ray, and how far along the ray.
+struct Exit {
+  std::int32_t site = -1;
+  double at = 1.0;
+};
+
+Exit leave_cell(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& from,
+                const Vec3& step) {
+  Exit exit;
+  for (const CellBoundary& side : diagram.boundary(site)) {
+    const double speed = step.dot(side.offset);
+    if (speed <= 0.0) continue;
+    const double at = (0.5 * side.offset.squaredNorm() - from.dot(side.offset)) / speed;
+    if (at < exit.at) exit = {side.neighbour, at};
+  }
+  return exit;
+}
+
+/// The sites of each component of the surface: those whose cells can meet its borders.
+class ComponentSites {
+ public:
+  ComponentSites(const Surface& surface, const Sites& sites)
+      : all_(sites.positions), parts_(static_cast<std::size_t>(surface.ordered().components())) {
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+      const std::int32_t component =
+          surface.ordered().component(surface.ordered().ordered_face(sites.faces[k]));
+      Part& part = parts_[static_cast<std::size_t>(component)];
+      part.sites.push_back(static_cast<std::int32_t>(k));
+      part.positions.push_back(sites.positions[k]);
+    }
+    for (Part& part : parts_)
+      if (!part.sites.empty()) part.tree = std::make_unique<Neighbours>(part.positions);
+  }
+
+  /// The nearest site of a component, or of all where it has none.
+  [[nodiscard]] std::int32_t nearest(std::int32_t component, const Vec3& point) {
+    const Part& part = parts_[static_cast<std::size_t>(component)];
+    (part.tree ? *part.tree : all_).nearest(point, 1, found_);
+    const std::int32_t index = found_[0].index;
+    return part.tree ? part.sites[static_cast<std::size_t>(index)] : index;
+  }
+
+ private:
+  struct Part {
+    std::vector<std::int32_t> sites;
+    std::vector<Vec3> positions;
+    std::unique_ptr<Neighbours> tree;
+  };
+  Neighbours all_;
+  std::vector<Part> parts_;
+  std::vector<Neighbour> found_;
+};
+
+}  // namespace
+
+Evenness measure_evenness(const RestrictedVoronoi& diagram) {
+  Evenness result;
+  if (diagram.cells.size() == 0) return result;
+  double capacity = 0.0;
+  for (const Moments& cell : diagram.cells) capacity += cell.capacity;
+  capacity /= static_cast<double>(diagram.cells.size());
+  result.capacity_spread = spread(diagram, capacity);
+  double sum = 0.0;
+  std::size_t counted = 0;
+  result.alpha_min = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+    const Moments& cell = diagram.cells[i];
+    // An empty cell belongs to a site that coincides with another: nothing lies between them.
+    const double area = cell.mass > 0.0 ? capacity * cell.capacity / cell.mass : 0.0;
+    const double alpha = area > 0.0 ? nearest_touching(diagram, i) / hexagonal_spacing(area) : 0.0;
+    if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
+    result.alpha_min = std::min(result.alpha_min, alpha);
+    sum += alpha;
+    ++counted;
+  }
+  result.alpha_mean = counted > 0 ? sum / static_cast<double>(counted) : 0.0;
+  if (counted == 0) result.alpha_min = 0.0;
+  return result;
+}
+
+std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
+                                  const RestrictedVoronoi& diagram) {
+  check_sites(surface, sites);
+  check_same_length("the diagram", diagram.cells.size(), "positions", sites.size());
+  std::vector<bool> result(sites.size(), false);
+  if (sites.size() == 0) return result;
+  ComponentSites tree(surface, sites);
+  const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    if (surface.ordered().next_around(h) != h) continue;
+    const Face& corners = surface.ordered().corners(h / 3);
+    const Vec3& a = surface.ordered().vertex(corners[static_cast<std::size_t>(h % 3)]);
+    const Vec3 step = surface.ordered().vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
+    // Each next site lies farther along the edge than the one before, so the walk ends.
+    for (std::int32_t site = tree.nearest(surface.ordered().component(h / 3), a); site >= 0;) {
+      const auto i = static_cast<std::size_t>(site);
+      result[i] = true;
+      site = leave_cell(diagram, i, a - sites.positions[i], step).site;
+    }
+  }
+  return result;
+}
+
+double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,
+                  const std::vector<bool>& left_out) {
+  check_same_length("normals", normals.size(), "the diagram", diagram.cells.size());
+  if (!left_out.empty())
+    check_same_length("left_out", left_out.size(), "the diagram", diagram.cells.size());
+  double sum = 0.0;
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+    if (!left_out.empty() && left_out[i]) continue;
+    const std::optional<double> order = order_at(diagram, i, normals[i]);
+    if (!order) continue;
+    sum += *order;
+    ++counted;
+  }
+  return counted > 0 ? sum / static_cast<double>(counted) : 0.0;
+}
+
+}  // namespace dapple

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "base/polygon.hpp"
+#include "surface/ordered_surface.hpp"
+#include "voronoi/bisectors.hpp"
+
+namespace dapple {
+
+/// Walks the pieces of one cell after another; one per thread. Sites and faces are ordered ones.
+class CellFlood {
+ public:
+  /// The arguments must outlive the flood.
+  CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
+
+  /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
+  /// owner(), or another one that this leads to.
+  bool reset(std::int32_t site);
+
+  /// Turn to a site that competes with `others` only.
+  void reset_among(std::int32_t site, std::span<const std::int32_t> others);
+
+  [[nodiscard]] std::int32_t owner() const { return owner_; }
+  [[nodiscard]] const Vec3& position() const { return sites_->position(site_); }
+  [[nodiscard]] const Bisector& bisector(std::int32_t k) {
+    return *bisectors_.at(static_cast<std::size_t>(k));
+  }
+  [[nodiscard]] const Polygon& polygon() const { return polygon_; }
+  /// The site that the face clipped last went to because it lies in the bisector; -1 if it did not.
+  [[nodiscard]] std::int32_t tied_to() const { return tied_to_; }
+
+  /// Clip a face to the site's cell; true if nothing was cut off.
+  ///
+  /// What lies in a bisector, to rounding, is as near to one site as to the other: both give it to
+  /// the lower (caller's) index.
+  bool clip(std::int32_t face);
+
+  /// Call `visit(face, whole)` for each piece of the cell that is connected to one of the seeds.
+  template <typename Visit>
+  void flood(std::span<const std::int32_t> seeds, const Visit& visit) {
+    ++stamp_;
+    pending_.clear();
+    for (const std::int32_t face : seeds) push(face);
+    while (!pending_.empty()) {
+      const std::int32_t face = pending_.back();
+      pending_.pop_back();
+      const bool whole = clip(face);
+      if (polygon_.empty()) continue;
+      visit(face, whole);
+      for (const Polygon::Corner& corner : polygon_.corners())
+        if (corner.edge < 0) cross(3 * face - 1 - corner.edge);
+    }
+  }
+
+ private:
+  void push(std::int32_t face) {
+    std::int32_t& stamp = stamps_[static_cast<std::size_t>(face)];
+    if (stamp == stamp_) return;
+    stamp = stamp_;
+    pending_.push_back(face);
+  }
+
+  void cross(std::int32_t half_edge) {
+    for (std::int32_t h = surface_->ordered().next_around(half_edge); h != half_edge;
+         h = surface_->ordered().next_around(h))
+      push(h / 3);
+  }
+
+  const Surface* surface_;
+  const OrderedSites* sites_;
+  Bisectors bisectors_;
+  std::int32_t site_ = 0;
+  std::int32_t owner_ = 0;
+  std::int32_t tied_to_ = -1;
+  Polygon polygon_;
+  std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
+  std::int32_t stamp_ = 0;
+  std::vector<std::int32_t> pending_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/cells.hpp>
+#include <dapple/context.hpp>
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// For each site, the sites whose cells touch its own: what a Delaunay triangulation of the plane
+/// or the torus knows.
+struct SiteGraph {
+  struct Link {
+    std::int32_t site;  ///< j
+    Vec3 offset;        ///< x_j - x_i; on the torus, of the image of j that touches
+  };
+
+  /// The links of a site in order of distance. Of coincident sites only the first has all; each of
+  /// the others has one, to the first.
+  [[nodiscard]] std::span<const Link> of(std::size_t site) const {
+    return std::span(links).subspan(starts[site], starts[site + 1] - starts[site]);
+  }
+
+  std::vector<std::size_t> starts;  // rows of `links`, one more than sites
+  std::vector<Link> links;
+  bool periodic = false;  ///< cells are whole: no border cuts a part of one off from its site
+};
+
+/// The cells of the sites on a flat surface, or for a periodic graph on any flat surface that
+/// covers the cells: as restricted_voronoi(surface, sites), with the neighbours known
+/// and the integrals of the density times Surface::density_unit().
+[[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
+                                                   const SiteGraph& graph, const Context* context,
+                                                   Cells cells = Cells::kEuclidean);
+
+}  // namespace dapple

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voronoi/site_index.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kCrowd = 16;  // sites on one face: fewer are looked through in no time
+
+}  // namespace
+
+OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) : originals(sites.size()) {
+  std::vector<std::int32_t> ordered(sites.size());
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    ordered[k] = surface.ordered().ordered_face(sites.faces[k]);
+  std::iota(originals.begin(), originals.end(), 0);
+  std::sort(originals.begin(), originals.end(), [&](std::int32_t a, std::int32_t b) {
+    const std::int32_t fa = ordered[static_cast<std::size_t>(a)];
+    const std::int32_t fb = ordered[static_cast<std::size_t>(b)];
+    return fa != fb ? fa < fb : a < b;
+  });
+  for (const std::int32_t k : originals) {
+    positions.push_back(sites.positions[static_cast<std::size_t>(k)]);
+    faces.push_back(ordered[static_cast<std::size_t>(k)]);
+  }
+}
+
+SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
+    : sites_(&sites), graph_(graph) {
+  if (!graph) {
+    leave_crowds_out();
+    tree_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
+    return;
+  }
+  ordered_.resize(sites.size());
+  for (std::size_t k = 0; k < ordered_.size(); ++k)
+    ordered_[static_cast<std::size_t>(sites.originals[k])] = static_cast<std::int32_t>(k);
+}
+
+// Sites are sorted by face and caller's index, so those of a face are one run.
+void SiteIndex::leave_crowds_out() {
+  const std::vector<std::int32_t>& faces = sites_->faces;
+  for (std::size_t first = 0, last = 0; first < faces.size(); first = last) {
+    while (last < faces.size() && faces[last] == faces[first]) ++last;
+    if (last - first >= kCrowd) find_crowds(first, last);
+  }
+  for (std::size_t k = 0; k < leaders_.size(); ++k) {
+    if (leaders_[k] != static_cast<std::int32_t>(k)) continue;
+    kept_.push_back(static_cast<std::int32_t>(k));
+    kept_positions_.push_back(sites_->positions[k]);
+  }
+}
+
+/// Name the leaders of those sites in [first, last) that share their place with others.
+void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
+  std::vector<std::pair<std::array<double, 3>, std::size_t>> run;
+  for (std::size_t k = first; k < last; ++k) {
+    const Vec3& p = sites_->positions[k];
+    run.push_back({{p.x(), p.y(), p.z()}, k});
+  }
+  std::sort(run.begin(), run.end());
+  for (std::size_t k = 1; k < run.size(); ++k) {
+    if (run[k].first != run[k - 1].first) continue;
+    if (leaders_.empty()) {
+      leaders_.resize(sites_->size());
+      std::iota(leaders_.begin(), leaders_.end(), 0);
+    }
+    leaders_[run[k].second] = leaders_[run[k - 1].second];
+  }
+}
+
+void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const {
+  found.clear();
+  if (!tree_) return;
+  tree_->nearest(point, count, found);
+  if (!kept_.empty())
+    for (Neighbour& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
+}
+
+std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
+  if (graph_) return walk(point, from);
+  std::vector<Neighbour> found;
+  nearest(point, 1, found);
+  return found[0].index;
+}
+
+// In a Delaunay triangulation every site but the nearest has a neighbour that is nearer.
+std::int32_t SiteIndex::walk(const Vec3& point, std::int32_t site) const {
+  double best = squared_distance(point, site);
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (const SiteGraph::Link& link : links(site)) {
+      const std::int32_t j = ordered(link.site);
+      const double squared = squared_distance(point, j);
+      if (squared > best || (squared == best && link.site >= sites_->original(site))) continue;
+      best = squared;
+      site = j;
+      moved = true;
+      break;
+    }
+  }
+  return site;
+}
+
+}  // namespace dapple

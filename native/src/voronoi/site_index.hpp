@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/neighbours.hpp>
+#include <optional>
+
+#include "voronoi/site_graph.hpp"
+
+namespace dapple {
+
+/// The sites in the order of their faces, which is also an order in space. All that computes cells
+/// speaks of a site by its place in this order, *ordered* site for short.
+struct OrderedSites {
+  std::vector<std::int32_t> originals;  ///< ordered -> caller's
+  std::vector<Vec3> positions;
+  std::vector<std::int32_t> faces;  ///< ordered faces
+
+  OrderedSites(const Surface& surface, const Sites& sites);
+
+  [[nodiscard]] std::size_t size() const { return positions.size(); }
+  [[nodiscard]] std::int32_t original(std::int32_t site) const {
+    return originals[static_cast<std::size_t>(site)];
+  }
+  [[nodiscard]] const Vec3& position(std::int32_t site) const {
+    return positions[static_cast<std::size_t>(site)];
+  }
+};
+
+/// Knows which sites are near: from a tree, or from a graph of the sites whose cells touch.
+class SiteIndex {
+ public:
+  /// The arguments must outlive the index. \param graph of the caller's sites, or null
+  SiteIndex(const OrderedSites& sites, const SiteGraph* graph);
+
+  [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
+  /// Only without a graph: the `count` sites nearest to a point, nearest first. Of a crowd of sites
+  /// at one place on one face only the first (of the caller's order) is there.
+  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const;
+  /// How many there are to be found.
+  [[nodiscard]] std::size_t population() const {
+    return kept_.empty() ? sites_->size() : kept_.size();
+  }
+  /// The site that stands for the crowd that a site is in; the site itself outside one.
+  [[nodiscard]] std::int32_t leader(std::int32_t site) const {
+    return leaders_.empty() ? site : leaders_[static_cast<std::size_t>(site)];
+  }
+  /// Only with a graph; they name the caller's sites.
+  [[nodiscard]] std::span<const SiteGraph::Link> links(std::int32_t site) const {
+    return graph_->of(static_cast<std::size_t>(sites_->original(site)));
+  }
+  /// Only with a graph.
+  [[nodiscard]] std::int32_t ordered(std::int32_t original) const {
+    return ordered_[static_cast<std::size_t>(original)];
+  }
+
+  /// The site nearest to a point. Only the way there depends on `from`, a site that is better near.
+  [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
+
+ private:
+  void leave_crowds_out();
+  void find_crowds(std::size_t first, std::size_t last);
+  [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
+  [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
+    return (sites_->position(site) - point).squaredNorm();
+  }
+
+  const OrderedSites* sites_;
+  const SiteGraph* graph_;
+  std::optional<Neighbours> tree_;  // without a graph
+  // Where there are crowds: a tree would look at all of a crowd for each of its sites.
+  std::vector<std::int32_t> leaders_;  // per site
+  std::vector<std::int32_t> kept_;     // the sites in the tree
+  std::vector<Vec3> kept_positions_;
+  std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
+};
+
+}  // namespace dapple

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/cells.hpp>
+#include <dapple/context.hpp>
+#include <dapple/surface.hpp>
+
+namespace dapple {
+
+/// The restricted Voronoi diagram with the integrals of the density times Surface::density_unit().
+[[nodiscard]] RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites,
+                                             const Context* context, Cells cells);
+
+/// The same in the density's own unit.
+[[nodiscard]] RestrictedVoronoi without_unit(RestrictedVoronoi diagram, double density_unit);
+
+}  // namespace dapple

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "optimize/gauss_newton.hpp"
+#include "sample/class_problem.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr int kEnough = 1000;  // steps of conjugate gradients: the tolerance ends them before
+constexpr double kDelta = 1.5;
+
+/// Two classes on a bumpy body, with gaps; some sites locked.
+struct Fixture {
+  Fixture() {
+    surface = blob(3).surface();
+    for (std::size_t c = 0; c < 2; ++c)
+      problem.classes.push_back({std::make_shared<const SurfaceDomain>(surface), 40 + 20 * c, 0.0});
+    problem.all = problem.classes[0].domain;
+    objective = make_objective(problem, class_of_sites(problem), {});
+    objective.locked.assign(100, false);
+    for (std::size_t k = 0; k < 100; k += 9) objective.locked[k] = true;
+    std::vector<std::vector<double>> radii;
+    const Sites start = make_start(problem, Start::kRandom, 3, nullptr);
+    for (const Term& term : objective.terms)
+      radii.emplace_back(term.members.empty() ? 100 : term.members.size(), 0.3);
+    state = evaluate(objective, start, radii, nullptr);
+  }
+
+  Surface surface = blob(1).surface();
+  ClassProblem problem;
+  Objective objective;
+  State state;
+};
+
+std::size_t site_of(const Term& term, std::int32_t cell) {
+  return static_cast<std::size_t>(
+      term.members.empty() ? cell : term.members[static_cast<std::size_t>(cell)]);
+}
+
+/// d capacity of a term's cells / d sites, as a matrix with three columns a site.
+Eigen::MatrixXd jacobian(const Term& term, const RestrictedVoronoi& diagram, std::size_t sites) {
+  const auto cells = static_cast<std::int32_t>(diagram.cells.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cells, static_cast<Eigen::Index>(3 * sites));
+  for (std::int32_t i = 0; i < cells; ++i)
+    for (const CellBoundary& side : diagram.boundary(static_cast<std::size_t>(i))) {
+      const auto column = static_cast<Eigen::Index>(3 * site_of(term, i));
+      result.block<1, 3>(i, column) += side.flux.transpose();
+      result.block<1, 3>(side.neighbour, column) -= side.flux.transpose();
+    }
+  return result;
+}
+
+/// The model Hessian by its definition, in space.
+Eigen::MatrixXd dense(const Objective& objective, const State& state) {
+  const auto size = static_cast<Eigen::Index>(3 * state.sites.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const Term& term = objective.terms[t];
+    const Part& part = state.parts[t];
+    const double scale = objective.scale(t, part.energy.diagram.cells.size());
+    const Eigen::MatrixXd j = jacobian(term, part.energy.diagram, state.sites.size());
+    result += 2.0 * objective.capacity_weight * scale * j.transpose() * j;
+    for (std::size_t i = 0; i < part.energy.diagram.cells.size(); ++i)
+      result.diagonal()
+          .segment<3>(static_cast<Eigen::Index>(3 * site_of(term, static_cast<std::int32_t>(i))))
+          .array() += 2.0 * kDelta * scale * part.energy.diagram.cells[i].mass;
+    for (const ClosePair& pair : part.gap.pairs) {
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
+      row.segment<3>(static_cast<Eigen::Index>(3 * site_of(term, pair.i))) = pair.direction;
+      row.segment<3>(static_cast<Eigen::Index>(3 * site_of(term, pair.j))) = -pair.direction;
+      result += scale * pair.stiffness * row * row.transpose();
+    }
+  }
+  return result;
+}
+
+Eigen::VectorXd flat(const Vectors& v) {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(3 * v.size()));
+  for (std::size_t k = 0; k < v.size(); ++k)
+    result.segment<3>(static_cast<Eigen::Index>(3 * k)) = v[k];
+  return result;
+}
+
+Vectors stacked(const Eigen::VectorXd& v) {
+  Vectors result;
+  for (Eigen::Index k = 0; k < v.size(); k += 3) result.emplace_back(v.segment<3>(k));
+  return result;
+}
+
+TEST(GaussNewton, SolvesItsDefinition) {
+  const Fixture f;
+  ASSERT_FALSE(f.state.parts[0].gap.pairs.empty());
+  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  Vectors found = stacked(dense(f.objective, f.state) * flat(x));
+  f.objective.restrict(found, f.state.normals);
+  const Eigen::VectorXd wanted = flat(f.state.gradient);
+  EXPECT_LT((flat(found) - wanted).norm(), 0.03 * wanted.norm());
+}
+
+TEST(GaussNewton, StaysInTheTangentPlanesAndLeavesLockedSites) {
+  const Fixture f;
+  const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    EXPECT_NEAR(x[k].dot(f.state.normals[k]), 0.0, 1e-12) << "site " << k;
+    if (f.objective.locked[k]) {
+      EXPECT_EQ(x[k], Vec3::Zero()) << "site " << k;
+    }
+  }
+}
+
+TEST(GaussNewton, DoesNotDependOnTheUnits) {
+  const Fixture f;
+  Fixture tiny;
+  constexpr double kUnit = 1e-9;
+  for (Part& part : tiny.state.parts)
+    for (CellBoundary& side : part.energy.diagram.boundaries) side.flux *= kUnit;
+  Objective strong = tiny.objective;
+  strong.capacity_weight /= kUnit * kUnit;
+  const Vectors a = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
+  const Vectors b = GaussNewton(strong, tiny.state, kEnough).solve(f.state.gradient, kDelta);
+  EXPECT_LT((flat(a) - flat(b)).norm(), 1e-4 * flat(a).norm());
+}
+
+}  // namespace
+}  // namespace dapple::test

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/classes.hpp>
+#include <dapple/planar.hpp>
+#include <dapple/poisson_start.hpp>
+
+#include "optimize/objective.hpp"
+#include "sample/class_problem.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+/// Three classes on the unit square, two with a density of their own and all with radii.
+struct Fixture {
+  Fixture() {
+    const Surface flat = grid(6).surface();
+    std::vector<double> ramp, back;
+    for (const Vec3& x : flat.vertices()) {
+      ramp.push_back(0.2 + x.x());
+      back.push_back(1.2 - x.x());
+    }
+    surfaces = {flat, flat.with_density({DensityAt::kVertices, ramp}),
+                flat.with_density({DensityAt::kVertices, back})};
+    for (const Surface& surface : surfaces)
+      problem.classes.push_back({std::make_shared<const SurfaceDomain>(surface), 20, 0.08});
+    problem.all = problem.classes[0].domain;
+    objective = make_objective(problem, class_of_sites(problem), {});
+    start = make_start(problem, Start::kRandom, 3, nullptr);
+    const State state = evaluate(objective, start, {{}, {}, {}, {}}, nullptr);
+    for (const Part& part : state.parts) radii.emplace_back(part.energy.gradient.size(), 0.2);
+  }
+
+  std::vector<Surface> surfaces;
+  ClassProblem problem;
+  Objective objective;
+  Sites start;
+  std::vector<std::vector<double>> radii;
+};
+
+TEST(Objective, HasOneTermForAllAndOneForEachClass) {
+  const Fixture f;
+  ASSERT_EQ(f.objective.terms.size(), 4u);
+  EXPECT_TRUE(f.objective.terms[0].members.empty());
+  EXPECT_DOUBLE_EQ(f.objective.terms[0].weight, 3.0);  // mu N
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(f.objective.terms[c + 1].members.size(), 20u);
+    EXPECT_EQ(f.objective.terms[c + 1].members[0], static_cast<std::int32_t>(20 * c));
+  }
+}
+
+TEST(Objective, GradientIsThatOfTheTotal) {
+  const Fixture f;
+  const State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  ASSERT_FALSE(state.things.pairs.empty());
+  ASSERT_FALSE(state.parts[0].gap.pairs.empty());
+  double largest = 0.0;
+  for (const Vec3& g : state.gradient) largest = std::max(largest, g.norm());
+  constexpr double kStep = 1e-7;
+  for (std::size_t k = 0; k < f.start.size(); k += 7)
+    for (const Vec3& along : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
+      const auto total = [&](double step) {
+        Sites moved = f.start;
+        moved.positions[k] += step * along;
+        return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
+                        nullptr)
+            .total;
+      };
+      EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].dot(along),
+                  1e-5 * largest)
+          << "site " << k;
+    }
+}
+
+TEST(Objective, StickinessHasAnExactGradient) {
+  Fixture f;
+  Vectors anchors = f.start.positions;
+  for (std::size_t k = 0; k < anchors.size(); ++k)
+    anchors[k] += Vec3(0.03, -0.01 * double(k % 3), 0);
+  State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  const double without = state.total;
+  stick(f.objective, state, anchors, 0.7);
+  double added = 0.0;  // by its formula
+  for (std::size_t k = 0; k < anchors.size(); ++k)
+    added += 0.7 * f.objective.scale(0, anchors.size()) * state.diagram().cells[k].mass *
+             (f.start.positions[k] - anchors[k]).squaredNorm();
+  EXPECT_NEAR(state.total - without, added, 1e-12 * state.total);
+  constexpr double kStep = 1e-7;
+  for (std::size_t k = 0; k < f.start.size(); k += 7) {
+    const auto total = [&](double step) {
+      Sites moved = f.start;
+      moved.positions[k].x() += step;
+      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
+                      nullptr)
+          .total;
+    };
+    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].x(),
+                1e-5 * (1.0 + std::abs(state.gradient[k].x())))
+        << "site " << k;
+  }
+}
+
+TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {
+  Fixture f;
+  const State one = evaluate(f.objective, f.start, f.radii, nullptr);
+  Sites moved = f.start;
+  for (Vec3& p : moved.positions) p.x() += 0.02 * std::sin(40.0 * p.y());
+  const State two =
+      evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii, nullptr);
+  double difference = 0.0;
+  const std::vector<double> before = energy_shares(f.objective, one);
+  const std::vector<double> after = energy_shares(f.objective, two);
+  for (std::size_t k = 0; k < before.size(); ++k) difference += after[k] - before[k];
+  EXPECT_NEAR(difference, two.total - one.total, 1e-9 * one.total);
+}
+
+TEST(Objective, LockedSitesHaveNoGradient) {
+  Fixture f;
+  f.objective.locked.assign(f.start.size(), false);
+  f.objective.locked[4] = true;
+  const State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  EXPECT_EQ(state.gradient[4], Vec3::Zero());
+  EXPECT_NE(state.gradient[5], Vec3::Zero());
+}
+
+/// Two things at 0.9 of the sum of their radii.
+TEST(Things, OfDifferentSizePushEachOtherApart) {
+  const Sites sites{{{0, 0, 0}, {0.9, 0, 0}, {5, 0, 0}}, {0, 0, 0}, {}};
+  const Vectors normals(3, Vec3::UnitZ());
+  const Gap gap = evaluate_things(sites, normals, {0.7, 0.3, 0.1}, 0.0, 2.0);
+  ASSERT_EQ(gap.pairs.size(), 1u);
+  EXPECT_NEAR(gap.energy, 2.0 * 0.01, 1e-12);
+  EXPECT_NEAR(worst_pair(gap)->lack, 0.1, 1e-12);
+  EXPECT_LT(gap.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
+}
+
+TEST(Things, OnTheTwoSidesOfAWallDoNotMeet) {
+  const Sites sites{{{0, 0, 0}, {0, 0, 0.1}}, {0, 0}, {}};
+  EXPECT_TRUE(
+      evaluate_things(sites, {Vec3::UnitZ(), -Vec3::UnitZ()}, {1.0, 1.0}, 0.0, 1.0).pairs.empty());
+}
+
+TEST(Things, MeetAcrossTheSeamOfTheTorus) {
+  const Sites sites{{{0.02, 0.5, 0}, {2.97, 0.5, 0}}, {0, 0}, {}};
+  const Vectors normals(2, Vec3::UnitZ());
+  const Gap gap = evaluate_things(sites, normals, {0.05, 0.05}, 1.0, 1.0);
+  ASSERT_EQ(gap.pairs.size(), 1u);
+  EXPECT_NEAR(gap.pairs[0].lack, 0.5, 1e-9);
+  EXPECT_NEAR(gap.pairs[0].direction.x() * (gap.pairs[0].i == 0 ? 1.0 : -1.0), 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace dapple::test

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/optimizer.hpp>
+#include <dapple/planar.hpp>
+#include <dapple/poisson_start.hpp>
+
+#include "invariants.hpp"
+#include "optimize/rescue.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+double least_capacity(const OptimizerResult& found) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Moments& cell : found.energy.diagram.cells) least = std::min(least, cell.capacity);
+  return least;
+}
+
+class RescueOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, RescueOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+/// A quarter of the sites start where another is.
+TEST_P(RescueOn, FreesSitesThatStartTogether) {
+  const Surface surface = GetParam().surface();
+  Sites start = poisson_start(surface, 60, 1);
+  for (std::size_t k = 0; k < 15; ++k) {
+    start.positions[k] = start.positions[20 + k / 3];
+    start.faces[k] = start.faces[20 + k / 3];
+    start.barycentric[k] = start.barycentric[20 + k / 3];
+  }
+  for (const Method method : {Method::kTrustRegion, Method::kLineSearch}) {
+    const OptimizerOptions options{.method = method};
+    const OptimizerResult found = optimize(SurfaceDomain(surface), start, options);
+    EXPECT_GT(least_capacity(found), 0.0);
+    EXPECT_TRUE(std::isfinite(found.energy.total));
+    EXPECT_TRUE(same_bytes(found.sites.positions,
+                           optimize(SurfaceDomain(surface), start, options).sites.positions));
+  }
+}
+
+TEST(Rescue, FreesTwoSitesAtOnePlace) {
+  const Surface surface = blob(3).surface();
+  Sites start = poisson_start(surface, 1, 1);
+  start.positions.push_back(start.positions[0]);
+  start.faces.push_back(start.faces[0]);
+  start.barycentric.push_back(start.barycentric[0]);
+  EXPECT_GT(least_capacity(optimize(SurfaceDomain(surface), start, {})), 0.0);
+}
+
+/// On the torus nothing keeps a step inside the density's support.
+TEST(Rescue, BringsSitesBackIntoTheDensity) {
+  Image image{1, 16, std::vector<double>(16, 0.0)};
+  for (std::size_t k = 4; k < 8; ++k) image.values[k] = 1.0;
+  const TorusDomain torus(image);
+  const Vec2 outside[] = {{0.9, 0.1}, {0.85, 0.5}, {0.3, 0.2}, {0.35, 0.7}};
+  const OptimizerResult found = optimize(torus, torus.sites(outside), {});
+  EXPECT_GT(least_capacity(found), 0.0);
+}
+
+TEST(Rescue, LeavesLockedSitesAlone) {
+  const Surface surface = blob(2).surface();
+  Sites sites = poisson_start(surface, 10, 1);
+  sites.positions[3] = sites.positions[7];
+  sites.faces[3] = sites.faces[7];
+  sites.barycentric[3] = sites.barycentric[7];
+  const SurfaceDomain domain(surface);
+  Objective objective;
+  objective.capacity_weight = 30.0;
+  objective.terms.push_back({.domain = &domain});
+  const State state = evaluate(objective, sites, {{}}, nullptr);
+  ASSERT_EQ(find_rescue(objective, state).sites, std::vector<std::int32_t>{7});
+  objective.locked.assign(10, true);
+  EXPECT_TRUE(find_rescue(objective, state).sites.empty());
+}
+
+}  // namespace
+}  // namespace dapple::test

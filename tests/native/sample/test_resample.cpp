@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/resample.hpp>
+#include <dapple/sampler.hpp>
+#include <functional>
+#include <iostream>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "surface/ordered_surface.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+class ResampleOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, ResampleOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(ResampleOn, GivesTheCountWithUniqueIds) {
+  const Surface surface = GetParam().surface();
+  const Samples before = sample(surface, 100);
+  for (const std::size_t count : {0u, 1u, 90u, 100u, 130u}) {
+    const Samples after = resample(surface, before, count);
+    ASSERT_EQ(after.size(), count);
+    check_on_surface(surface, {after.positions, after.faces, {}}, after.barycentric);
+    std::vector<std::int32_t> ids = after.ids;
+    std::sort(ids.begin(), ids.end());
+    EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+  }
+}
+
+/// One per cent more, fewer, and of the density: most things stay where they are.
+TEST(Resample, MovesMostSamplesLittle) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 1000);
+  std::vector<double> tilted;
+  for (const Vec3& x : surface.vertices()) tilted.push_back(1.0 + 0.01 * x.x());
+  const Samples more = resample(surface, before, 1010), fewer = resample(surface, before, 990),
+                other =
+                    resample(surface.with_density({DensityAt::kVertices, tilted}), before, 1000);
+  for (const Samples* after : {&more, &fewer, &other}) {
+    const Report& report = after->report;
+    std::cout << after->size() << " samples: slide median " << report.slide_median << ", mean "
+              << report.slide_mean << ", max " << report.slide_max << ", capacity spread "
+              << report.evenness.capacity_spread << ", " << report.evaluations << " evaluations\n";
+    EXPECT_LT(report.slide_median, 0.15);
+    EXPECT_LT(report.evenness.capacity_spread, 0.02);
+    EXPECT_GT(report.evenness.alpha_min, 0.55);
+  }
+  for (std::size_t k = 0; k < 1000; ++k) EXPECT_EQ(more.ids[k], before.ids[k]);
+  EXPECT_EQ(more.ids[1000], 1000);
+}
+
+// ---- where the density differs ----
+
+/// 100 on a cap of a sixteenth of a sphere, 1 elsewhere.
+double on_the_cap(const Vec3& p) { return p.z() > 0.875 ? 100.0 : 1.0; }
+
+/// From 1 to 100 along x, smoothly.
+double ramp(const Vec3& p) { return std::pow(10.0, 1.0 + std::clamp(p.x(), -1.0, 1.0)); }
+
+double share(const Samples& samples, const std::function<bool(const Vec3&)>& part) {
+  return static_cast<double>(
+             std::count_if(samples.positions.begin(), samples.positions.end(), part)) /
+         static_cast<double>(samples.size());
+}
+
+double dense_share(const Samples& samples) {
+  return share(samples, [](const Vec3& p) { return p.z() > 0.875; });
+}
+
+/// As even as samples made anew: a single run may be lucky.
+void expect_as_even(const Samples& after, const Surface& surface) {
+  constexpr int kRuns = 3;
+  double spread = 0.0, alpha = 0.0;
+  SampleOptions options;
+  for (options.seed = 0; options.seed < kRuns; ++options.seed) {
+    const Evenness fresh = sample(surface, after.size(), options).report.evenness;
+    spread += fresh.capacity_spread / kRuns;
+    alpha += fresh.alpha_min / kRuns;
+  }
+  const Evenness& evenness = after.report.evenness;
+  std::cout << after.size() << " samples: capacity spread " << evenness.capacity_spread
+            << ", fresh " << spread << ", alpha min " << evenness.alpha_min << ", fresh " << alpha
+            << ", " << after.report.evaluations << " evaluations\n";
+  EXPECT_LE(evenness.capacity_spread, 1.5 * spread);
+  EXPECT_GE(evenness.alpha_min, 0.9 * alpha);
+  EXPECT_TRUE(after.report.converged);
+}
+
+/// The largest slide of the samples that stayed, in spacings where they are.
+double worst_local_slide(const Surface& surface, const Samples& before, const Samples& after) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    const auto found = std::find(before.ids.begin(), before.ids.end(), after.ids[k]);
+    if (found == before.ids.end()) continue;
+    const double density = after.barycentric[k].dot(
+        surface.ordered().densities(surface.ordered().ordered_face(after.faces[k])));
+    const double local =
+        surface.spacing(after.size()) * std::sqrt(surface.mass() / surface.area() / density);
+    const auto b = static_cast<std::size_t>(found - before.ids.begin());
+    worst = std::max(worst, (after.positions[k] - before.positions[b]).norm() / local);
+  }
+  std::cout << "worst slide " << worst << " local spacings\n";
+  return worst;
+}
+
+TEST(Resample, TakesFromTheDensePartItsShare) {
+  const Surface surface = with_face_density(icosphere(5), on_the_cap).surface();
+  const Samples before = sample(surface, 1500);
+  for (const std::size_t count : {1350u, 1650u, 750u, 3000u}) {
+    const Samples after = resample(surface, before, count);
+    EXPECT_NEAR(dense_share(after), dense_share(before), 0.01) << count;
+    expect_as_even(after, surface);
+  }
+}
+
+TEST(Resample, SlidesNothingFarUnderARamp) {
+  const Surface surface = with_density(icosphere(5), ramp).surface();
+  const Samples before = sample(surface, 1500);
+  for (const std::size_t count : {1350u, 1650u}) {
+    const Samples after = resample(surface, before, count);
+    expect_as_even(after, surface);
+    EXPECT_LT(worst_local_slide(surface, before, after), 1.0) << count;
+  }
+}
+
+/// The count stays, and many must go from where there shall be fewer to where there shall be more.
+TEST(Resample, FollowsAnotherDensity) {
+  const Surface flat = icosphere(5).surface();
+  const Surface steep = with_density(icosphere(5), ramp).surface();
+  const Samples on_flat = sample(flat, 1500), on_steep = sample(steep, 1500);
+  const Samples there = resample(steep, on_flat, 1500), back = resample(flat, on_steep, 1500);
+  const auto right = [](const Vec3& p) { return p.x() > 0.5; };
+  EXPECT_NEAR(share(there, right), share(on_steep, right), 0.01);
+  EXPECT_NEAR(share(back, right), share(on_flat, right), 0.01);
+  expect_as_even(there, steep);
+  expect_as_even(back, flat);
+  EXPECT_LT(worst_local_slide(steep, on_flat, there), 1.0);
+  EXPECT_LT(worst_local_slide(flat, on_steep, back), 1.0);
+}
+
+/// Components do not exchange samples: each has its own share before they are moved.
+TEST(Resample, GivesEachComponentItsShare) {
+  const Shape small = mapped(icosphere(3), [](const Vec3& p) { return Vec3(0.5 * p); });
+  const Shape large = mapped(icosphere(4), [](const Vec3& p) { return Vec3(p + Vec3(4, 0, 0)); });
+  const Surface surface = joined(small, large).surface();
+  const Samples before = sample(surface, 1000);
+  for (const std::size_t count : {500u, 900u, 1100u}) {
+    const Samples after = resample(surface, before, count);
+    const double on_small = share(after, [](const Vec3& p) { return p.x() < 2.0; });
+    EXPECT_NEAR(on_small * static_cast<double>(count), 0.2 * static_cast<double>(count), 1.0);
+    expect_as_even(after, surface);
+  }
+}
+
+TEST(Resample, TakesAwayWhatLiesWhereNothingShallBe) {
+  const Samples before = sample(icosphere(4).surface(), 600);
+  const Surface half = with_face_density(icosphere(4), [](const Vec3& p) {
+                         return p.z() < 0.0 ? 1.0 : 0.0;
+                       }).surface();
+  const Samples after = resample(half, before, 600);
+  EXPECT_EQ(share(after, [](const Vec3& p) { return p.z() > 0.01; }), 0.0);
+  expect_as_even(after, half);
+}
+
+TEST(Resample, DoesNotMoveWhatIsWanted) {
+  const Surface surface = blob(3).surface();
+  const Samples before = sample(surface, 300);
+  EXPECT_TRUE(same_bytes(resample(surface, before, 300).positions, before.positions));
+}
+
+TEST(Resample, NamesSamplesOfAnotherSurface) {
+  const Samples before = sample(blob(3).surface(), 100);
+  expect_message<ArgumentError>([&] { (void)resample(grid(2).surface(), before, 100); },
+                                {"faces["});
+}
+
+TEST(Resample, NamesIdsThatLeaveNoRoomForOthers) {
+  const Surface surface = blob(2).surface();
+  const Samples some = sample(surface, 20);
+  std::vector<std::int32_t> ids = some.ids;
+  ids[7] = 2147483640;
+  const Samples before = bind_samples(surface, some.faces, some.barycentric, ids);
+  EXPECT_EQ(resample(surface, before, 27).ids.back(), 2147483647);
+  expect_message<ArgumentError>([&] { (void)resample(surface, before, 28); },
+                                {"ids", "2147483640", "8"});
+}
+
+/// Samples made by hand may have no ids.
+TEST(Resample, NumbersSamplesWithoutIds) {
+  const Surface surface = blob(2).surface();
+  Samples before = sample(surface, 20);
+  before.ids.clear();
+  const Samples after = resample(surface, before, 30);
+  for (std::size_t k = 0; k < after.size(); ++k)
+    EXPECT_EQ(after.ids[k], static_cast<std::int32_t>(k));
+}
+
+}  // namespace
+}  // namespace dapple::test

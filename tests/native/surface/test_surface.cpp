@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/surface.hpp>
+#include <limits>
+#include <numbers>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "surface/ordered_surface.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class SurfaceOf : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceOf, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(SurfaceOf, MeasuresAreaAndMass) {
+  const Surface surface = GetParam().surface();
+  EXPECT_NEAR(surface.area(), GetParam().area(), 1e-12 * GetParam().area());
+  EXPECT_NEAR(surface.mass(), GetParam().mass(), 1e-12 * GetParam().mass());
+  EXPECT_EQ(surface.uniform(), GetParam().density.empty());
+}
+
+TEST_P(SurfaceOf, ReturnsTheArraysItWasGiven) {
+  const Surface surface = GetParam().surface();
+  EXPECT_EQ(surface.faces(), GetParam().faces);
+  EXPECT_EQ(surface.density(), GetParam().density);
+  EXPECT_EQ(surface.density_at(), GetParam().density_at);
+  EXPECT_TRUE(same_bytes(surface.vertices(), GetParam().vertices));
+}
+
+TEST_P(SurfaceOf, OrdersFacesOneToOne) {
+  const Shape& shape = GetParam();
+  const Surface surface = shape.surface();
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f) {
+    ASSERT_EQ(surface.ordered().original_face(surface.ordered().ordered_face(f)), f);
+    const Vec3 middle = shape.point(f, Vec3::Constant(1.0 / 3.0));
+    const Face& corners = surface.ordered().corners(surface.ordered().ordered_face(f));
+    for (std::size_t c = 0; c < 3; ++c)
+      ASSERT_EQ(
+          surface.ordered().vertex(corners[c]),
+          shape.vertices[static_cast<std::size_t>(shape.faces[static_cast<std::size_t>(f)][c])]);
+    ASSERT_LE(
+        (surface.ordered().geometry(surface.ordered().ordered_face(f)).centroid - middle).norm(),
+        1e-13 * (1.0 + middle.norm()));
+  }
+}
+
+/// Turning around an edge meets every half-edge on it exactly once.
+TEST_P(SurfaceOf, WalksRingsAroundEdges) {
+  const Surface surface = GetParam().surface();
+  const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
+  const auto ends = [&](std::int32_t half_edge) {
+    const Face& corners = surface.ordered().corners(half_edge / 3);
+    const auto c = static_cast<std::size_t>(half_edge % 3);
+    return std::minmax({corners[c], corners[(c + 1) % 3]});
+  };
+  for (std::int32_t start = 0; start < half_edges; ++start) {
+    std::int32_t in_ring = 0, on_edge = 0;
+    std::int32_t h = start;
+    do {
+      ASSERT_EQ(ends(h), ends(start));
+      ++in_ring;
+      h = surface.ordered().next_around(h);
+    } while (h != start && in_ring <= half_edges);
+    for (std::int32_t other = 0; other < half_edges; ++other)
+      on_edge += ends(other) == ends(start) ? 1 : 0;
+    ASSERT_EQ(in_ring, on_edge) << "half-edge " << start;
+  }
+}
+
+TEST_P(SurfaceOf, DeformsAsIfBuiltAnew) {
+  const Shape& shape = GetParam();
+  const std::vector<Vec3> moved = deformed(shape.vertices, 1.3);
+  const Surface carried = shape.surface().deformed(moved);
+  const Surface fresh(moved, shape.faces, Density{shape.density_at, shape.density});
+  EXPECT_TRUE(same_bytes(carried.vertices(), moved));
+  EXPECT_EQ(carried.faces(), shape.faces);
+  EXPECT_EQ(carried.density(), shape.density);
+  EXPECT_EQ(carried.density_at(), shape.density_at);
+  EXPECT_NEAR(carried.area(), fresh.area(), 1e-14 * fresh.area());
+  EXPECT_NEAR(carried.mass(), fresh.mass(), 1e-14 * fresh.mass());
+}
+
+TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
+  const Shape& shape = GetParam();
+  const Surface other = with_face_density(shape, [](const Vec3& p) { return p.norm(); }).surface();
+  const Surface same = other.with_density({shape.density_at, shape.density});
+  const Surface fresh = shape.surface();
+  EXPECT_EQ(same.density(), shape.density);
+  EXPECT_EQ(same.uniform(), fresh.uniform());
+  EXPECT_EQ(same.mass(), fresh.mass());
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f) {
+    ASSERT_EQ(same.ordered().densities(f), fresh.ordered().densities(f));
+    ASSERT_EQ(same.ordered().geometry(f).moments.second,
+              fresh.ordered().geometry(f).moments.second);
+  }
+}
+
+TEST_P(SurfaceOf, KnowsTheDensityAtTheCornersOfItsFaces) {
+  const Shape& shape = GetParam();
+  const Surface surface = shape.surface();
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f)
+    ASSERT_EQ(surface.ordered().densities(surface.ordered().ordered_face(f)), shape.densities(f));
+}
+
+TEST_P(SurfaceOf, GivesUnitNormalsEverywhere) {
+  const Shape& shape = GetParam();
+  const Surface surface = shape.surface();
+  Random random(3);
+  const Sites sites = random_sites(shape, 50, random);
+  const std::vector<Vec3> weights(sites.size(), Vec3(0.2, 0.5, 0.3));
+  for (const Vec3& normal : surface.normals(sites.faces, weights))
+    EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
+}
+
+TEST(Surface, PutsAPointAtItsWeights) {
+  const Shape shape = blob(1);
+  const Surface surface = shape.surface();
+  Random random(5);
+  for (std::int32_t f = 0; f < 80; ++f) {
+    const Vec3 weights = random.weights();
+    EXPECT_LE((surface.point(f, weights) - shape.point(f, weights)).norm(), 1e-15);
+  }
+}
+
+TEST(Surface, SpacesHexagonally) {
+  EXPECT_NEAR(grid(2).surface().spacing(50), std::sqrt(2.0 / (std::numbers::sqrt3 * 50.0)), 1e-15);
+}
+
+TEST(Surface, InterpolatesSphereNormals) {
+  const Shape shape = icosphere(3);
+  const Surface surface = shape.surface();
+  Random random(1);
+  const Sites sites = random_sites(shape, 100, random);
+  const std::vector<Vec3> weights(sites.size(), Vec3::Constant(1.0 / 3.0));
+  const std::vector<Vec3> normals = surface.normals(sites.faces, weights);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    EXPECT_GT(normals[k].dot(surface.point(sites.faces[k], weights[k]).normalized()), 0.9999);
+}
+
+TEST(Surface, HasTheGradientOfItsDensity) {
+  const Vec3 slope(0.3, 0.7, -0.2);
+  const Shape shape = with_density(blob(1), [&](const Vec3& p) { return 5.0 + slope.dot(p); });
+  const Surface surface = shape.surface();
+  for (std::int32_t f = 0; f < 80; ++f) {
+    const FaceGeometry& face = surface.ordered().geometry(f);
+    const Vec3 tangential = slope - slope.dot(face.normal) * face.normal;
+    EXPECT_LE((face.density_gradient - tangential).norm(), 1e-12);
+  }
+}
+
+TEST(Surface, NamesTheFirstVertexThatIsNotFinite) {
+  for (const double bad : {kNan, kInfinity, -kInfinity})
+    for (int axis = 0; axis < 3; ++axis) {
+      Shape shape = blob(1);
+      shape.vertices[17][axis] = bad;
+      shape.vertices[30][0] = bad;
+      expect_message<SurfaceError>([&] { (void)shape.surface(); },
+                                   {"vertices[17]", std::to_string(bad)});
+    }
+}
+
+TEST(Surface, NamesTheFirstFaceOutOfRange) {
+  const std::int32_t past = static_cast<std::int32_t>(blob(1).vertices.size());
+  for (const std::int32_t bad :
+       {-1, past, std::numeric_limits<std::int32_t>::max(), -2147483647 - 1})
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      Shape shape = blob(1);
+      shape.faces[5][corner] = bad;
+      shape.faces[9][0] = bad;
+      expect_message<SurfaceError>([&] { (void)shape.surface(); },
+                                   {"faces[5]", std::to_string(bad)});
+    }
+}
+
+TEST(Surface, NamesTheFirstBadDensity) {
+  const std::vector<std::pair<double, std::string>> cases = {
+      {kNan, "nan"}, {kInfinity, "inf"}, {-0.5, "-0.5"}};
+  for (const auto& [bad, text] : cases) {
+    Shape shape = with_density(blob(1), [](const Vec3&) { return 1.0; });
+    shape.density[11] = bad;
+    shape.density[12] = -9.0;
+    expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density[11]", text});
+  }
+}
+
+TEST(Surface, RefusesDensityOfAnotherLength) {
+  Shape shape = grid(2);
+  shape.density.assign(8, 1.0);
+  expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density", "8", "9"});
+}
+
+TEST(Surface, NamesTheFirstBadDensityOfAFaceOrCorner) {
+  const Shape shape = grid(2);
+  std::vector<double> values(24, 1.0);
+  values[17] = values[20] = -0.5;
+  expect_message<SurfaceError>(
+      [&] { (void)shape.surface().with_density({DensityAt::kCorners, values}); },
+      {"density[5, 2]", "-0.5"});
+  values.assign(8, 1.0);
+  values[3] = values[4] = kNan;
+  expect_message<SurfaceError>(
+      [&] { Surface(shape.vertices, shape.faces, Density{DensityAt::kFaces, values}); },
+      {"density[3]", "nan"});
+}
+
+TEST(Surface, RefusesDensityOfAnotherLengthAtFacesOrCorners) {
+  const Surface surface = grid(2).surface();
+  const std::vector<double> nine(9, 1.0);
+  expect_message<SurfaceError>([&] { (void)surface.with_density({DensityAt::kFaces, nine}); },
+                               {"density", "9", "8 faces"});
+  expect_message<SurfaceError>([&] { (void)surface.with_density({DensityAt::kCorners, nine}); },
+                               {"density", "9", "24 corners"});
+}
+
+TEST(Surface, RefusesZeroDensityEverywhere) {
+  const Shape shape = with_density(grid(2), [](const Vec3&) { return 0.0; });
+  expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density"});
+}
+
+TEST(Surface, RefusesNothing) {
+  expect_message<SurfaceError>([] { Surface({}, {}); }, {"faces"});
+  const Shape shape = grid(1);
+  expect_message<SurfaceError>([&] { Surface(shape.vertices, {}); }, {"faces"});
+  expect_message<SurfaceError>([&] { Surface({}, shape.faces); }, {"faces[0]"});
+}
+
+TEST(Surface, RefusesFacesWithoutArea) {
+  const Shape line{"Line", {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}, {0, 0, 1}}};
+  expect_message<SurfaceError>([&] { (void)line.surface(); }, {"area"});
+}
+
+TEST(Surface, RefusesCoordinatesWhoseAreaOverflows) {
+  const Shape huge = mapped(grid(1), [](const Vec3& p) { return Vec3(1e200 * p); });
+  expect_message<SurfaceError>([&] { (void)huge.surface(); }, {"vertices"});
+}
+
+TEST(Surface, RefusesToDeformBadly) {
+  const Surface surface = grid(2).surface();
+  std::vector<Vec3> vertices = surface.vertices();
+  vertices[4].y() = kNan;
+  expect_message<SurfaceError>([&] { (void)surface.deformed(vertices); }, {"vertices[4]", "nan"});
+  vertices.resize(8);
+  expect_message<SurfaceError>([&] { (void)surface.deformed(vertices); }, {"vertices", "8", "9"});
+}
+
+}  // namespace
+}  // namespace dapple::test

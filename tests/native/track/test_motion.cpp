@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "shapes.hpp"
+#include "track/motion.hpp"
+
+namespace dapple::test {
+namespace {
+
+Vec3 turned(const Vec3& p) {
+  return Eigen::AngleAxisd(2.5, Vec3(1, 2, 3).normalized()) * p + Vec3(5, -7, 1);
+}
+
+Motion motion_of(std::span<const Vec3> before, std::span<const Vec3> after) {
+  std::vector<std::int32_t> all(before.size());
+  std::iota(all.begin(), all.end(), 0);
+  return motion_between(before, after, all);
+}
+
+TEST(Motion, LeavesOutMovingAsAWhole) {
+  const Shape shape = blob(3);
+  const Motion motion = motion_of(shape.vertices, mapped(shape, turned).vertices);
+  EXPECT_LT(motion.extent, 1e-14);
+  for (std::size_t v = 0; v < shape.vertices.size(); ++v)
+    EXPECT_LT((motion.target[v] - shape.vertices[v]).norm(), 1e-12);
+}
+
+TEST(Motion, MeasuresTheFarthestVertexByTheSize) {
+  const Shape shape = box(6);  // unit cube
+  Shape moved = shape;
+  moved.vertices[10].z() += 0.1;
+  const Motion motion = motion_of(shape.vertices, mapped(moved, turned).vertices);
+  EXPECT_NEAR(motion.extent, 0.1 / std::sqrt(3.0), 0.05 * 0.1);  // the fit takes its share
+}
+
+TEST(Motion, LeavesOutScalingAndMirroring) {
+  const Shape shape = blob(3);
+  const auto moved = [](const Vec3& p) { return Vec3(3.0 * turned({-p.x(), p.y(), p.z()})); };
+  EXPECT_LT(motion_of(shape.vertices, mapped(shape, moved).vertices).extent, 1e-14);
+}
+
+TEST(Motion, StretchingOneWayIsMotion) {
+  const Shape shape = blob(3);
+  const auto moved = [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); };
+  EXPECT_GT(motion_of(shape.vertices, mapped(shape, moved).vertices).extent, 0.01);
+}
+
+TEST(Motion, PartWayIsStraight) {
+  const Shape shape = blob(2);
+  const std::vector<Vec3> after =
+      mapped(shape, [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); }).vertices;
+  const Motion motion = motion_of(shape.vertices, after);
+  EXPECT_EQ(part_way(shape.vertices, motion, 0.0), shape.vertices);
+  EXPECT_EQ(part_way(shape.vertices, motion, 1.0), motion.target);
+  const std::vector<Vec3> half = part_way(shape.vertices, motion, 0.5);
+  for (std::size_t v = 0; v < half.size(); ++v)
+    EXPECT_LT((half[v] - 0.5 * (shape.vertices[v] + motion.target[v])).norm(), 1e-15);
+}
+
+}  // namespace
+}  // namespace dapple::test

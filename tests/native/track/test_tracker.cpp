@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <dapple/energy.hpp>
+#include <dapple/errors.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/tracker.hpp>
+#include <limits>
+#include <numbers>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr std::size_t kCount = 400;
+
+Shape body() {
+  return with_density(blob(4), [](const Vec3& p) { return 1.3 + 0.5 * p.z(); });
+}
+
+Tracker tracker_of(const Shape& shape, std::size_t count = kCount, TrackerOptions options = {}) {
+  const Surface surface = shape.surface();
+  return Tracker(surface, sample(surface, count), options);
+}
+
+/// Everything but the time taken.
+void expect_untouched(const Tracker& tracker, const Samples& before,
+                      const std::vector<Vec3>& vertices) {
+  EXPECT_TRUE(same_bytes(tracker.samples(), before));
+  EXPECT_TRUE(same_bytes(tracker.surface().vertices(), vertices));
+}
+
+class TrackerOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, TrackerOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(TrackerOn, ReturnsTheSameBytesForNoMotion) {
+  Tracker tracker = tracker_of(GetParam(), 80);
+  const Samples first = tracker.samples();
+  for (int frame = 0; frame < 3; ++frame) {
+    const Samples& next = tracker.advance(GetParam().vertices);
+    EXPECT_TRUE(same_bytes(next.positions, first.positions));
+    EXPECT_TRUE(same_bytes(next.barycentric, first.barycentric));
+    EXPECT_EQ(next.faces, first.faces);
+    EXPECT_EQ(next.report.slide_max, 0.0);
+  }
+}
+
+TEST_P(TrackerOn, KeepsTheInvariants) {
+  Tracker tracker = tracker_of(GetParam(), 80);
+  for (int frame = 1; frame <= 3; ++frame) {
+    const Samples& samples = tracker.advance(deformed(GetParam().vertices, 0.2 * frame));
+    check(tracker.surface(), samples);
+  }
+}
+
+TEST(Tracker, KeepsBarycentricsUnderRigidMotion) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Samples first = tracker.samples();
+  for (int frame = 1; frame <= 5; ++frame) {
+    const auto move = [frame](const Vec3& p) {
+      return Vec3(rotated(p, 0.7 * frame) + Vec3(3.0 * frame, 0, -1));
+    };
+    const Samples& next = tracker.advance(mapped(shape, move).vertices);
+    EXPECT_EQ(next.faces, first.faces);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      ASSERT_LE((next.barycentric[k] - first.barycentric[k]).norm(), 1e-12);
+      ASSERT_LE((next.positions[k] - move(first.positions[k])).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Tracker, KeepsBarycentricsUnderScaleAndMirror) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Samples first = tracker.samples();
+  for (const Vec3& factors : {Vec3(7, 7, 7), Vec3(-1, 1, 1), Vec3(1e-4, 1e-4, 1e-4)}) {
+    const Samples& next = tracker.advance(
+        mapped(shape, [&](const Vec3& p) { return Vec3(factors.cwiseProduct(p)); }).vertices);
+    EXPECT_EQ(next.faces, first.faces);
+    for (std::size_t k = 0; k < kCount; ++k)
+      ASSERT_LE((next.barycentric[k] - first.barycentric[k]).norm(), 1e-12);
+  }
+}
+
+TEST(Tracker, KeepsIdsAndClasses) {
+  const Shape shape = body();
+  const Surface surface = shape.surface();
+  Samples samples = sample(surface, kCount);
+  for (std::size_t k = 0; k < kCount; ++k) {
+    samples.ids[k] = static_cast<std::int32_t>(1000 - 2 * k);
+    samples.classes[k] = static_cast<std::int32_t>(k % 3);
+  }
+  Tracker tracker(surface, samples);
+  for (int frame = 1; frame <= 6; ++frame) {
+    const Samples& next = tracker.advance(deformed(shape.vertices, 0.4 * frame));
+    EXPECT_EQ(next.ids, samples.ids);
+    EXPECT_EQ(next.classes, samples.classes);
+  }
+}
+
+/// Every sample moves less than half a spacing relative to where the surface carried it, on every
+/// frame.
+TEST(Tracker, KeepsEverySampleNearItsPlaceOnAGentleDeformation) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  for (int frame = 1; frame <= 20; ++frame) {
+    const Samples before = tracker.samples();
+    const std::vector<Vec3> vertices = deformed(shape.vertices, 0.1 * frame);
+    const Samples& after = tracker.advance(vertices);
+    const double spacing = tracker.surface().spacing(kCount);
+    std::size_t kept = 0;
+    double slide_max = 0.0, slide_sum = 0.0;
+    for (std::size_t k = 0; k < kCount; ++k) {
+      const Vec3 carried = tracker.surface().point(before.faces[k], before.barycentric[k]);
+      const double slide = (after.positions[k] - carried).norm() / spacing;
+      kept += slide < 0.5 ? 1 : 0;
+      slide_max = std::max(slide_max, slide);
+      slide_sum += slide;
+    }
+    EXPECT_EQ(kept, kCount) << "frame " << frame;
+    EXPECT_NEAR(after.report.slide_max, slide_max, 1e-12);
+    EXPECT_NEAR(after.report.slide_mean, slide_sum / kCount, 1e-12);
+    if (frame % 5 == 0)
+      std::cout << "frame " << frame << ": slide mean " << slide_sum / kCount << ", max "
+                << slide_max << ", e " << after.report.energy << ", " << after.report.evaluations
+                << " evaluations\n";
+  }
+}
+
+/// However violent the frame: evenness is caught up over the next ones instead of by a jump.
+TEST(Tracker, KeepsEverySampleNearItsPlaceOnViolentFrames) {
+  for (const Shape& shape :
+       {blob(4), body(), with_density(torus(40, 20), [](const Vec3& p) { return 1.5 + p.x(); }),
+        two_sheets(8, 0.03)}) {
+    Tracker tracker = tracker_of(shape);
+    Random random(17);
+    double worst = 0.0;
+    for (int frame = 1; frame <= 8; ++frame) {
+      std::vector<Vec3> wild = deformed(shape.vertices, 1.5 * frame);
+      const Vec3 stretch = Vec3(1.6, 1.6, 1.6) + random.in_box();
+      for (Vec3& p : wild) p = stretch.cwiseProduct(p + 0.03 * random.in_box());
+      worst = std::max(worst, tracker.advance(wild).report.slide_max);
+    }
+    std::cout << shape.name << ": slide max " << worst << '\n';
+    EXPECT_LT(worst, 0.5) << shape.name;
+  }
+}
+
+// On motion that needs no slide above the limit: after a violent frame evenness may take more than
+// one.
+TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const double first =
+      evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0).normalised;
+  double worst_left = 0.0;
+  for (int frame = 1; frame <= 20; ++frame) {
+    const Samples before = tracker.samples();
+    const std::vector<Vec3> vertices = deformed(shape.vertices, 0.15 * frame);
+    const Surface moved = tracker.surface().deformed(vertices);
+    const Samples carried = bind_samples(moved, before.faces, before.barycentric);
+    worst_left = std::max(worst_left, evaluate_energy(moved, sites_of(carried), 30.0).normalised);
+    const Samples& samples = tracker.advance(vertices);
+    EXPECT_LE(samples.report.energy, first + 2e-3) << "frame " << frame;
+    EXPECT_GE(samples.report.energy, 0.16037) << "frame " << frame;
+  }
+  EXPECT_GT(worst_left, first + 2e-2)
+      << "the motion does not disturb the samples: the test shows nothing";
+}
+
+TEST(Tracker, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Shape shape = body();
+  std::vector<Samples> base;
+  for (const int threads : {1, 2, 8}) {
+    TrackerOptions options;
+    options.threads = threads;
+    Tracker tracker = tracker_of(shape, kCount, options);
+    for (int frame = 1; frame <= 4; ++frame) {
+      const Samples& samples = tracker.advance(deformed(shape.vertices, 0.4 * frame));
+      if (threads == 1) base.push_back(samples);
+      EXPECT_TRUE(same_bytes(samples, base[static_cast<std::size_t>(frame - 1)]))
+          << threads << " threads";
+    }
+  }
+}
+
+TEST(Tracker, SurvivesCollapseAndBack) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  std::vector<Vec3> collapsed = shape.vertices;
+  for (const std::int32_t v : shape.faces[10])
+    collapsed[static_cast<std::size_t>(v)] =
+        shape.vertices[static_cast<std::size_t>(shape.faces[10][0])];
+  for (const auto& vertices : {collapsed, shape.vertices})
+    check(tracker.surface(), tracker.advance(vertices));
+}
+
+TEST(Tracker, SurvivesATeleport) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  Random random(3);
+  std::vector<Vec3> wild = shape.vertices;
+  for (Vec3& p : wild) p += 0.3 * random.in_box();
+  check(tracker.surface(), tracker.advance(wild));
+  check(tracker.surface(), tracker.advance(shape.vertices));
+}
+
+TEST(Tracker, TracksNothingAndOne) {
+  const Shape shape = body();
+  for (const std::size_t count : {0u, 1u, 2u}) {
+    Tracker tracker = tracker_of(shape, count);
+    check(tracker.surface(), tracker.advance(deformed(shape.vertices, 0.3)));
+    EXPECT_EQ(tracker.samples().size(), count);
+  }
+}
+
+TEST(Tracker, BeginsFromStoredBindings) {
+  const Shape shape = body();
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, kCount);
+  Tracker one(surface, samples);
+  Tracker two(surface, bind_samples(surface, samples.faces, samples.barycentric, samples.ids,
+                                    samples.classes));
+  const std::vector<Vec3> next = deformed(shape.vertices, 0.5);
+  EXPECT_TRUE(same_bytes(one.advance(next), two.advance(next)));
+}
+
+// ---- parts, memory, stickiness ----
+
+Vec3 swollen(const Vec3& p, double share) {
+  return p * (1.0 + 0.5 * share * std::exp(-4.0 * (p - Vec3(1, 0, 0)).squaredNorm()));
+}
+
+TEST(Tracker, SplitsAFrameOfFarMotion) {
+  const Shape shape = body();
+  const std::vector<Vec3> far =
+      mapped(shape, [](const Vec3& p) { return swollen(p, 0.6); }).vertices;
+  Tracker whole = tracker_of(shape, kCount, {.longest_motion = 0.0});
+  EXPECT_EQ(whole.advance(far).report.parts, 1);
+  Tracker split = tracker_of(shape);
+  const Samples& samples = split.advance(far);
+  EXPECT_GE(samples.report.parts, 3);
+  EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // of the whole frame
+  check(split.surface(), samples);
+}
+
+TEST(Tracker, DoesNotSplitMovingAsAWhole) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const auto move = [](const Vec3& p) { return Vec3(rotated(p, 1.9) + Vec3(30, 0, -10)); };
+  EXPECT_EQ(tracker.advance(mapped(shape, move).vertices).report.parts, 1);
+}
+
+/// A body whose middle becomes three times as long and short again.
+std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
+  const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / period);
+  return mapped(shape,
+                [share](const Vec3& p) {
+                  return Vec3(p.x() + share * std::tanh(2.0 * p.x()), p.y(), p.z());
+                })
+      .vertices;
+}
+
+/// Mean distance from the start after some loops, in spacings.
+double hysteresis(double memory) {
+  const Shape shape = blob(4);
+  Tracker tracker = tracker_of(shape, kCount, {.memory = memory});
+  const std::vector<Vec3> start = tracker.samples().positions;
+  constexpr int kPeriod = 30;
+  for (int frame = 1; frame <= 5 * kPeriod; ++frame) tracker.advance(pull(shape, frame, kPeriod));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kCount; ++k)
+    sum += (tracker.samples().positions[k] - start[k]).norm();
+  return sum / static_cast<double>(kCount) / tracker.surface().spacing(kCount);
+}
+
+TEST(Tracker, ReturnsToTheFirstPatternAfterLoops) {
+  const double with = hysteresis(0.8);
+  const double without = hysteresis(0.0);
+  std::cout << "after five loops " << with << " spacings from the start, without memory " << without
+            << '\n';
+  EXPECT_LT(with, 0.75 * without);
+}
+
+TEST(Tracker, StickinessTradesSlideForEvenness) {
+  const Shape shape = body();
+  double last_slide = 1.0, last_spread = 0.0;
+  for (const double stickiness : {0.0, 3.0, 100.0}) {
+    TrackerOptions options{.memory = 0.0};
+    options.optimizer.stickiness = stickiness;
+    Tracker tracker = tracker_of(shape, kCount, options);
+    double slide = 0.0, spread = 0.0;
+    for (int frame = 1; frame <= 10; ++frame) {
+      const Report& report = tracker.advance(deformed(shape.vertices, 0.15 * frame)).report;
+      slide += report.slide_mean / 10.0;
+      spread += report.evenness.capacity_spread / 10.0;
+    }
+    EXPECT_LT(slide, last_slide) << "stickiness " << stickiness;
+    EXPECT_GT(spread, last_spread) << "stickiness " << stickiness;
+    last_slide = slide;
+    last_spread = spread;
+  }
+}
+
+TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
+  const Shape shape = body();
+  const Surface surface = shape.surface();
+  const Samples first = sample(surface, kCount);
+  Tracker whole(surface, first);
+  constexpr int kPeriod = 30;
+  Samples stored;
+  bool settled = false;
+  for (int frame = 1; frame <= 9; ++frame) {
+    whole.advance(pull(shape, frame, kPeriod));
+    if (frame != 6) continue;
+    stored = bind_samples(whole.surface(), whole.samples().faces, whole.samples().barycentric);
+    settled = whole.settled();
+  }
+  Tracker resumed(surface, first);
+  resumed.resume(pull(shape, 6, kPeriod), stored, settled);
+  for (int frame = 7; frame <= 9; ++frame) resumed.advance(pull(shape, frame, kPeriod));
+  EXPECT_TRUE(same_bytes(resumed.samples(), whole.samples()));
+}
+
+TEST(Tracker, RefusesToResumeFromAnotherNumber) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Samples few = sample(shape.surface(), 10);
+  expect_message<ArgumentError>([&] { tracker.resume(shape.vertices, few, true); },
+                                {"samples", "10", "400"});
+}
+
+// ---- refusals ----
+
+TEST(Tracker, RefusesBadFramesAndIsUnchanged) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  tracker.advance(deformed(shape.vertices, 0.3));
+  const Samples before = tracker.samples();
+  const std::vector<Vec3> vertices = tracker.surface().vertices();
+
+  std::vector<Vec3> bad = shape.vertices;
+  bad.pop_back();
+  expect_message<SurfaceError>(
+      [&] { tracker.advance(bad); },
+      {"vertices", std::to_string(bad.size()), std::to_string(shape.vertices.size())});
+  expect_untouched(tracker, before, vertices);
+
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    bad = shape.vertices;
+    bad[20].x() = value;
+    expect_message<SurfaceError>([&] { tracker.advance(bad); }, {"vertices[20]"});
+    expect_untouched(tracker, before, vertices);
+  }
+
+  bad.assign(shape.vertices.size(), Vec3(1, 2, 3));
+  expect_message<SurfaceError>([&] { tracker.advance(bad); }, {"area"});
+  expect_untouched(tracker, before, vertices);
+}
+
+TEST(Tracker, RefusesSamplesOfAnotherSurface) {
+  const Samples samples = sample(body().surface(), 50);
+  expect_message<ArgumentError>([&] { Tracker(tetrahedron().surface(), samples); }, {"faces["});
+}
+
+TEST(Tracker, NamesTheOptionOutOfRange) {
+  const Surface surface = body().surface();
+  const Samples samples = sample(surface, 10);
+  TrackerOptions options;
+  options.optimizer.max_evaluations = 0;
+  expect_message<ArgumentError>(
+      [&] {
+        Tracker tracker(surface, samples, options);
+        tracker.advance(surface.vertices());
+      },
+      {"max_evaluations", "0"});
+}
+
+TEST(Tracker, RefusesANegativeNumberOfThreads) {
+  const Surface surface = body().surface();
+  expect_message<ArgumentError>([&] { Tracker(surface, sample(surface, 10), {.threads = -1}); },
+                                {"threads", "-1"});
+}
+
+TEST(Tracker, IsUnchangedWhenCancelledBefore) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Samples before = tracker.samples();
+  Context context;
+  context.cancel();
+  EXPECT_THROW(tracker.advance(deformed(shape.vertices, 0.5), &context), Cancelled);
+  expect_untouched(tracker, before, shape.vertices);
+}
+
+TEST(Tracker, SplitsAFrameIntoAsManyPartsForEverSmallerMotions) {
+  const Shape shape = body();
+  const std::vector<Vec3> far =
+      mapped(shape, [](const Vec3& p) { return swollen(p, 0.6); }).vertices;
+  for (const double longest : {1e-10, 1e-12, 1e-300, std::numeric_limits<double>::denorm_min()}) {
+    Tracker tracker = tracker_of(shape, kCount, {.longest_motion = longest});
+    EXPECT_EQ(tracker.advance(far).report.parts, 16) << longest;
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
