@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A city on hills: a picture says where it is dense, and where a river flows.
 
-Run through `blend_examples/run.sh city`, which sets things up.
+Run through `blend_examples/run.sh city`, which sets everything up.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def main() -> None:
     made.dapple.align, made.dapple.scale_randomness = 0.0, 0.35
     build_studio(given.width, given.width * 5 // 8, (1.6, -5.4, 3.4), (0.0, -0.1, 0.0), 46, False)
     report = made.dapple.report
-    finish("city", given, f"{report.count} houses, capacity spread {report.capacity_spread:.4f}")
+    finish("city", given, f"{report.count} houses, area variation {report.capacity_spread:.4f}")
 
 
 if __name__ == "__main__":

@@ -158,7 +158,7 @@ def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
         f"{later['alpha_min']:.3f} on the worst",
         f"alpha mean       {first['alpha_mean']:.3f} on the first frame, "
         f"{later['alpha_mean']:.3f} over all",
-        f"capacity spread  {first['capacity_spread']:.4f} on the first frame, "
+        f"area variation  {first['capacity_spread']:.4f} on the first frame, "
         f"{later['capacity_spread']:.4f} on the worst",
         f"first frame      {first['evaluations']:.0f} evaluations, {first['milliseconds']:.0f} ms",
         f"later frames     {later['evaluations']:.0f} evaluations, "

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Daisies and leaves over a vase, two classes: left baked into its texture, right as instances.
 
-Chen et al. 2012, Fig. 16b. Run through `blend_examples/run.sh decals`, which sets things up.
+Chen et al. 2012, Fig. 16b. Run through `blend_examples/run.sh decals`, which sets everything up.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A meadow of three classes: grass and flowers by painted densities, rocks that keep their room.
 
-Run through `blend_examples/run.sh meadow`, which sets things up.
+Run through `blend_examples/run.sh meadow`, which sets everything up.
 """
 
 from __future__ import annotations

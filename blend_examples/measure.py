@@ -114,10 +114,10 @@ def instances_now(scatter: bpy.types.Object) -> np.ndarray:
 class Stability:
     """How a bake behaves over time."""
 
-    kept: float  # share of (thing, frame) with the same id that moved less than half a spacing
+    kept: float  # share of (instance, frame) with the same id that moved less than half a spacing
     slide_mean: float  # movement against the surface per frame, in spacings
     slide_max: float
-    changed_faces: float  # share of (thing, frame) that passed to another triangle
+    changed_faces: float  # share of (instance, frame) that passed to another triangle
     playback_error: float  # largest distance of an instance from its key, over the spacing
 
 

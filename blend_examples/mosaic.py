@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiles over a box with rounded edges, colored one by one: a picture and a .blend.
 
-Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets things up.
+Chen et al. 2012, Fig. 16a. Run through `blend_examples/run.sh mosaic`, which sets everything up.
 """
 
 from __future__ import annotations

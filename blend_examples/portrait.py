@@ -2,7 +2,7 @@
 """A stippled portrait: every dot is a pin, an instance on a board.
 
 The picture is scikit-image's astronaut (Eileen Collins, NASA, in the public domain). Run through
-`blend_examples/run.sh portrait`, which sets things up.
+`blend_examples/run.sh portrait`, which sets everything up.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scales on a newt that walks: they lie from head to tail, and stay even while it winds.
 
-Run through `blend_examples/run.sh scales`, which sets things up.
+Run through `blend_examples/run.sh scales`, which sets everything up.
 """
 
 from __future__ import annotations
@@ -110,9 +110,7 @@ def main() -> None:
     studio.build_studio(max(width, 1), max(width * 5 // 8, 1))
     scene.frame_set(1)
     report = made.dapple.report
-    said = (
-        f"{given.count} scales, {FRAMES + 1} frames, capacity spread {report.capacity_spread:.3f}"
-    )
+    said = f"{given.count} scales, {FRAMES + 1} frames, area variation {report.capacity_spread:.3f}"
     given.width = 0  # the picture is of several frames
     finish("scales", given, said)
     if width:

@@ -48,7 +48,7 @@ def color_by_chance(
     colors: list[tuple[float, Color]],
     roughness: float = 0.3,
 ) -> bpy.types.Material:
-    """One of the colors by chance of an attribute: who keeps its number keeps its color.
+    """A random one of the colors, by an attribute: who keeps its number keeps its color.
 
     kind is the attribute's type, GEOMETRY or INSTANCER; colors are as TIPS.
     """

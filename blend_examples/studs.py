@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studs on a monkey's head: the more the surface bends, the more and the smaller they are.
 
-Run through `blend_examples/run.sh studs`, which sets things up.
+Run through `blend_examples/run.sh studs`, which sets everything up.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def main() -> None:
     made.dapple.density_scale = -1.0  # larger where there are fewer
     build_studio(given.width, 3 * given.width // 4, (1.5, -4.6, 2.0), (0.0, 0.0, 0.8), 70)
     report = made.dapple.report
-    finish("studs", given, f"{report.count} studs, capacity spread {report.capacity_spread:.4f}")
+    finish("studs", given, f"{report.count} studs, area variation {report.capacity_spread:.4f}")
 
 
 if __name__ == "__main__":

@@ -109,7 +109,7 @@ def in_motion(obj: bpy.types.Object) -> Story:
 
 
 def scene() -> bpy.types.Object:
-    """Hills that breathe, with two kinds of things to place."""
+    """Hills that breathe, with two object types."""
     bpy.context.scene.frame_end = 12
     thing("Bush", bpy.ops.mesh.primitive_ico_sphere_add, 0.13, (0.20, 0.42, 0.16, 1))
     thing("Grass", bpy.ops.mesh.primitive_cone_add, 0.05, (0.62, 0.72, 0.25, 1))

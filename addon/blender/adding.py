@@ -81,10 +81,10 @@ def _less_and_less(preset: Values, chosen: dict[str, Any]) -> Iterator[tuple[Val
     bound = {name: value for name, value in preset.get("", {}).items() if name != "bind_to"}
     even = {name: group for name, group in preset.items() if name != "density"}
     if "bind_to" in preset.get("", {}) and "bind_to" not in chosen:
-        yield {**preset, "": bound}, reported("binding")
+        yield {**preset, "": bound}, reported("attachment")
     if "density" in preset:
         yield even, reported("density")
-        yield {**even, "": bound}, reported("binding and density")
+        yield {**even, "": bound}, reported("attachment and density")
     yield {}, reported("all settings")
 
 

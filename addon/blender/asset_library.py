@@ -22,7 +22,7 @@ def missing_assets() -> str:
     if (FOLDER / ASSETS).is_file():
         return ""
     return told(
-        "{file} is missing: only the extension that Blender installs from a zip has it",
+        "{file} is missing: it is only part of the extension that Blender installs from a zip",
         file=ASSETS,
     )
 
@@ -46,8 +46,8 @@ class _LibraryOperator:
 
 
 class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Show Dapple's node groups in the asset browser: adds their folder to the asset libraries of
-    the preferences"""
+    """Add the folder of Dapple's node groups to the asset libraries in the preferences, so that
+    the asset browser shows them"""
 
     bl_idname = "dapple.add_asset_library"
     bl_label = "Add Asset Library"
@@ -72,7 +72,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Take Dapple's node groups out of the asset browser; groups that files use stay"""
+    """Remove Dapple's node groups from the asset browser; groups in use stay in their files"""
 
     bl_idname = "dapple.remove_asset_library"
     bl_label = "Remove Asset Library"
@@ -80,7 +80,7 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         if library() is None:
-            cls.poll_message_set(told("The preferences have no asset library of Dapple's"))
+            cls.poll_message_set(told("The preferences have no Dapple asset library"))
         return library() is not None
 
     def execute(self, context: bpy.types.Context) -> Answer:
@@ -96,14 +96,14 @@ class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
 
     remove_library: BoolProperty(
         name="Remove with the Add-on",
-        description="Take the asset library out of the preferences when the add-on is disabled",
+        description="Remove the asset library from the preferences when the add-on is disabled",
         default=False,
     )
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         draw_removal(layout.column())
-        layout.label(text="The node groups can be used alone, from the asset browser.")
+        layout.label(text="The node groups can also be used on their own, from the asset browser.")
         if library() is None:
             layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")
             if missing_assets():

@@ -11,7 +11,7 @@ from ..core.sources import sources_from
 from ..core.surface import Floats, Ints
 from ..nodes import INSTANCE_INPUTS
 from .played import places_now
-from .scatter import property_name, settings_of, write_instance_inputs, write_stale_input
+from .scatter import property_name, settings_of, write_instance_inputs, write_warning
 from .store import ensure_modifier, point_columns_of
 from .times import show_time
 
@@ -33,7 +33,7 @@ def change_classes(obj: bpy.types.Object, action: str) -> None:
     obj.dapple.class_index = max(at, 0)
     ensure_modifier(obj)
     write_instance_inputs(obj)
-    write_stale_input(obj)
+    write_warning(obj)
 
 
 def _add(obj: bpy.types.Object) -> None:
@@ -70,7 +70,7 @@ def _solved_mass(obj: bpy.types.Object) -> float:
 
 
 def select_overlap(obj: bpy.types.Object, context: bpy.types.Context) -> Vector:
-    """Select the two points whose things overlap most; the place between them, in the world.
+    """Select the two points whose instances overlap most; the place between them, in the world.
 
     A bake goes to the frame in which they do.
 

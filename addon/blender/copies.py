@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Two enabled copies of the add-on, as from two repositories: they would take each other's names.
 
-The second adds nothing but a sentence in the preferences, and begins when the first is disabled.
+The second adds nothing but a message in the preferences, and begins when the first is disabled.
 """
 
 from collections.abc import Callable
@@ -67,8 +67,8 @@ def look() -> float | None:
 def note(say: Callable[..., str] = told) -> str:
     """What the artist is told meanwhile."""
     return say(
-        "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing until that "
-        "is disabled",
+        "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
+        "until it is disabled",
         other=other(),
         own=_PACKAGE,
     )

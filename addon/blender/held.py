@@ -17,4 +17,4 @@ class Held:
         for obj in bpy.data.objects:
             if obj.session_uid == self.uid:
                 return obj
-        raise ScatterError(f"Object '{self.name}' was removed meanwhile: nothing was written")
+        raise ScatterError(f"Object '{self.name}' was removed in the meantime: nothing was written")

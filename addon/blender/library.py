@@ -11,8 +11,8 @@ def read_only(obj: bpy.types.Object, say: Say = told) -> str:
     """Why nothing that is written to an object would be kept; empty when it is."""
     if obj.library is not None:
         return say(
-            "'{name}' is linked from '{file}': make it local or a library override, or work in "
-            "that file",
+            "'{name}' is linked from '{file}': make it local, make a library override, or "
+            "edit that file",
             name=obj.name,
             file=bpy.path.basename(obj.library.filepath),
         )

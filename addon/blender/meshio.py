@@ -74,7 +74,7 @@ def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
         if "rest_position" not in mesh.attributes:
             raise ScatterError(
                 f"Surface '{obj.name}': its modifiers make a mesh without rest positions: use "
-                "Match Subdivision and set Bind To to Faces, or apply them"
+                "Match Subdivision and set Attach To to Faces, or apply them"
             )
         return _column(mesh, "rest_position", "FLOAT_VECTOR").astype(np.float64)
 

@@ -44,22 +44,25 @@ def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: b
 
 
 class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
-    """Scatter points evenly over the active object"""
+    """Scatter points evenly on the active object"""
 
     bl_idname = "dapple.add"
     bl_label = "Dapple Scatter"
     bl_options = OPTIONS
 
     count: IntProperty(
-        name="Count", description="Number of points, met exactly", default=_DEFAULT.count, min=1
+        name="Count", description="Exact number of points", default=_DEFAULT.count, min=1
     )
     seed: IntProperty(
-        name="Seed", description="Another seed, another scatter", default=_DEFAULT.seed, min=0
+        name="Seed",
+        description="Seed of the random start; each seed gives another scatter",
+        default=_DEFAULT.seed,
+        min=0,
     )
 
     bind_to: EnumProperty(
-        name="Bind To",
-        description="What the points hold on to while the surface deforms",
+        name="Attach To",
+        description="What the points are attached to while the surface deforms",
         items=BIND_TO,
         translation_context=OWN,
         default="AUTO",
@@ -92,8 +95,8 @@ class _DropsKeys(StepsOperator):
 
     _action: ClassVar[str]
     drop_keys: BoolProperty(
-        name="Drop Keys",
-        description="Drop baked keys without a question",
+        name="Delete Keyframes",
+        description="Delete baked keyframes without asking",
         options={"HIDDEN", "SKIP_SAVE"},
     )
 
@@ -105,17 +108,17 @@ class _DropsKeys(StepsOperator):
 
 
 class DAPPLE_OT_drop_keys(bpy.types.Operator):
-    """Go on with what drops the baked keys"""
+    """Continue with the operation that deletes the baked keyframes"""
 
     bl_idname = "dapple.drop_keys"
-    bl_label = "Drop Baked Keys"
+    bl_label = "Delete Baked Keyframes"
     bl_options: ClassVar = {"INTERNAL"}
 
     action: EnumProperty(
         name="Action",
         items=[
-            ("OPTIMIZE", "Optimize", "Scatter the points anew"),
-            ("REBIND", "Re-bind", "Bind the points to the nearest places"),
+            ("OPTIMIZE", "Optimize", "Optimize the points again"),
+            ("REBIND", "Reattach", "Attach the points to the nearest places"),
         ],
     )
 
@@ -129,9 +132,9 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
         return context.window_manager.invoke_confirm(
             self,
             event,
-            title=told("Drop the bake?"),
+            title=told("Delete the bake?"),
             message=told(
-                "The keys of frames {first} to {last} are dropped",
+                "The keyframes of frames {first} to {last} will be deleted",
                 first=settings.baked_start,
                 last=last,
             ),
@@ -146,7 +149,8 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
 
 
 class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
-    """Scatter the points anew over the surface as it is in this frame; baked keys are dropped"""
+    """Distribute the points evenly on the surface in the current frame. Baked keyframes are
+    deleted"""
 
     bl_idname = "dapple.optimize"
     bl_label = "Optimize"
@@ -165,8 +169,8 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
 
 
 class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
-    """Keep the points even in every frame of the scene's range: one key for each frame. Points that
-    were optimized with other settings are optimized anew first"""
+    """Keep the points even in every frame of the scene range and store them as keyframes. Points
+    that were optimized with other settings are optimized again first"""
 
     bl_idname = "dapple.bake"
     bl_label = "Bake"
@@ -183,13 +187,13 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
     def done(self, context: bpy.types.Context, result: Any) -> None:
         if result.anew:
             preview.solved_anew(context.object)
-            text = reported("The points were optimized anew first: {reason}", reason=result.anew)
+            text = reported("The points were optimized again first: {reason}", reason=result.anew)
             self.report({"INFO"}, text)
         if result.trouble:
             self.report({"WARNING"}, result.trouble)
         if result.taken:
             text = reported(
-                "{taken} of {done} frames were solved by a bake stopped before",
+                "{taken} of {done} frames were already solved by a stopped bake",
                 taken=result.taken,
                 done=result.done,
             )
@@ -197,11 +201,11 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
-    """Bind the points to the nearest places of the surface, whose faces changed; go to the frame
-    and pose in which they were optimized first. Baked keys are dropped"""
+    """Attach the points to the nearest places of a surface whose faces changed. Go to the frame
+    and pose in which they were optimized first. Baked keyframes are deleted"""
 
     bl_idname = "dapple.rebind"
-    bl_label = "Re-bind"
+    bl_label = "Reattach"
     bl_options = OPTIONS
     _action = "REBIND"
 
@@ -217,8 +221,9 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
 
 
 class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
-    """Make the area that belongs to each point a tile: of the points as they were optimized, on the
-    surface as it is in this frame. Tiles made before are replaced; their modifiers stay"""
+    """Turn the area of each point into a tile, on the surface in the current frame. The points are
+    those that were optimized, not those of the bake. Existing tiles are replaced and keep their
+    modifiers"""
 
     bl_idname = "dapple.tile"
     bl_label = "Make Tiles"
@@ -243,7 +248,7 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
-    """Remove the baked keys; the points then ride on the surface as they were optimized"""
+    """Delete the baked keyframes; the points then stick to the surface where they were optimized"""
 
     bl_idname = "dapple.clear_bake"
     bl_label = "Clear Bake"
@@ -267,7 +272,7 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
 
 
 class DAPPLE_OT_discard_bake(bpy.types.Operator):
-    """Remove the frames that stopped bakes have left; the next bake begins with its first frame"""
+    """Delete the frames that stopped bakes left behind; the next bake starts at its first frame"""
 
     bl_idname = "dapple.discard_bake"
     bl_label = "Discard Unfinished Bake"
@@ -286,8 +291,8 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
             title=told("Discard the unfinished bake?"),
             message=counted(
                 count,
-                "{count} solved frame is deleted from the disk",
-                "{count:,} solved frames are deleted from the disk",
+                "{count} solved frame will be deleted from disk",
+                "{count:,} solved frames will be deleted from disk",
             ),
             confirm_text=operator_label(self.bl_label),
             icon="WARNING",

@@ -71,7 +71,7 @@ def first_values(
 def left_out(reasons: str) -> str:
     """What is said where not all of the Default preset fits."""
     return reported(
-        "Preset '{name}' does not fit here, left out: {reasons}",
+        "Preset '{name}' does not fit here, skipped: {reasons}",
         name=presets.DEFAULT,
         reasons=reasons,
     )
@@ -139,7 +139,7 @@ def _plain(value: Any) -> Any:
 class _PresetOperator:
     report: Callable[[set[str], str], None]
 
-    name: StringProperty(name="Name", description="Of the preset")
+    name: StringProperty(name="Name", description="Name of the preset")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -159,8 +159,8 @@ class _PresetOperator:
 
 
 class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
-    """Keep the settings of this scatter under a name. New scatters begin with the preset that is
-    called Default"""
+    """Save the settings of this scatter as a preset. New scatters start with the preset named
+    Default"""
 
     bl_idname = "dapple.save_preset"
     bl_label = "Save Preset"
@@ -173,7 +173,7 @@ class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
-    """Set what the preset has; optimize again to see it"""
+    """Apply the settings of the preset; optimize again to see them"""
 
     bl_idname = "dapple.load_preset"
     bl_label = "Load Preset"
@@ -188,7 +188,7 @@ class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
 
 
 class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
-    """Delete the preset's file"""
+    """Delete the preset file"""
 
     bl_idname = "dapple.remove_preset"
     bl_label = "Remove Preset"
@@ -205,7 +205,7 @@ class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
 
 
 class DAPPLE_MT_presets(bpy.types.Menu):
-    """Presets that were saved"""
+    """Saved presets"""
 
     bl_label = "Presets"
 

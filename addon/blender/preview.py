@@ -72,8 +72,8 @@ def note(obj: bpy.types.Object) -> str:
     if follower is None:
         return told("The preview is being prepared")
     if follower.riding:
-        return told("Over budget: points ride on the surface")
-    return told("Points follow the surface")
+        return told("Over budget: points stick to the surface")
+    return told("Points are kept even")
 
 
 def start(obj: bpy.types.Object) -> None:
@@ -104,7 +104,7 @@ def _begin_steps(preview: _Preview) -> Steps:
     arrays = yield Task(lambda _: read.arrays())
     obj, surface = preview.scatter.get(), preview.surface.get()
     if obj.dapple.bound_to == "FACES" and other_faces(obj, arrays):
-        raise ScatterError(f"Scatter '{obj.name}' is stale: {other_faces(obj, arrays)}")
+        raise ScatterError(f"Scatter '{obj.name}' is out of date: {other_faces(obj, arrays)}")
     binding, columns = yield from current_steps(obj, surface, arrays)
     begin = Start(binding, columns["id"], columns["dapple_class"], settings)
     follower = yield Task(lambda context: Follower(arrays, begin, context))

@@ -30,12 +30,17 @@ from .translation import OWN
 _DEFAULT = Settings()
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 BOUND_TO = [  # the numbers are those of older files
-    ("FACES", "Faces", "Faces after all modifiers, which must be the same everywhere", 0),
+    (
+        "FACES",
+        "Faces",
+        "Faces after all modifiers, which must be the same in the viewport and in renders",
+        0,
+    ),
     (
         "REST",
         "Rest Position",
-        "The shape before all modifiers: they may make other faces in every frame or in the "
-        "render. Turns on the surface's Rest Position",
+        "Shape before all modifiers, which may change the faces in every frame and in "
+        "renders. Enables Rest Position on the surface",
         1,
     ),
 ]
@@ -43,7 +48,7 @@ BIND_TO = [
     (
         "AUTO",
         "Automatic",
-        "Faces, or the rest position where viewport and render have different faces",
+        "Faces, or the rest position if the viewport and renders have different faces",
         2,
     ),
     *BOUND_TO,
@@ -60,7 +65,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     surface: PointerProperty(
         update=settings_changed,
         name="Surface",
-        description="Object to scatter over: a mesh, curve, text or metaball",
+        description="Object to scatter points on: a mesh, curve, text or metaball",
         type=bpy.types.Object,
         poll=_is_surface,
     )
@@ -68,7 +73,7 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Count",
-        description="Number of points, met exactly",
+        description="Exact number of points",
         default=_DEFAULT.count,
         min=1,
         soft_max=100_000,
@@ -77,10 +82,14 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Amount",
-        description="What tells the number of points",
+        description="How the number of points is defined",
         items=[
-            ("COUNT", "Count", "Exactly so many points"),
-            ("PER_AREA", "Per Area", "So many points on a square unit of the surface in the world"),
+            ("COUNT", "Count", "An exact number of points"),
+            (
+                "PER_AREA",
+                "Per Area",
+                "A number of points per square unit of the surface in world space",
+            ),
         ],
         default="COUNT",
     )
@@ -88,7 +97,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Points per Area",
-        description="On a square unit of the surface, with its scale, where the density is 1",
+        description="Number of points on a square unit of the surface in world space where the "
+        "density is 1",
         default=100.0,
         min=0.0001,
         soft_max=10_000.0,
@@ -97,15 +107,16 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Seed",
-        description="Another seed, another scatter",
+        description="Seed of the random start; each seed gives another scatter",
         default=_DEFAULT.seed,
         min=0,
     )
     capacity_weight: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="Capacity Weight",
-        description="How much equal areas count against regular spacing; larger is less regular",
+        name="Area Uniformity",
+        description="How strongly the areas of the points are made equal, at the expense of "
+        "regular spacing",
         default=_DEFAULT.capacity_weight,
         min=0.0,
         soft_max=100.0,
@@ -113,8 +124,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     gap_weight: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="Gap Weight",
-        description="How much the smallest distances between neighbors count",
+        name="Separation",
+        description="How strongly close neighbors are pushed apart",
         default=_DEFAULT.gap_weight,
         min=0.0,
         soft_max=10.0,
@@ -123,7 +134,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Tolerance",
-        description="Relative decrease of the energy at which to stop; smaller is more regular",
+        description="Stop when the relative decrease of the energy falls below this value; "
+        "smaller is more regular",
         default=_DEFAULT.tolerance,
         min=1e-9,
         max=1.0,
@@ -132,8 +144,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     max_evaluations: IntProperty(
         options=STILL,
         update=settings_changed,
-        name="Max Evaluations",
-        description="Evaluations of the energy after which the optimization stops",
+        name="Max Iterations",
+        description="Stop after this many evaluations of the energy",
         default=_DEFAULT.max_evaluations,
         min=1,
         soft_max=1000,
@@ -141,33 +153,36 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     forward: EnumProperty(
         options=STILL,
         update=settings_changed,
-        name="Forward",
-        description="Axis of the surface object along which the X axis of the things points, as "
-        "far as the surface lets it; then they turn with the surface. Set Random Turn to 0",
+        name="Forward Axis",
+        description="Axis of the surface object that the X axis of the instances follows along the "
+        "surface; instances then turn with the surface. Set Random Z Rotation to 0",
         items=[
-            ("NONE", "Any", "Things point anywhere"),
-            *((axis, axis, f"Along {axis} of the surface object") for axis in AXES),
+            ("NONE", "Any", "Instances point in any direction"),
+            *((axis, axis, f"{axis} axis of the surface object") for axis in AXES),
         ],
         default="NONE",
     )
     viewport_share: FloatProperty(
         options=STILL,
         update=instance_changed,
-        name="Show in Viewport",
-        description="Share of the points that the viewport shows, evenly spread; renders show all",
+        name="Viewport Amount",
+        description="Fraction of the points shown in the viewport, evenly spread; renders show all "
+        "points",
         default=1.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",
     )
-    classes: CollectionProperty(type=DAPPLE_PG_class)
-    class_index: IntProperty(name="Class", description="The class that is shown", options=STILL)
+    classes: CollectionProperty(name="Object Types", type=DAPPLE_PG_class)
+    class_index: IntProperty(
+        name="Active Object Type", description="Object type shown in the panel", options=STILL
+    )
     key_every: IntProperty(
         options=STILL,
         update=settings_changed,
-        name="Key Every",
-        description="Frames from one key to the next; more of them make a smaller file, "
-        "the points of the frames between are mixed from the keys around",
+        name="Keyframe Interval",
+        description="Number of frames from one keyframe to the next; larger intervals make smaller "
+        "files, and points are interpolated in between",
         default=1,
         min=1,
         max=25,
@@ -176,8 +191,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Stickiness",
-        description="How much points stay at their places on the deforming surface; more of it, "
-        "and they slide less and are less even",
+        description="How firmly points stick to their place on the deforming surface; with higher "
+        "values they slide less and are less even",
         default=_DEFAULT.stickiness,
         min=0.0,
         soft_max=100.0,
@@ -186,40 +201,52 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Smoothing",
-        description="In which order a bake solves the frames",
+        description="How a bake smooths the motion of the points over time",
         items=[
-            ("FORWARDS", "Forwards", "Frame by frame; solved frames are kept beside the file"),
-            ("BOTH_WAYS", "Both Ways", "All frames together: motion is smooth both ways in time"),
-            ("LOOP", "Loop", "All frames together, and the last leads back to the first"),
+            (
+                "FORWARDS",
+                "Forward",
+                "Solve frame by frame; solved frames are kept next to the file",
+            ),
+            (
+                "BOTH_WAYS",
+                "Both Directions",
+                "Solve all frames together: motion is smooth in both directions of time",
+            ),
+            (
+                "LOOP",
+                "Loop",
+                "Solve all frames together, with the last frame leading back to the first",
+            ),
         ],
         default="FORWARDS",
     )
     bind_to: EnumProperty(
         options=STILL,
         update=settings_changed,
-        name="Bind To",
-        description="What the points hold on to while the surface deforms",
+        name="Attach To",
+        description="What the points are attached to while the surface deforms",
         items=BIND_TO,
         translation_context=OWN,
         default="AUTO",
     )
     bound_parts: IntProperty(
         options=STILL,
-        name="Bound Parts",
-        description="Equal runs of faces that may lie on one another in the rest position",
+        name="Attached Parts",
+        description="Equal ranges of faces that may overlap in the rest position",
         default=1,
     )
     count_over_time: EnumProperty(
         options=STILL,
         update=settings_changed,
-        name="Count Over Time",
-        description="What a bake keeps while the surface grows and shrinks",
+        name="Population",
+        description="What a bake preserves while the surface grows and shrinks",
         items=[
             ("KEEP_COUNT", "Keep Count", "The same points in all frames"),
             (
                 "KEEP_DENSITY",
                 "Keep Density",
-                "As many points per area as at the start: some appear, some vanish; they fade",
+                "As many points per area as at the start; points fade in and out",
             ),
         ],
         default="KEEP_COUNT",
@@ -227,8 +254,8 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     fade_frames: IntProperty(
         options=STILL,
         update=settings_changed,
-        name="Fade",
-        description="Frames that a point takes to appear or to vanish",
+        name="Fade Duration",
+        description="Number of frames over which a point appears or vanishes",
         default=12,
         min=1,
         soft_max=100,
@@ -236,54 +263,55 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
     on_topology_change: EnumProperty(
         options=STILL,
         name="On Topology Change",
-        description="What to do when the faces of the surface are not those the points are bound "
-        "to, at the start of a bake or at a later frame",
+        description="What to do if the faces of the surface are not those that the points are "
+        "attached to, at the start of a bake or in a later frame",
         items=[
-            ("REFUSE", "Refuse", "Stop with a sentence that names the frame"),
-            ("REBIND", "Re-bind", "Go on from the places of the new faces that are nearest"),
+            ("REFUSE", "Stop", "Stop with an error message that names the frame"),
+            ("REBIND", "Reattach", "Continue from the nearest places on the new faces"),
         ],
         default="REFUSE",
     )
     preview_budget: IntProperty(
         options=STILL,
         name="Preview Budget",
-        description="Milliseconds that the live preview may take for a frame; when it takes "
-        "longer, points ride on the surface",
+        description="Time limit of the live preview per frame, in milliseconds; if it takes "
+        "longer, points stick to the surface",
         default=40,
         min=1,
         soft_max=1000,
     )
-    density: PointerProperty(type=DAPPLE_PG_density)
+    density: PointerProperty(name="Density", type=DAPPLE_PG_density)
     tiles: PointerProperty(type=DAPPLE_PG_tiles)
     report: PointerProperty(type=DAPPLE_PG_report)
     solved: PointerProperty(
         name="Solved",
-        description="Figures of the solution that a bake began with",
+        description="Figures of the result that the bake started from",
         type=DAPPLE_PG_report,
     )
     surface_vertices: IntProperty(
         options=STILL,
         name="Surface Vertices",
-        description="Vertices of the surface the points are bound to",
+        description="Number of vertices of the surface that the points are attached to",
     )
     locked_count: IntProperty(
-        options=STILL, name="Locked Points", description="Points that stay where they are"
+        options=STILL, name="Locked Points", description="Number of points that stay in place"
     )
     baked_start: IntProperty(name="First Baked Frame")
     bake_fingerprint: StringProperty(
-        name="Bake Fingerprint", description="Digest of all that the keys were solved from"
+        name="Bake Fingerprint",
+        description="Digest of everything that the keyframes were solved from",
     )
     bake_key: StringProperty(
-        name="Bake Key", description="By which frames of a stopped bake are found"
+        name="Bake Key", description="Identifies the frames that a stopped bake left behind"
     )
     bound_to: EnumProperty(
-        name="Bound To",
-        description="What the points hold on to now",
+        name="Attached To",
+        description="What the points are attached to now",
         items=BOUND_TO,
         translation_context=OWN,
     )
     surface_topology: StringProperty(
-        name="Surface Topology", description="Digest of the faces the points are bound to"
+        name="Surface Topology", description="Digest of the faces that the points are attached to"
     )
     solved_settings: StringProperty(
         name="Solved Settings", description="Settings that the result was solved with, as JSON"
@@ -296,14 +324,18 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         name="Solved Points", description="Digest of the points as they were stored"
     )
     baked_settings: StringProperty(
-        name="Baked Settings", description="Settings of the bake alone, as JSON"
+        name="Baked Settings", description="Settings of the bake only, as JSON"
     )
     baked_from: StringProperty(
         name="Baked From",
         description="Digests of what the first baked frame was solved from, as JSON",
     )
-    baked_frames: IntProperty(name="Baked Frames", description="Number of them, 0 if none")
-    baked_keys: IntProperty(name="Baked Keys", description="Number of keys, 0 if none")
+    baked_frames: IntProperty(
+        name="Baked Frames", description="Number of baked frames, 0 if there are none"
+    )
+    baked_keys: IntProperty(
+        name="Baked Keyframes", description="Number of baked keyframes, 0 if there are none"
+    )
 
 
 CLASSES = (

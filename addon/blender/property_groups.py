@@ -17,7 +17,7 @@ from bpy.props import (
 from ..core.settings import DensitySettings
 from ..core.tiles import TileSettings
 from . import freshness, overlay
-from .scatter import write_instance_inputs, write_stale_input
+from .scatter import write_instance_inputs, write_warning
 from .translation import OWN
 from .weights import weight_names
 
@@ -33,7 +33,7 @@ def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
 
 def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of what a result was solved with."""
-    write_stale_input(settings.id_data)
+    write_warning(settings.id_data)
     overlay.touch(settings.id_data)
     freshness.touch(settings.id_data)
 
@@ -44,51 +44,54 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     count: IntProperty(name="Points")
     spacing: FloatProperty(
         name="Spacing",
-        description="Distance of neighbors if the points were packed as well as can be",
+        description="Ideal spacing: the distance between neighbors if the points were packed as "
+        "tightly as possible",
         unit="LENGTH",
     )
     alpha_min: FloatProperty(
-        name="Smallest Spacing",
-        description="Smallest distance of two points, as a share of the best possible spacing",
+        name="Min Spacing",
+        description="Smallest distance between two points, relative to the ideal spacing",
     )
     alpha_mean: FloatProperty(
         name="Mean Spacing",
-        description="Mean distance to the nearest point, as a share of the best possible spacing",
+        description="Mean distance to the nearest point, relative to the ideal spacing",
     )
     capacity_spread: FloatProperty(
-        name="Capacity Spread",
-        description="Standard deviation of the areas that belong to the points, over their mean",
+        name="Area Variation",
+        description="Standard deviation of the areas of the points, relative to their mean",
     )
     whole_count_spread: FloatProperty(
-        name="By Whole Counts",
-        description="What of the capacity spread comes of separate parts of the surface having "
-        "whole numbers of points each",
+        name="Due to Whole Counts",
+        description="Part of the area variation that arises because each separate part of the "
+        "surface has a whole number of points",
     )
     evaluations: IntProperty(name="Evaluations")
     milliseconds: FloatProperty(name="Milliseconds")
     converged: BoolProperty(name="Converged")
     key_error_max: FloatProperty(
-        name="Largest Distance Between Keys",
-        description="On frames without a key: farthest that a point is from where it was solved, "
-        "in spacings",
+        name="Max Keyframe Error",
+        description="Largest distance of a point from where it was solved, on frames without a "
+        "keyframe and in spacings",
     )
     key_error_mean: FloatProperty(
-        name="Mean Distance Between Keys",
-        description="On frames without a key: mean distance from where points were solved, "
-        "in spacings",
+        name="Mean Keyframe Error",
+        description="Mean distance of the points from where they were solved, on frames without a "
+        "keyframe and in spacings",
     )
     worst_overlap: FloatProperty(
-        name="Worst Overlap",
-        description="Of things with radii: by how much of both radii the two nearest overlap",
+        name="Max Overlap",
+        description="Largest overlap of two instances with radii, relative to the sum of both "
+        "radii",
         subtype="FACTOR",
     )
     details: StringProperty(
-        name="Details", description="Energies of the iterations, histogram of spacings, as JSON"
+        name="Details",
+        description="Energies of the iterations and histogram of the spacings, as JSON",
     )
     overlap_first: IntProperty(name="First Overlapping Point", default=-1)
     overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
     overlap_frame: IntProperty(
-        name="Frame of Overlap", description="Baked frame in which they overlap most"
+        name="Overlap Frame", description="Baked frame with the largest overlap"
     )
 
 
@@ -106,8 +109,9 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Attribute",
-        description="Attribute or vertex group of the surface after its modifiers: 0 is no points, "
-        "twice as much is twice as many. Colors count by their brightness",
+        description="Attribute or vertex group of the evaluated surface that multiplies the "
+        "density: there are no points where it is 0, and twice as many where it is twice as large. "
+        "Colors count by their brightness",
         search=_weight_names,
         search_options={"SUGGESTION"},
     )
@@ -115,7 +119,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Curvature",
-        description="How much thinner flat places are than bent ones",
+        description="How much sparser flat areas are than curved ones",
         default=_DENSITY.curvature,
         min=0.0,
         max=1.0,
@@ -125,14 +129,15 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Slope",
-        description="Points only where the angle between the surface and the ground is in a range",
+        description="Only scatter points where the angle between the normal and world Z is in a "
+        "range",
     )
     slope_from: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="From",
-        translation_context=OWN,
-        description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
+        name="Min",
+        description="Smallest angle between the normal and world Z with full density: 0 is a "
+        "floor, 90 a wall, 180 a ceiling",
         default=_DENSITY.slope_from,
         min=0.0,
         max=math.pi,
@@ -141,9 +146,9 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     slope_to: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="To",
-        translation_context=OWN,
-        description="Angle between the normal and world Z: 0 is a floor, 90 a wall, 180 a ceiling",
+        name="Max",
+        description="Largest angle between the normal and world Z with full density: 0 is a "
+        "floor, 90 a wall, 180 a ceiling",
         default=_DENSITY.slope_to,
         min=0.0,
         max=math.pi,
@@ -152,8 +157,8 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     slope_fade: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="Fade",
-        description="Over how many degrees beside the range the points get fewer",
+        name="Falloff",
+        description="Angle beyond the range over which the density falls to 0",
         default=_DENSITY.slope_fade,
         min=0.0,
         max=math.pi,
@@ -163,13 +168,12 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Height",
-        description="Points only where world Z is in a range",
+        description="Only scatter points where world Z is in a range",
     )
     height_from: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="From",
-        translation_context=OWN,
+        name="Min",
         description="Lowest world Z with full density",
         default=_DENSITY.height_from,
         unit="LENGTH",
@@ -177,8 +181,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     height_to: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="To",
-        translation_context=OWN,
+        name="Max",
         description="Highest world Z with full density",
         default=_DENSITY.height_to,
         unit="LENGTH",
@@ -186,8 +189,8 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     height_fade: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="Fade",
-        description="Over what height beside the range the points get fewer",
+        name="Falloff",
+        description="Height beyond the range over which the density falls to 0",
         default=_DENSITY.height_fade,
         min=0.0,
         unit="LENGTH",
@@ -195,28 +198,29 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     image: PointerProperty(
         update=settings_changed,
         name="Image",
-        description="Picture whose brightness, as painted, times opacity multiplies the density",
+        description="Image whose brightness, as painted, and opacity multiply the density",
         type=bpy.types.Image,
     )
     uv_map: StringProperty(
         options=STILL,
         update=settings_changed,
         name="UV Map",
-        description="Texture coordinates that lay the image on the surface; none: those that "
-        "renders use",
+        description="UV map that places the image on the surface; if empty, the one that is "
+        "active for rendering",
     )
     use_camera: BoolProperty(
         options=STILL,
         update=settings_changed,
         name="Camera View",
-        description="Points only where the scene's camera looks in this frame, hidden or not",
+        description="Only scatter points in the view of the scene camera at the current frame, "
+        "whether hidden behind something or not",
     )
     camera_margin: FloatProperty(
         options=STILL,
         update=settings_changed,
         name="Margin",
-        description="How far beyond the camera's frame there are points, as a share of half the "
-        "frame: for shadows, and for a camera that moves",
+        description="How far points extend beyond the camera frame, relative to half the frame: "
+        "for shadows and moving cameras",
         default=_DENSITY.camera_margin,
         min=0.0,
         soft_max=1.0,
@@ -224,17 +228,17 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
     )
     obstacles: PointerProperty(
         update=settings_changed,
-        name="Keep Off",
-        description="Collection of things that points keep off: from within closed meshes and from "
-        "near any, and from the things of other scatters by their radii; never from the scatter's "
-        "own points, tiles and instances",
+        name="Avoid Collection",
+        description="Collection of objects that points avoid: the inside of closed meshes, the "
+        "vicinity of any mesh, and the instances of other scatters with their radii. The "
+        "scatter's own points, tiles and instances are never avoided",
         type=bpy.types.Collection,
     )
     obstacle_margin: FloatProperty(
         options=STILL,
         update=settings_changed,
         name="Margin",
-        description="How far points stay away from what they keep off",
+        description="Distance that points keep from what they avoid",
         default=_DENSITY.obstacle_margin,
         min=0.0,
         soft_max=10.0,
@@ -248,7 +252,7 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     grout: FloatProperty(
         options=STILL,
         name="Grout",
-        description="Width of the gap between tiles, as a share of the points' spacing",
+        description="Width of the gap between tiles, relative to the spacing of the points",
         default=_TILES.grout,
         min=0.0,
         max=1.0,
@@ -257,7 +261,7 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     inset_randomness: FloatProperty(
         options=STILL,
         name="Random Inset",
-        description="By how much more a tile may draw back, as a share of the points' spacing",
+        description="Maximum random inset of a tile, relative to the spacing of the points",
         default=_TILES.inset_randomness,
         min=0.0,
         max=0.5,
@@ -266,7 +270,8 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     thickness: FloatProperty(
         options=STILL,
         name="Thickness",
-        description="Of the tiles, as a share of the points' spacing; 0 leaves them in the surface",
+        description="Thickness of the tiles, relative to the spacing of the points; 0 leaves them "
+        "flat on the surface",
         default=_TILES.thickness,
         min=0.0,
         soft_max=1.0,
@@ -276,16 +281,16 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
         options=STILL,
         name="Color By",
         translation_context=OWN,
-        description="What the color attribute of the tiles tells",
+        description="What the color attribute of the tiles shows",
         items=[
-            ("RANDOM", "Tile", "Each tile has a color by chance of its id"),
-            ("CLASS", "Class", "Tiles of one class have one color"),
+            ("RANDOM", "Tile", "Each tile has a random color that depends on its ID"),
+            ("CLASS", "Object Type", "Tiles of the same object type have the same hue"),
         ],
         default=_TILES.color_by,
     )
     object: PointerProperty(
         name="Tiles",
-        description="Object that the tiles are written to",
+        description="Object that holds the tiles",
         type=bpy.types.Object,
     )
 
@@ -295,20 +300,21 @@ class Instanced:
 
     instance: PointerProperty(
         name="Instance",
-        description="Object to put on every point; a small cone if empty",
+        description="Object to instance on the points; a small cone if empty",
         type=bpy.types.Object,
         update=instance_changed,
     )
     collection: PointerProperty(
         name="Collection",
-        description="Objects of which every point gets one by chance; goes before Instance",
+        description="Collection whose objects are instanced on the points, one picked at random "
+        "for each point; overrides Instance",
         type=bpy.types.Collection,
         update=instance_changed,
     )
     scale: FloatProperty(
         options=STILL,
         name="Scale",
-        description="Size of the instances",
+        description="Scale of the instances",
         default=1.0,
         soft_min=0.0,
         soft_max=10.0,
@@ -317,7 +323,7 @@ class Instanced:
     scale_randomness: FloatProperty(
         options=STILL,
         name="Random Scale",
-        description="By how much of their size instances may be smaller",
+        description="Maximum random reduction of the scale",
         default=0.0,
         min=0.0,
         max=1.0,
@@ -326,8 +332,8 @@ class Instanced:
     )
     turn_randomness: FloatProperty(
         options=STILL,
-        name="Random Turn",
-        description="Share of a full turn by which instances are turned about the normal",
+        name="Random Z Rotation",
+        description="Maximum random rotation around the normal, as a fraction of a full turn",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -337,7 +343,7 @@ class Instanced:
     align: FloatProperty(
         options=STILL,
         name="Align to Normal",
-        description="1 stands upright on the surface, 0 upright in the world",
+        description="Align instances with the surface normal (1) or with world Z (0)",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -347,7 +353,7 @@ class Instanced:
     tilt: FloatProperty(
         options=STILL,
         name="Random Tilt",
-        description="Largest angle by which instances lean, each its own way",
+        description="Maximum angle by which instances lean in a random direction",
         default=0.0,
         min=0.0,
         max=math.pi,
@@ -357,7 +363,8 @@ class Instanced:
     density_scale: FloatProperty(
         options=STILL,
         name="Scale by Density",
-        description="How much smaller instances are where the density is less; below 0 larger",
+        description="How much smaller instances are where the density is lower; negative values "
+        "make them larger",
         default=0.0,
         min=-1.0,
         max=1.0,
@@ -367,19 +374,20 @@ class Instanced:
 
 
 class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
-    """One kind of things among several; its `name` is what the list shows."""
+    """One object type among several; its `name` is what the list shows."""
 
     use_count: BoolProperty(
         options=STILL,
         update=settings_changed,
         name="Exact Count",
-        description="Give the class so many points, instead of a share of the rest",
+        description="Give this object type an exact number of points instead of a share of the "
+        "rest",
     )
     count: IntProperty(
         options=STILL,
         update=settings_changed,
         name="Count",
-        description="Number of points of the class, met exactly",
+        description="Exact number of points of this object type",
         default=100,
         min=1,
         soft_max=100_000,
@@ -387,8 +395,9 @@ class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
     share: FloatProperty(
         options=STILL,
         update=settings_changed,
-        name="Share",
-        description="Of the points that no class counts itself, in relation to the other shares",
+        name="Weight",
+        description="Share of the points that no object type counts exactly, relative to the "
+        "weights of the other object types",
         default=1.0,
         min=0.0,
         soft_max=10.0,
@@ -397,8 +406,8 @@ class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Density",
-        description="Attribute or vertex group of the surface that multiplies its density for this "
-        "class",
+        description="Attribute or vertex group of the surface that multiplies the density for this "
+        "object type",
         search=_weight_names,
         search_options={"SUGGESTION"},
     )
@@ -406,7 +415,8 @@ class DAPPLE_PG_class(Instanced, bpy.types.PropertyGroup):
         options=STILL,
         update=settings_changed,
         name="Radius",
-        description="Of a thing on the ground: things of all classes are kept from overlapping",
+        description="Radius of an instance on the surface; instances of all object types are kept "
+        "from overlapping",
         default=0.0,
         min=0.0,
         soft_max=10.0,

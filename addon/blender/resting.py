@@ -37,7 +37,7 @@ def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: 
         check_render_topology(obj, context)
     elif obj.type != "MESH":
         raise ScatterError(
-            f"Surface '{obj.name}' is no mesh and has no rest position: set Bind To to Faces"
+            f"Surface '{obj.name}' is not a mesh and has no rest position: set Attach To to Faces"
         )
     elif read_only(obj) and not obj.add_rest_position_attribute:
         raise ScatterError(f"Rest Position of the surface is off, and {read_only(obj, english)}")
@@ -47,8 +47,8 @@ def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: 
 def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
     if bind_to == "FACES":
         raise ScatterError(
-            f"Surface '{obj.name}' is a metaball, which has other faces whenever it moves and in "
-            "the render: set Bind To to Automatic"
+            f"Surface '{obj.name}' is a metaball, whose faces change when it moves and in "
+            "renders: set Attach To to Automatic"
         )
     with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
         if not len(mesh.polygons):

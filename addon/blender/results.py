@@ -9,7 +9,7 @@ from .labels import at_right
 from .scatter import is_scatter
 from .translation import counted, told
 
-_NOTICED = 0.02  # of a capacity spread, that is worth a line ...
+_NOTICED = 0.02  # of an area variation, that is worth a line ...
 _SHARE = 0.3  # ... if it is that much of the whole
 
 
@@ -17,17 +17,18 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     """What is to be said about the last result: (text, icon)."""
     report = obj.dapple.report
     points = counted(report.count, "{count} point", "{count:,} points")
-    spread, mean, least = 100 * report.capacity_spread, report.alpha_mean, report.alpha_min
+    spread = 100 * report.capacity_spread
+    mean, least = 100 * report.alpha_mean, 100 * report.alpha_min
     lines = [
-        (told("{points}, capacity spread {spread:.2g} %", points=points, spread=spread), "NONE"),
-        (told("Spacing {mean:.2f} of the best (min {least:.2f})", mean=mean, least=least), "NONE"),
+        (told("{points}, area variation {spread:.2g} %", points=points, spread=spread), "NONE"),
+        (told("Spacing {mean:.0f} % of ideal (min {least:.0f} %)", mean=mean, least=least), "NONE"),
         (_effort(obj), "NONE"),
     ]
     if report.whole_count_spread > max(_NOTICED, _SHARE * report.capacity_spread):
         whole = 100 * report.whole_count_spread
         lines.append(
             (
-                told("Separate parts hold whole numbers of points: {whole:.2g} %", whole=whole),
+                told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole),
                 "INFO",
             )
         )
@@ -41,24 +42,24 @@ def _fit(answer: freshness.Answer | None) -> tuple[str, str]:
     if answer is None:
         return told("Not compared with the scene yet"), "TIME"
     if answer.verdict.reason:
-        return told("Stale: {reason}", reason=answer.verdict.reason), "ERROR"
+        return told("Out of date: {reason}", reason=answer.verdict.reason), "ERROR"
     if answer.verdict.note:
         return answer.verdict.note, "INFO"
-    return told("Fresh: fits the surface"), "CHECKMARK"
+    return told("Up to date"), "CHECKMARK"
 
 
 def _shortfall(obj: bpy.types.Object) -> str:
     """Why the result is not at the tolerance."""
     if obj.dapple.report.evaluations >= obj.dapple.max_evaluations:
-        return told("Tolerance not reached: raise Max Evaluations")
-    return told("Tolerance not reached: no step found that helps")
+        return told("Tolerance not reached: increase Max Iterations")
+    return told("Tolerance not reached: no step improves the result")
 
 
 def _effort(obj: bpy.types.Object) -> str:
-    report = obj.dapple.report
-    done = counted(report.evaluations, "{count} evaluation", "{count:,} evaluations")
-    line = f"{done}, {_time(report.milliseconds)}"
-    return told("{effort} a frame", effort=line) if obj.dapple.baked_keys else line
+    time = _time(obj.dapple.report.milliseconds)
+    if obj.dapple.baked_keys:
+        return told("Solved in {time} per frame", time=time)
+    return told("Solved in {time}", time=time)
 
 
 def _time(milliseconds: float) -> str:
@@ -73,8 +74,8 @@ def baked_line(obj: bpy.types.Object) -> str:
     if settings.baked_keys == settings.baked_frames:
         return line
     return told(
-        "{baked}, {keys} keys; between them points are {mean:.2g} spacings off "
-        "(at most {most:.2g})",
+        "{baked}, {keys} keyframes; between them points are off by {mean:.2g} spacings (at "
+        "most {most:.2g})",
         baked=line,
         keys=settings.baked_keys,
         mean=report.key_error_mean,
@@ -103,7 +104,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
         column.template_icon(icon_value=pictures.gaps_icon(details), scale=7.0)
         row = column.row()
         row.label(text="0")
-        at_right(row, told("{share:g} of the best possible", share=FARTHEST))
+        at_right(row, told("{share:.0%} of ideal", share=FARTHEST))
         if len(details.energies) > 1:
             _draw_energies(sides.column(align=True), details)
         column = layout.column(align=True)

@@ -12,8 +12,10 @@ from ..core.solve import Report
 from ..core.stale import changed_baking, changed_settings
 from ..core.tiles import TileSettings
 from ..nodes import INSTANCE_INPUTS, has_input, input_name, set_input, version_of
-from .translation import Say, english, told
+from .translation import Say, english, label_of, told
 
+# Settings whose property has another name.
+_PROPERTIES = {"per_area": "points_per_area", "smoothing": "bake_smoothing", "fade": "fade_frames"}
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -48,8 +50,8 @@ def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
     if not is_surface(surface):
         kind = "scatter" if is_scatter(surface) else surface.type.lower()
         raise ScatterError(
-            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, no mesh, curve, text or "
-            "metaball: choose another object"
+            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, not a mesh, curve, text "
+            "or metaball: choose another object"
         )
     return surface
 
@@ -62,11 +64,11 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
     return obj if is_surface(obj) else None
 
 
-def write_stale_input(obj: bpy.types.Object) -> None:
+def write_warning(obj: bpy.types.Object) -> None:
     """Have the modifier warn when the settings are not those of the result."""
     modifier = scatter_modifier(obj)
-    if modifier is not None and has_input(modifier, "Stale"):
-        set_input(modifier, "Stale", settings_reason(obj, english))
+    if modifier is not None and has_input(modifier, "Warning"):
+        set_input(modifier, "Warning", settings_reason(obj, english))
         obj.update_tag()
 
 
@@ -78,7 +80,7 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
     if obj.dapple.baked_keys:
         names += changed_baking(_baked_settings(obj), bake_settings_of(obj))
     if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
-        names.append("bind to")
+        names.append("bind_to")
     return solve_again(obj, settings_changed(names, say), say) if names else ""
 
 
@@ -88,8 +90,9 @@ def _baked_settings(obj: bpy.types.Object) -> str:
 
 
 def settings_changed(names: list[str], say: Say = told) -> str:
-    """That settings of these names were changed."""
-    listed = ", ".join(say(name) for name in names)
+    """That settings of these names were changed, as the panel calls them."""
+    known = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
+    listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], say) for name in names)
     return say("Settings were changed ({names})", names=listed)
 
 
@@ -99,8 +102,10 @@ def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
     if surface is None or chosen != "AUTO" or obj.dapple.bound_to != "REST":
         return ""
     if is_fluid(surface):
-        return say("Metaballs change their faces: points hold on to the nearest places")
-    return say("Viewport and render have different faces: points hold on to the rest position")
+        return say("Metaballs change their faces: points are attached to the nearest places")
+    return say(
+        "Viewport and renders have different faces: points are attached to the rest position"
+    )
 
 
 def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:

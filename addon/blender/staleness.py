@@ -100,7 +100,7 @@ def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
     """How the faces are not those the points are bound to; empty when they are."""
     bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
     if bound != now:
-        return f"bound to {bound} vertices, surface '{arrays.name}' has {now}"
+        return f"attached to {bound} vertices, surface '{arrays.name}' has {now}"
     known = obj.dapple.surface_topology.split()
     if known and arrays.topology != known[0]:
         return f"surface '{arrays.name}' has {now} vertices as before, but other faces"
@@ -113,12 +113,14 @@ def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str
     if surface is None:
         return told("The surface is gone")
     if not is_surface(surface):
-        return told("Surface '{surface}' is no mesh, curve, text or metaball", surface=surface.name)
+        return told(
+            "Surface '{surface}' is not a mesh, curve, text or metaball", surface=surface.name
+        )
     if not surface.evaluated_get(depsgraph).is_evaluated:
         return told("Surface '{surface}' is not in the view layer", surface=surface.name)
     if not surface.users_collection and surface.library is None:
         return told(
-            "Surface '{surface}' was deleted, or is in no collection: choose another",
+            "Surface '{surface}' was deleted or is in no collection: choose another one",
             surface=surface.name,
         )
     return ""
@@ -148,10 +150,13 @@ def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked:
     bound, now = _bound_vertices(obj, depsgraph.scene), looked.vertices
     known = obj.dapple.surface_topology.split()
     if now not in bound:
-        return told("Bound to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now)
+        return told(
+            "Attached to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now
+        )
     if known and looked.outline.topology not in known:
         return told(
-            "The faces of '{surface}' are not those the points are bound to", surface=looked.name
+            "The faces of '{surface}' are not those that the points are attached to",
+            surface=looked.name,
         )
     return ""
 
@@ -180,20 +185,20 @@ def _points_reason(obj: bpy.types.Object, present: Present) -> str:
         return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
     if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
         return ""
-    return told("Points were edited by hand: re-bind, or lock them and optimize")
+    return told("Points were edited by hand: reattach them, or lock them and optimize")
 
 
 def _added_or_removed(added: int) -> str:
     if added > 0:
         return counted(
             added,
-            "{count} point was added by hand: re-bind, or lock it and optimize",
-            "{count:,} points were added by hand: re-bind, or lock them and optimize",
+            "{count} point was added by hand: reattach it, or lock it and optimize",
+            "{count:,} points were added by hand: reattach them, or lock them and optimize",
         )
     return counted(
         -added,
-        "{count} point was removed by hand: re-bind to leave it at that, or optimize",
-        "{count:,} points were removed by hand: re-bind to leave it at that, or optimize",
+        "{count} point was removed by hand: reattach to keep the others, or optimize",
+        "{count:,} points were removed by hand: reattach to keep the others, or optimize",
     )
 
 
@@ -205,7 +210,7 @@ def _contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
         return _compared(obj, before, now)
     if baked or not obj.dapple.report.count:
         return [], ""
-    return [], told("An older version made it: only settings and faces are compared")
+    return [], told("Made by an older version: only settings and faces are compared")
 
 
 def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
@@ -226,7 +231,7 @@ def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[lis
 def _unknown(before: Sources) -> str:
     if UNKNOWN not in before.exact.values():
         return ""
-    return told("Bound to other faces since: values of the surface are not compared")
+    return told("Attached to other faces since then: values of the surface are not compared")
 
 
 def _note(frame: float, roles: list[str]) -> str:
@@ -235,12 +240,12 @@ def _note(frame: float, roles: list[str]) -> str:
         "scale": told("shape of the surface"),
         "up": told("direction and height of the surface"),
         "camera": told("camera"),
-        "obstacles": told("obstacles"),
-        "others": told("obstacles"),
+        "obstacles": told("avoided objects"),
+        "others": told("avoided objects"),
     }
     listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
     return told(
-        "Not as in frame {frame:g}, where the points were optimized: {what}",
+        "Differs from frame {frame:g}, where the points were optimized: {what}",
         frame=frame,
         what=listed,
     )
@@ -255,14 +260,15 @@ def _said(obj: bpy.types.Object, role: str) -> str:
     if role == "image":
         return told("Image '{name}' was changed", name=settings.density.image)
     if role == "uv":
-        return told("Texture coordinates of '{surface}' were changed", surface=surface)
+        return told("UV map of '{surface}' was changed", surface=surface)
     if role == "camera":
         return told("The camera was moved or changed")
     if role in ("obstacles", "others"):
-        return told("Obstacles were moved or changed")
+        return told("Avoided objects were moved or changed")
     if role == "up":
         return told(
-            "Surface '{surface}' was turned or moved, and the density asks how", surface=surface
+            "Surface '{surface}' was rotated or moved, and the density depends on it",
+            surface=surface,
         )
     return told("Surface '{surface}' has another shape or scale than before", surface=surface)
 
@@ -292,7 +298,7 @@ def _bake_reason(
 
 def _key_reason(obj: bpy.types.Object, present: Present) -> str:
     wrong = present.wrong_key(obj)
-    return told("The keys are damaged: {wrong}", wrong=wrong) if wrong else ""
+    return told("The keyframes are damaged: {wrong}", wrong=wrong) if wrong else ""
 
 
 def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
@@ -321,7 +327,7 @@ def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked
     if not moved(stored, looked.sketched):
         return ""
     return told(
-        "Surface '{surface}' moves otherwise than when it was baked (frame {frame})",
+        "Surface '{surface}' moves differently than when it was baked (frame {frame})",
         surface=obj.dapple.surface.name,
         frame=whole_time(scene),
     )

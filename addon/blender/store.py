@@ -60,7 +60,7 @@ from .scatter import (
     scatter_modifier,
     write_instance_inputs,
     write_report,
-    write_stale_input,
+    write_warning,
 )
 
 # What check_binding looks at, which knows points that were added by hand, and the surface.
@@ -140,7 +140,7 @@ def write_scattered(
     write_report(obj, solved.report)
     obj.dapple.report.details = solved.details.text()
     write_binding(obj, arrays, solved.binding, rest)
-    write_stale_input(obj)
+    write_warning(obj)
 
 
 def write_binding(
@@ -323,7 +323,7 @@ def write_baked(
     write_surface_inputs(obj, modifier)
     copy_report(obj.dapple.report, obj.dapple.solved)
     write_report(obj, report)
-    write_stale_input(obj)
+    write_warning(obj)
     obj.update_tag()
 
 
@@ -357,8 +357,8 @@ def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     if not isinstance(found, bpy.types.Object) or found.type != "MESH":
         kind = getattr(found, "type", "number").lower()
         raise ScatterError(
-            f"{name} '{getattr(found, 'name', found)}' of '{obj.name}' is a {kind}, no mesh: bake "
-            "again"
+            f"{name} '{getattr(found, 'name', found)}' of '{obj.name}' is a {kind}, not a mesh: "
+            "bake again"
         )
     return found
 
@@ -378,7 +378,7 @@ def check_keys(obj: bpy.types.Object) -> None:
     """ScatterError if a bake points to what is not there."""
     wrong = wrong_index(*key_tables(obj))
     if wrong:
-        raise ScatterError(f"Scatter '{obj.name}': the keys are damaged ({wrong}): bake again")
+        raise ScatterError(f"Scatter '{obj.name}': the keyframes are damaged ({wrong}): bake again")
 
 
 def key_points(obj: bpy.types.Object) -> int:
@@ -387,7 +387,9 @@ def key_points(obj: bpy.types.Object) -> int:
     there = modifier is not None and has_input(modifier, "Key Points")
     found = get_input(modifier, "Key Points") if there else None
     if not isinstance(found, int) or found < 0:
-        raise ScatterError(f"Scatter '{obj.name}' does not know how many points it has: bake again")
+        raise ScatterError(
+            f"Scatter '{obj.name}' does not know the number of its points: bake again"
+        )
     return found
 
 
@@ -411,8 +413,9 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Forget baked keys and the points they added; the others ride as they were optimized, with
-    the figures that they had.
+    """Forget baked keys and the points they added.
+
+    The others stick to the surface where they were optimized, with the figures that they had.
     """
     _drop_added(obj)
     if obj.dapple.baked_keys:

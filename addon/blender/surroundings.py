@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a density takes from beside its surface: a picture, the camera, things to keep off."""
+"""What a density takes from beside its surface: an image, the camera, objects to avoid."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -103,7 +103,7 @@ def read_image(name: str) -> RawImage:
 def check_camera(scene: bpy.types.Scene) -> None:
     """ScatterError if a scene has none."""
     if scene.camera is None:
-        raise ScatterError(f"Scene '{scene.name}' has no camera: the density asks what it sees")
+        raise ScatterError(f"Scene '{scene.name}' has no camera, which Camera View needs")
 
 
 def picture_digest(image: bpy.types.Image) -> str:
@@ -195,7 +195,7 @@ def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats
 
 
 def _radii(obj: bpy.types.Object, count: int) -> Floats:
-    """Of a scatter's things, by their classes; 0 where none is set."""
+    """Of a scatter's instances, by their classes; 0 where none is set."""
     own = np.array([kind.radius for kind in obj.dapple.classes])
     if not len(own) or "dapple_class" not in obj.data.attributes:
         return np.zeros(count)

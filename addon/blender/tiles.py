@@ -22,8 +22,8 @@ def check_tile_object(obj: bpy.types.Object) -> None:
         return
     if made.type != "MESH" or is_scatter(made) or made.data == surface.data:
         raise ScatterError(
-            f"'{made.name}' cannot hold the tiles of '{obj.name}', which take the place of its "
-            "mesh: choose another object, or none to have one made"
+            f"'{made.name}' cannot hold the tiles of '{obj.name}', which would replace its "
+            "mesh: choose another object, or none to create one"
         )
     if made.mode != "OBJECT":
         raise ScatterError(f"The tiles '{made.name}' are not in Object Mode: leave the mode first")

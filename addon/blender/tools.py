@@ -18,8 +18,8 @@ from .translation import OWN, reported, told
 
 
 class DAPPLE_OT_preview(bpy.types.Operator):
-    """Keep the points even in the viewport while you scrub or pose; never in a render. Run again
-    to end it"""
+    """Keep the points even in the viewport while scrubbing or posing, but not in renders. Run
+    again to stop"""
 
     bl_idname = "dapple.preview"
     bl_label = "Live Preview"
@@ -39,7 +39,7 @@ class DAPPLE_OT_preview(bpy.types.Operator):
 
 
 class DAPPLE_OT_match_subdivision(bpy.types.Operator):
-    """Give the surface's modifiers the same levels in the viewport and in the render"""
+    """Use the same levels of the surface's modifiers in the viewport and in renders"""
 
     bl_idname = "dapple.match_subdivision"
     bl_label = "Match Subdivision"
@@ -48,8 +48,8 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
     use: EnumProperty(
         name="Use",
         items=[
-            ("RENDER", "Render", "Show the render's levels in the viewport"),
-            ("VIEWPORT", "Viewport", "Render the viewport's levels"),
+            ("RENDER", "Render", "Use the levels of renders in the viewport"),
+            ("VIEWPORT", "Viewport", "Use the levels of the viewport in renders"),
         ],
         default="RENDER",
     )
@@ -69,19 +69,23 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
 
 
 class DAPPLE_OT_edit_classes(bpy.types.Operator):
-    """Change the list of classes; optimize again to see it"""
+    """Edit the list of object types; optimize again to apply"""
 
     bl_idname = "dapple.edit_classes"
-    bl_label = "Edit Classes"
+    bl_label = "Edit Object Types"
     bl_options = OPTIONS
 
     action: EnumProperty(
         name="Action",
         items=[
-            ("ADD", "Add", "Add a class; the first takes over what the scatter places now"),
-            ("REMOVE", "Remove", "Remove the class that is shown"),
-            ("UP", "Move Up", "Move the class that is shown one place up"),
-            ("DOWN", "Move Down", "Move the class that is shown one place down"),
+            (
+                "ADD",
+                "Add",
+                "Add an object type; the first one takes over the current instance settings",
+            ),
+            ("REMOVE", "Remove", "Remove the active object type"),
+            ("UP", "Move Up", "Move the active object type up"),
+            ("DOWN", "Move Down", "Move the active object type down"),
         ],
         default="ADD",
     )
@@ -91,7 +95,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
         if not writable(cls, context):
             return False
         if context.object.override_library:
-            cls.poll_message_set(told("A library override keeps the classes of its file"))
+            cls.poll_message_set(told("A library override keeps the object types of its library"))
         return not context.object.override_library
 
     def execute(self, context: bpy.types.Context) -> Answer:
@@ -100,15 +104,17 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
 
 class DAPPLE_OT_lock(bpy.types.Operator):
-    """Keep the selected points where they are when the scatter is optimized, or set them free. In
-    Edit Mode points can be moved, added and deleted before; in a bake all points move"""
+    """Keep the selected points in place when the scatter is optimized, or unlock them. Points can
+    be moved, added and deleted in Edit Mode first. In a bake all points move"""
 
     bl_idname = "dapple.lock"
     bl_label = "Lock Points"
     bl_options = OPTIONS
 
-    lock: BoolProperty(name="Lock", description="Off: unlock", default=True)
-    every: BoolProperty(name="All Points", description="Not only those that are selected")
+    lock: BoolProperty(
+        name="Lock", description="Lock the points; if disabled, unlock them", default=True
+    )
+    every: BoolProperty(name="All Points", description="Include points that are not selected")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -128,8 +134,8 @@ class DAPPLE_OT_lock(bpy.types.Operator):
 
 
 class DAPPLE_OT_show_density(bpy.types.Operator):
-    """Color the surface by its density, from dark for no points to yellow for the most; of the
-    class that is shown. Run again to end it"""
+    """Color the surface by its density, from dark (no points) to yellow (most points), for the
+    active object type. Run again to stop"""
 
     bl_idname = "dapple.show_density"
     bl_label = "Show Density"
@@ -152,7 +158,7 @@ class DAPPLE_OT_show_density(bpy.types.Operator):
 
 
 class DAPPLE_OT_set_quality(bpy.types.Operator):
-    """Set how even and how regular the points become; optimize again to see it"""
+    """Set how even and how regular the points become; optimize again to apply"""
 
     bl_idname = "dapple.set_quality"
     bl_label = "Quality"
@@ -173,8 +179,8 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
 
 
 class DAPPLE_OT_select_overlap(bpy.types.Operator):
-    """Select the two points whose things overlap most, and put the 3D cursor between them; a bake
-    goes to the frame in which they do"""
+    """Select the two points whose instances overlap most and place the 3D cursor between them; if
+    baked, go to the frame with the largest overlap"""
 
     bl_idname = "dapple.select_overlap"
     bl_label = "Select Overlap"

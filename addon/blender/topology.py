@@ -50,7 +50,7 @@ def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     return (
         f"Surface '{obj.name}' has {count} vertices in the viewport and {rendered} in the render "
         f"({'; '.join(causes)}): use Match Subdivision to make both equal, or "
-        "set Bind To to Automatic or Rest Position"
+        "set Attach To to Automatic or Rest Position"
     )
 
 

@@ -20,7 +20,7 @@ import bpy
 from bpy.app.translations import pgettext_iface, pgettext_rpt
 
 FOLDER = Path(__file__).resolve().parents[1] / "translations"
-OWN = "Dapple"  # context of names that Blender's catalogs have for other things
+OWN = "Dapple"  # context of names that Blender translates as something else
 _PACKAGE = __package__.removesuffix(".blender")
 Messages = dict[tuple[str, str], str]  # (context, English message): text
 Say = Callable[..., str]  # told or english
@@ -47,6 +47,11 @@ def reported(template: str, **values: Any) -> str:
 def english(template: str, **values: Any) -> str:
     """As told, in English: for errors, and for what is written to a file."""
     return template.format(**values)
+
+
+def label_of(prop: bpy.types.Property, say: Say = told) -> str:
+    """The name of a property, as the panel shows it; in English if that is what says it."""
+    return prop.name if say is english else pgettext_iface(prop.name, prop.translation_context)
 
 
 def operator_label(label: str) -> str:

@@ -115,7 +115,7 @@ def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon:
     surface = active_surface(context)
     causes = differences(surface, context.scene, told) if surface else []
     if causes:
-        text = told("Viewport and render differ: {causes}", causes="; ".join(causes))
+        text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
         lines_of(layout, text, icon)
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
 
@@ -215,15 +215,15 @@ def _overlap(settings: bpy.types.AnyType) -> str:
     report = settings.report
     share = 100 * report.worst_overlap
     if not settings.baked_keys:
-        return told("Worst overlap {share:.0f} %", share=share)
+        return told("Max overlap {share:.0f} %", share=share)
     frame = report.overlap_frame
-    return told("Worst overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
+    return told("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
 
 
 def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
     edit = DAPPLE_OT_edit_classes.bl_idname
     if not settings.classes:
-        layout.operator(edit, text="Several Classes", icon="ADD").action = "ADD"
+        layout.operator(edit, text="Add Object Type", icon="ADD").action = "ADD"
         return
     row = layout.row()
     row.template_list(DAPPLE_UL_classes.__name__, "", settings, "classes", settings, "class_index")
@@ -271,21 +271,21 @@ class DAPPLE_PT_animation(_ScatterPanel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(context.scene, "frame_start", text="Frame Start")
         layout.prop(context.scene, "frame_end", text="End")
-        layout.prop(settings, "count_over_time", text="Over Time")
+        layout.prop(settings, "count_over_time")
         if settings.count_over_time == "KEEP_DENSITY":
             layout.prop(settings, "fade_frames")
         else:
             layout.prop(settings, "bake_smoothing")
         layout.prop(settings, "stickiness")
         layout.prop(settings, "key_every")
-        layout.prop(settings, "on_topology_change", text="If Faces Change")
+        layout.prop(settings, "on_topology_change")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
         row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
         if settings.baked_keys:
             lines_of(layout, baked_line(context.object), "CHECKMARK")
         else:
-            lines_of(layout, told("Not baked: points ride on the surface"), "INFO")
+            lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
         row.prop(settings, "preview_budget", text="ms", translate=False)
@@ -302,15 +302,15 @@ def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Answer | None)
     if known.unfinished:
         text = counted(
             known.unfinished,
-            "Unfinished bake: {count} frame is solved, Bake goes on",
-            "Unfinished bake: {count} frames are solved, Bake goes on",
+            "Unfinished bake: {count} frame is solved, Bake continues",
+            "Unfinished bake: {count} frames are solved, Bake continues",
         )
         lines_of(layout, text, "INFO")
     if known.left_over:
         text = counted(
             known.left_over,
-            "{count} frame is kept that was solved from other settings or points",
-            "{count} frames are kept that were solved from other settings or points",
+            "{count} frame solved from other settings or points is kept",
+            "{count} frames solved from other settings or points are kept",
         )
         lines_of(layout, text, "INFO")
     if known.unfinished or known.left_over:

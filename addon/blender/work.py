@@ -205,8 +205,8 @@ def _stopped(baker: Baker) -> str:
     if baker.sidecar is None or not baker.done:
         return reported("Canceled: nothing was written")
     return reported(
-        "Canceled: the scatter is as it was; {count} solved frames are kept in '{folder}', Bake "
-        "goes on from there",
+        "Canceled: the scatter is unchanged; {count} solved frames are kept in '{folder}', "
+        "Bake continues from there",
         count=baker.done,
         folder=baker.sidecar.folder,
     )
@@ -252,8 +252,8 @@ def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
     reason = "" if obj.dapple.bound_to == "REST" else other_faces(obj, arrays)
     if reason and obj.dapple.on_topology_change != "REBIND":
         raise ScatterError(
-            f"Scatter '{obj.name}' is stale: {reason}. Optimize the scatter first, or set On "
-            "Topology Change to Re-bind"
+            f"Scatter '{obj.name}' is out of date: {reason}. Optimize the scatter first, or "
+            "set On Topology Change to Reattach"
         )
 
 

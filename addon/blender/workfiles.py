@@ -84,9 +84,7 @@ def unsaved_note() -> str:
     """What to say about a file that was never saved; empty when it was."""
     if bpy.data.filepath:
         return ""
-    return told(
-        "Save the file: until then, frames of a stopped bake are kept only until Blender closes"
-    )
+    return told("Save the file to keep the frames of a stopped bake after Blender closes")
 
 
 def _base() -> Path:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors that end an operator with a sentence for the artist."""
+"""The errors that end an operator with a message for the artist."""
 
 
 class ScatterError(RuntimeError):

@@ -42,7 +42,7 @@ class Follower:
     def follow(self, vertices: Floats, budget: float, context: Any) -> Binding | None:
         """The binding for this shape, found within so many seconds.
 
-        None if the shape is the last one or the time was not enough: then the points ride on
+        None if the shape is the last one or the time was not enough: then the points keep
         the binding that they have. StoppedError if it was canceled before.
         """
         if np.array_equal(vertices, self._seen):

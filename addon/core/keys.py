@@ -3,7 +3,7 @@
 
 A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
 (32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
-each), 16 bytes for a point; 12 more where some things lean. A second table says for every frame
+each), 16 bytes for a point; 12 more where some instances lean. A second table says for every frame
 which key is played, and how far it is to the next one: docs/bake.md. Where points are bound to the
 rest shape, the triangles tell where they lie on it.
 """
@@ -70,7 +70,7 @@ def wrong_index(faces: Ints, triangles: Columns, frames: Columns, count: int) ->
     """
     keys = len(faces) // max(count, 1)
     if keys * count != len(faces):
-        return f"{len(faces)} rows are no keys of {count} points"
+        return f"{len(faces)} rows are not a multiple of {count} points"
     last = frames["dapple_key"] + np.minimum(frames["dapple_span"], 1)
     highest = int(np.max(frames["dapple_vertices"], initial=0))
     limits: list[tuple[str, Any, int]] = [("dapple_face", faces, len(triangles["dapple_v0"]))]

@@ -31,11 +31,11 @@ def class_counts(settings: Settings) -> list[int]:
         return counts
     if rest < 0:
         raise ScatterError(
-            f"The classes count {sum(counts):,} points exactly, Count is {settings.count:,}: "
-            "raise it, or let them count fewer"
+            f"The exact counts of the object types add up to {sum(counts):,} points, Count is "
+            f"{settings.count:,}: increase it, or reduce them"
         )
     if rest and not total:
-        raise ScatterError(f"{rest:,} points are of no class: all shares are 0")
+        raise ScatterError(f"{rest:,} points have no object type: all weights are 0")
     quotas = [rest * share / total if total else 0.0 for share in shares]
     given = [int(quota) for quota in quotas]
     order = sorted(range(len(quotas)), key=lambda k: (given[k] - quotas[k], k))
@@ -63,7 +63,7 @@ def with_area(settings: Settings, mass: float) -> Settings:
     if count > MOST_POINTS:
         raise ScatterError(
             f"{settings.per_area:g} points per area are {count:,} points on this surface: "
-            f"at most {MOST_POINTS:,} are made"
+            f"at most {MOST_POINTS:,} are possible"
         )
     return replace(settings, count=max(count, 1))
 
@@ -114,7 +114,7 @@ def check_one_class(settings: Settings, what: str) -> None:
     """ScatterError if there are several classes, which `what` cannot keep apart."""
     if settings.classes:
         raise ScatterError(
-            f"{what} does not keep several classes even: remove the classes, or choose another"
+            f"{what} does not keep several object types even: remove them, or choose another option"
         )
 
 
@@ -122,7 +122,7 @@ def _counts_of(classes: Ints, settings: Settings) -> list[int]:
     found = np.bincount(classes, minlength=len(settings.classes)).tolist()
     if len(found) > len(settings.classes):
         raise ScatterError(
-            f"There are points of class {len(found)}, the list has {len(settings.classes)}: "
+            f"There are points of object type {len(found)}, the list has {len(settings.classes)}: "
             "optimize the scatter"
         )
     return found

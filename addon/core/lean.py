@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Leaning: what stands on a surface turns with it, and little more in any one frame.
 
-A point that slides over a crease gets another normal at once, and its thing would flip with it. So
-the thing leans back to where the surface alone would have turned it, and rights itself by a few
-degrees a frame. A lean is a rotation vector in the thing's own axes: the direction it carries is x,
-the normal z.
+A point that slides over a crease gets another normal at once, and its instance would flip too. So
+the instance leans back to where the surface alone would have turned it, and straightens by a few
+degrees a frame. A lean is a rotation vector in the axes of the instance: the direction it carries
+is x, the normal z.
 """
 
 import math
@@ -15,7 +15,7 @@ from .frames import frames, vertex_normals
 from .records import Binding
 from .surface import Floats, Ints
 
-LIMIT = math.radians(9.5)  # that a thing turns against its surface in a frame
+LIMIT = math.radians(9.5)  # that an instance turns against its surface in a frame
 _TINY = 1e-9
 
 

@@ -29,10 +29,10 @@ class Locked:
         groups = [self._only(kinds == kind) for kind in range(len(counts))]
         for number, (group, count) in enumerate(zip(groups, counts, strict=True)):
             if group is not None and len(group.ids) > count:
-                where = f" of class {number + 1}" if len(counts) > 1 else ""
+                where = f" of object type {number + 1}" if len(counts) > 1 else ""
                 raise ScatterError(
-                    f"{len(group.ids):,} points{where} are locked, the count is {count:,}: raise "
-                    "it, or unlock some"
+                    f"{len(group.ids):,} points{where} are locked, the count is {count:,}: "
+                    "increase it, or unlock some"
                 )
         return groups
 

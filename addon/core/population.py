@@ -2,8 +2,8 @@
 """A bake at a constant density per area: points appear where the surface grows, others vanish.
 
 Every point that is ever there has a row in every key, in the order in which they appear, so that
-things keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that is
-not there yet or no more.
+instances keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that
+is not there yet or no more.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Born:
 class PopulationBaker(Baker):
     """Bakes births and deaths; frames are not kept in files before the end."""
 
-    remedy: ClassVar[str] = "Set Over Time to Keep Count"
+    remedy: ClassVar[str] = "Set Population to Keep Count"
     fade: int = 12  # frames that a point takes to appear or to vanish
 
     def __post_init__(self) -> None:

@@ -7,11 +7,15 @@ from .settings import Settings
 
 # Name, label, what it looks like: as Blender lists choices.
 QUALITIES = [
-    ("DRAFT", "Draft", "Quick to see: even, with a few close pairs"),
-    ("NATURAL", "Natural", "Even and without any pattern, as grass or pebbles lie"),
-    ("FINE", "Fine", "More even than Natural, a little more regular, twice the time"),
-    ("REGULAR", "Regular", "Neighbors at nearly one distance, as scales or cobbles lie"),
-    ("HONEYCOMB", "Honeycomb", "Patches of hexagons, as far as the surface lets them"),
+    ("DRAFT", "Draft", "Quick preview: even, with a few close pairs"),
+    ("NATURAL", "Natural", "Even without any pattern, like grass or pebbles"),
+    ("FINE", "Fine", "More even than Natural and slightly more regular, at twice the time"),
+    (
+        "REGULAR",
+        "Regular",
+        "Nearly the same distance between neighbors, like scales or cobblestones",
+    ),
+    ("HONEYCOMB", "Honeycomb", "Patches of hexagons, as far as the surface allows"),
 ]
 _DEFAULT = Settings()
 _PRESETS: dict[str, dict[str, Any]] = {

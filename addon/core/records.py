@@ -35,7 +35,7 @@ REST_ATTRIBUTES = {
 # 1 - fade, where points appear or vanish: on each key, and on the points, 1 on those that a bake
 # has added. Nodes read 0 where there is none.
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
-# How far things lean off the normal, on each key, where some do (lean.py).
+# How far instances lean off the normal, on each key, where some do (lean.py).
 LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
 TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
 # Where the triangles' corners are on the rest shape, where points are bound to it.
@@ -116,7 +116,7 @@ def check_binding(binding: Binding, vertex_count: int, name: str) -> None:
     if unbound(binding).any():
         raise ScatterError(
             f"Scatter '{name}': point {int(np.argmax(unbound(binding)))} was added by hand and is "
-            "not bound to the surface: Re-bind binds it where it is"
+            "not attached to the surface: Reattach attaches it where it is"
         )
     broken = ~np.isfinite(binding.barycentric).all(axis=1)
     if broken.any():
@@ -166,7 +166,7 @@ def check_ids(ids: Ints, name: str) -> None:
         point = int(np.argmax(repeated(ids)))
         raise ScatterError(
             f"Scatter '{name}': point {point} was copied by hand, its id {ids[point]} is that of "
-            "another one: Re-bind gives it one of its own"
+            "another one: Reattach gives it one of its own"
         )
 
 

@@ -114,7 +114,7 @@ class Shape:
         return (
             f"Surface '{self._surface.name}': point {point} has the rest position of another "
             f"place, {apart[point]:.3g} away (a modifier makes copies or a thickness): use Match "
-            "Subdivision and set Bind To to Faces, or apply that modifier"
+            "Subdivision and set Attach To to Faces, or apply that modifier"
         )
 
 

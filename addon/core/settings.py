@@ -7,11 +7,11 @@ from typing import Any
 
 @dataclass(frozen=True)
 class ClassSettings:
-    """One kind of things among several."""
+    """One object type among several."""
 
     share: float = 1.0  # of the points that no class counts itself, in relation to other shares
     count: int = 0  # exactly so many; 0: by its share
-    radius: float = 0.0  # of a thing, in world units: they are kept from overlapping
+    radius: float = 0.0  # of an instance, in world units: they are kept from overlapping
     density: str = ""  # values of the surface that multiply its density for this class
 
 
@@ -48,7 +48,7 @@ class Settings:
     gap_weight: float = 3.0  # kappa: keeps neighbors apart
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
-    forward: str = "NONE"  # or an axis of the surface, X to -Z, along which things point
+    forward: str = "NONE"  # or an axis of the surface, X to -Z, along which instances point
     stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
     classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
     density: DensitySettings = DensitySettings()

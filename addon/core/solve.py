@@ -37,7 +37,7 @@ class Report:
     converged: bool = False
     key_error_max: float = 0.0  # of frames without a key, in spacings; see keys.py
     key_error_mean: float = 0.0
-    worst_overlap: float = 0.0  # of things with radii; 0: none overlap
+    worst_overlap: float = 0.0  # of instances with radii; 0: none overlap
     overlap_first: int = -1  # ids of the two points that do most
     overlap_second: int = -1
     overlap_frame: int = 0  # of a bake, in which they do

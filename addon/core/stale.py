@@ -39,7 +39,7 @@ def settings_text(settings: Settings | BakeSettings) -> str:
 
 
 def changed_settings(stored: str, now: Settings) -> list[str]:
-    """Names of the settings of the solution that are not as stored, in words.
+    """Names of the settings of the solution that are not as stored.
 
     Those that name data of the file count only as given or not: core/sources.py compares what they
     stand for. Those that another setting leaves without effect do not count.
@@ -51,20 +51,16 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
         before["density"] = defaults["density"] | before["density"]
     wanted = {name: value for name, value in _plain(now).items() if name not in _BAKING}
     return [
-        name.replace("_", " ")
+        name
         for name, value in _of_effect(wanted).items()
         if name not in before or _of_effect(before)[name] != value
     ]
 
 
 def changed_baking(stored: str, now: BakeSettings) -> list[str]:
-    """Names of the settings of the bake alone that are not as stored, in words."""
+    """Names of the settings of the bake alone that are not as stored."""
     before = _read(stored)
-    return [
-        name.replace("_", " ")
-        for name, value in _plain(now).items()
-        if name in before and before[name] != value
-    ]
+    return [name for name, value in _plain(now).items() if name in before and before[name] != value]
 
 
 def _read(stored: str) -> dict[str, Any]:

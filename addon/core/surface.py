@@ -14,8 +14,8 @@ from .errors import ChangedError, ScatterError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 REBIND = (
-    "Set On Topology Change to Re-bind to go on from the nearest places, "
-    "or Bind To to Rest Position"
+    "Set On Topology Change to Reattach to continue from the nearest places, "
+    "or Attach To to Rest Position"
 )
 
 

@@ -78,7 +78,7 @@ def tiled(
 
 
 def _colors(color_by: str, seed: int, ids: Ints, classes: Ints) -> Floats:
-    """(n, 4): the hue of the class, or by chance of the id; lighter or darker by chance."""
+    """(n, 4): the hue of the class, or a random one by the id; randomly lighter or darker."""
     chance = own_random(seed, ids, _COLOR_STREAM)
     if color_by == "CLASS":
         hues = np.array(_HUES)[classes % len(_HUES)]

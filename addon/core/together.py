@@ -16,7 +16,7 @@ from .surface import SurfaceArrays
 class TogetherBaker(Baker):
     """Holds the frames back until solve() is called; none is kept in files before."""
 
-    remedy: ClassVar[str] = "Set Smoothing to Forwards"
+    remedy: ClassVar[str] = "Set Smoothing to Forward"
     closed: bool = False  # the last frame leads back to the first
 
     def __post_init__(self) -> None:

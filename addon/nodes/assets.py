@@ -6,7 +6,7 @@ from types import ModuleType
 
 import bpy
 
-from . import bound_point, points, rest_point, things, viewport
+from . import bound_point, instances, points, rest_point, viewport
 from .groups import ensure
 from .scatter import GROUP_NAME, ensure_group
 
@@ -17,7 +17,7 @@ LICENSE = "GPL-3.0-or-later"
 
 @dataclass(frozen=True)
 class Asset:
-    """A group and what is said of it; no part is the whole: one kind of things, no classes."""
+    """A group and what is said of it; no part is the whole: one kind of instances, no classes."""
 
     description: str
     tags: tuple[str, ...]
@@ -35,8 +35,8 @@ class Asset:
 
 ASSETS = (
     Asset(
-        "Plays the points of a scatter on its surface and places an object, or a collection's "
-        "objects, on them",
+        "Plays the points of a scatter on its surface and instances an object, or the objects "
+        "of a collection, on them",
         ("scatter", "instances", "blue noise"),
     ),
     Asset(
@@ -46,13 +46,13 @@ ASSETS = (
         points,
     ),
     Asset(
-        "Places an object, or a collection's objects by chance, on points; they may carry "
+        "Instances an object, or random objects of a collection, on points, which may carry "
         "rotation, scale, fade and dapple_class",
         ("instances",),
-        things,
+        instances,
     ),
     Asset(
-        "Hides a share of a scatter's points in the viewport, so that the others stay even",
+        "Hides a fraction of a scatter's points in the viewport; the others stay even",
         ("points", "viewport"),
         viewport,
     ),

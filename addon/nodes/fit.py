@@ -11,7 +11,7 @@ NAME = "Dapple Fit"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Stale is the add-on's own warning, which hides nothing."""
+    """New group; Warning is the add-on's own warning, which hides nothing."""
     tree = new_group(
         NAME,
         [
@@ -22,7 +22,7 @@ def build() -> bpy.types.NodeTree:
             ("Key Points", "NodeSocketInt"),
             ("Played", "NodeSocketBool"),
             ("Rest Binding", "NodeSocketBool"),
-            ("Stale", "NodeSocketString"),
+            ("Warning", "NodeSocketString"),
         ],
         [("Fits", "NodeSocketBool")],
     )
@@ -33,11 +33,13 @@ def build() -> bpy.types.NodeTree:
     other = b.boolean("AND", other, b.boolean("NOT", b.input("Rest Binding")))
     lost = _differs(b, b.input("Points"), b.input("Key Points"))
     lost = b.boolean("AND", played, lost)
-    other = _warning(b, other, "The surface has another number of vertices: optimize the scatter")
+    other = _warning(
+        b, other, "The number of vertices of the surface has changed: optimize the scatter"
+    )
     lost = _warning(b, lost, "Points were added or removed since the bake: bake again")
-    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Stale")), 0)
-    said = _warning(b, said, b.input("Stale"))
-    # Settings that changed are told and hide nothing; only a node that is used is evaluated.
+    said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Warning")), 0)
+    said = _warning(b, said, b.input("Warning"))
+    # Changed settings show a warning and hide nothing; only a node that is used is evaluated.
     hidden = b.boolean("OR", other, lost)
     b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
     b.arrange()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node group: a key, or what is played in its place -> position and rotation on the surface.
 
-Without a bake the points' own binding is played, and a live preview goes before both. Integers
+Without a bake the points' own binding is played, and a live preview overrides both. Integers
 count keys and rows: floats run out of digits beyond 2^24 of them.
 """
 
@@ -135,7 +135,7 @@ def _row(b: Builder) -> Socket:
 
 
 def _leaning(b: Builder, rotation: Socket) -> Socket:
-    """As the key says, in axes that are not turned yet; only in a bake where some things lean."""
+    """As the key says, in axes that are not turned yet; only in a bake where instances lean."""
     rows, lean = b.input("Keys"), b.attribute("dapple_lean", "FLOAT_VECTOR")
     stored = b.sample(rows, lean.node.outputs["Exists"], 0, "BOOLEAN")
     played = b.boolean("AND", b.input("Baked"), b.boolean("NOT", b.input("Live")))

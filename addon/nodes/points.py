@@ -22,7 +22,7 @@ INPUTS = [
     ("Frames", "NodeSocketObject"),
     ("Key Points", "NodeSocketInt"),
     ("First Frame", "NodeSocketInt"),
-    ("Stale", "NodeSocketString"),
+    ("Warning", "NodeSocketString"),
     ("Preview", "NodeSocketObject"),
 ]
 NUMBERS = ("Scale", "Scale Randomness", "Turn Randomness", "Align", "Tilt", "Density Scale")
@@ -40,7 +40,7 @@ def build() -> bpy.types.NodeTree:
     surface = info.outputs["Geometry"]
     side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
     played = _played(b, surface, _shape(b, info))
-    # Things that stand on the surface are turned once, by their own angle and the key's together.
+    # What stands on the surface is turned once, by its own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
     turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
     aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
@@ -82,11 +82,11 @@ def _played(b: Builder, surface: Socket, shape: Socket) -> _Played:
     count, vertices = b.count_points(b.input("Geometry")), b.count(surface)
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
-    rest, stale = b.input("Rest Binding"), b.input("Stale")
+    rest, warning = b.input("Rest Binding"), b.input("Warning")
     now = inner(b, moment, frames, b.input("First Frame"), vertices, rest)
     bake = b.boolean("AND", baked, b.boolean("NOT", live))
     bound = (vertices, b.input("Surface Vertices"), now.outputs["Vertices"])
-    fits = inner(b, fit, *bound, count, b.input("Key Points"), bake, rest, stale)
+    fits = inner(b, fit, *bound, count, b.input("Key Points"), bake, rest, warning)
     faces = b.compare("EQUAL", vertices, b.input("Rest Vertices"))
     resting = b.boolean("AND", rest, b.boolean("NOR", live, faces))
     stored = (keys, triangles, preview, count, baked, live)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: the surface's rotation -> that of a thing, more upright and leaning."""
+"""Node group: the surface's rotation -> that of an instance, more upright and leaning."""
 
 import bpy
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import of_class, points, things, viewport
+from . import instances, of_class, points, viewport
 from .builder import Builder, Socket, new_group
 from .groups import VERSION, VERSION_KEY, inner, version_of
 
@@ -81,7 +81,7 @@ def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
 
 def _instances(b: Builder, placed: Socket, kinds: list[int | None]) -> Socket:
     """What is chosen for each class on its points."""
-    made = [_things(b, placed, kind) for kind in kinds]
+    made = [_instanced(b, placed, kind) for kind in kinds]
     if len(made) == 1:
         return made[0]
     joined = b.node("GeometryNodeJoinGeometry")
@@ -90,7 +90,7 @@ def _instances(b: Builder, placed: Socket, kinds: list[int | None]) -> Socket:
     return joined.outputs[0]
 
 
-def _things(b: Builder, placed: Socket, kind: int | None) -> Socket:
+def _instanced(b: Builder, placed: Socket, kind: int | None) -> Socket:
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
     of = -1 if kind is None else kind
-    return inner(b, things, placed, of, *chosen, b.input("Spacing")).outputs[0]
+    return inner(b, instances, placed, of, *chosen, b.input("Spacing")).outputs[0]

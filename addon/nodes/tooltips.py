@@ -18,47 +18,49 @@ DEFAULTS = {
 INPUTS = {
     "Geometry": "Points of a scatter, as its mesh has them before its modifier; also as a point "
     "cloud. They carry what binds them to the surface",
-    "Surface": "What the points are bound to, as it looks with its modifiers in this frame",
+    "Surface": "What the points are attached to, with its modifiers in the current frame",
     "Surface Vertices": "Vertices that the surface must have for the points to be shown. 0: any "
     "number",
-    "Rest Binding": "The points are bound to the surface's rest position, not to its faces",
-    "Rest Parts": "Equal runs of the surface's faces that may lie on one another in the rest "
-    "position, as Mirror makes them",
-    "Rest Vertices": "Bound to the rest position, points are yet played by the faces of a surface "
-    "with so many vertices, which is faster. 0: never",
-    "Keys": "Of a bake: the object with a row for each key and point",
-    "Triangles": "Of a bake: the object with the triangles that the keys name",
+    "Rest Binding": "The points are attached to the rest position of the surface, not to its faces",
+    "Rest Parts": "Equal ranges of the surface's faces that may overlap in the rest position, as "
+    "Mirror makes them",
+    "Rest Vertices": "Points that are attached to the rest position are played by faces if the "
+    "surface has this many vertices, which is faster. 0: never",
+    "Keys": "Of a bake: the object with a row for each keyframe and point",
+    "Triangles": "Of a bake: the object with the triangles that the keyframes use",
     "Frames": "Of a bake: the object with a row for each frame",
-    "Key Points": "Of a bake: points that there must be. 0: any number",
-    "First Frame": "Of a bake: the frame of the scene in which it begins",
-    "Stale": "A warning that the modifier shows; it hides nothing",
-    "Preview": "The object with the rows of a live preview, which the add-on makes",
-    "Spacing": "Distance of neighbors: the size of the cone where nothing is chosen",
-    "Hidden": "Share of the points that the viewport leaves out, so that the others stay even; "
-    "renders show all",
-    "Instance": "Object to place on the points",
-    "Collection": "Place objects of this collection, each point one by chance",
-    "Scale": "Size of the instances",
-    "Scale Randomness": "By how much of their size instances may be smaller",
-    "Turn Randomness": "Share of a full turn by which instances are turned about the normal",
-    "Align": "1 stands upright on the surface, 0 upright in the world",
-    "Tilt": "Largest angle by which instances lean, each its own way, in radians",
-    "Density Scale": "How much smaller instances are where the density is less; below 0 larger",
-    "Points": "Points that carry rotation and scale; those whose fade is 0 are not there",
-    "Class": "Place things on the points with this dapple_class alone. Below 0: on all",
+    "Key Points": "Of a bake: number of points that there must be. 0: any number",
+    "First Frame": "Of a bake: the scene frame in which it starts",
+    "Warning": "A warning that the modifier shows; it hides nothing",
+    "Preview": "The object with the points of a live preview, which the add-on creates",
+    "Spacing": "Distance between neighbors; the size of the cone where nothing is chosen",
+    "Hidden": "Fraction of the points that the viewport hides; the others stay even, and renders "
+    "show all points",
+    "Instance": "Object to instance on the points",
+    "Collection": "Collection whose objects are instanced on the points, one picked at random for "
+    "each",
+    "Scale": "Scale of the instances",
+    "Scale Randomness": "Maximum random reduction of the scale",
+    "Turn Randomness": "Maximum random rotation around the normal, as a fraction of a full turn",
+    "Align": "Align instances with the surface normal (1) or with world Z (0)",
+    "Tilt": "Maximum angle by which instances lean in a random direction, in radians",
+    "Density Scale": "How much smaller instances are where the density is lower; negative values "
+    "make them larger",
+    "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
+    "Class": "Only instance on points with this dapple_class. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",
     "W": "Weight of that vertex, a barycentric coordinate of the point",
-    "Turn": "Angle about the normal, in radians",
+    "Turn": "Angle around the normal, in radians",
     "Side": "1; -1 where the surface is mirrored and its normals point the other way",
     "Rest": "The point's place on the surface's rest_position",
-    "Part": "In which of the parts the place is looked for, from 0",
-    "Parts": "Equal runs of the surface's faces that may lie on one another in the rest position",
+    "Part": "Index of the part in which the place is looked for, from 0",
+    "Parts": "Equal ranges of the surface's faces that may overlap in the rest position",
     "Ahead": "A place near it on the surface's rest_position, where X points",
 }
 
 OUTPUTS = {
     "Geometry": "What is played in this frame",
-    "Instances": "The things on their points",
+    "Instances": "The instances on their points",
     "Points": "The points that are shown",
     "Position": "On the surface as it is now",
     "Rotation": "Z along the surface's normal, X along the surface",

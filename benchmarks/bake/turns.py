@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far things turn against the surface they stand on, from one baked frame to the next.
+"""How far instances turn against the surface they stand on, from one baked frame to the next.
 
-The surface turns a thing as it turns the triangle under it. What comes on top, because the thing
-slid to another place, is bounded: over a crease it leans, and rights itself frame by frame.
+The surface turns an instance as it turns the triangle under it. What is added because the instance
+slid to another place is bounded: over a crease it leans, and straightens frame by frame.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def _options() -> argparse.Namespace:
 
 
 def turns_of(animation: Animation, sites: int) -> np.ndarray:
-    """Degrees (frames - 1, sites) that things turn against the surface."""
+    """Degrees (frames - 1, sites) that instances turn against the surface."""
     baker, turns, before = _baker(animation, sites), [], None
     for vertices in animation.frames:
         baker.enter(SurfaceArrays(animation.name, vertices, animation.faces, ""))
@@ -72,7 +72,7 @@ def _baker(animation: Animation, sites: int) -> Baker:
 
 
 def _between(before: Placed, after: Placed, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Angles (n,) in degrees between what both keys make of things on one surface."""
+    """Angles (n,) in degrees between what both keys make of instances on one surface."""
     normals = vertex_normals(vertices, faces)
     one, other = (_axes(each, vertices, normals) for each in (before, after))
     trace = np.einsum("nij,nij->n", one, other)

@@ -2,7 +2,6 @@
 """Every (context, message) that the add-on shows: from its RNA types, and from its sources."""
 
 import ast
-from dataclasses import fields
 
 import addon_host
 import bpy
@@ -13,7 +12,7 @@ _OPERATORS = {"operator", "operator_menu_enum"}
 
 def shown():
     """All of them."""
-    found = set(_of_settings())
+    found = set()
     for kind in _classes():
         found |= set(_of_class(kind))
     for path in sorted((addon_host.sources() / "blender").glob("*.py")):
@@ -25,14 +24,6 @@ def shown():
 
 def _classes():
     return [*addon_host.part("blender")._CLASSES, *addon_host.part("blender.properties").CLASSES]
-
-
-def _of_settings():
-    """Names that a changed setting is told by."""
-    settings = addon_host.part("core.settings")
-    for field in (*fields(settings.Settings), *fields(settings.BakeSettings)):
-        yield "*", field.name.replace("_", " ")
-    yield "*", "bind to"
 
 
 def _of_class(kind):

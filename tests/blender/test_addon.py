@@ -143,12 +143,12 @@ def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=120)
     lines = [text for text, _ in results.result_lines(obj, bpy.context)]
-    assert lines[0].startswith("120 points, capacity spread ")
-    assert lines[1].startswith("Spacing 0.")
-    assert lines[-1] == "Fresh: fits the surface"
+    assert lines[0].startswith("120 points, area variation ")
+    assert re.match(r"Spacing \d\d % of ideal \(min \d\d %\)", lines[1])
+    assert lines[-1] == "Up to date"
     surface.modifiers.new("Subdivision", "SUBSURF")
     lines = [text for text, _ in results.result_lines(obj, bpy.context)]
-    assert lines[-1].startswith("Stale: Bound to 266 vertices, the surface has ")
+    assert lines[-1].startswith("Out of date: Attached to 266 vertices, the surface has ")
 
 
 def traces():
@@ -254,7 +254,7 @@ def test_a_second_enabled_copy_says_so_and_leaves_the_first_alone(second, capsys
     assert copies.waits()
     assert copies.note() == (
         f"Another copy of Dapple is enabled ('{addon_host.MODULE}'). This one ('{second}') does "
-        "nothing until that is disabled"
+        "nothing until it is disabled"
     )
     assert copies.look() > 0
     assert len(scenes.positions(scenes.scattered(scenes.sphere()))) == 60

@@ -88,7 +88,7 @@ def test_natural_is_the_default_and_draft_takes_fewer_steps():
     bpy.ops.dapple.set_quality(quality="NATURAL")
     assert reason(obj) == ""
     bpy.ops.dapple.set_quality(quality="DRAFT")
-    assert "tolerance" in reason(obj)
+    assert "Tolerance" in reason(obj)
     bpy.ops.dapple.optimize()
     assert obj.dapple.report.evaluations < natural
     assert math.isclose(obj.dapple.tolerance, 5e-4, rel_tol=1e-5)

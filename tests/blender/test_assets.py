@@ -15,7 +15,8 @@ import scenes
 from test_panels import Layout
 
 ROOT = Path(__file__).resolve().parents[2]
-NAMES = [f"Dapple {name}" for name in ("Bound Point", "Points", "Rest Point", "Scatter", "Things")]
+KINDS = ("Bound Point", "Instances", "Points", "Rest Point", "Scatter")
+NAMES = [f"Dapple {name}" for name in KINDS]
 NAMES += ["Dapple Viewport"]
 
 WRITE = """
@@ -133,15 +134,15 @@ def scatter(node, attribute, cloud):
     return node("Dapple Scatter", Geometry=cloud, **inputs("baked"))
 
 
-def things(node, attribute, cloud):
-    return node("Dapple Things", Points=bound("baked", cloud, node).outputs[0])
+def instances(node, attribute, cloud):
+    return node("Dapple Instances", Points=bound("baked", cloud, node).outputs[0])
 
 
 for kind in ("baked", "bound", "rest", "rest baked"):
     check("Dapple Points", kind, lambda node, attribute, cloud: bound(kind, cloud, node))
 check("Dapple Bound Point", "bound", bound_point)
 check("Dapple Rest Point", "rest", rest_point)
-for name, build in (("Dapple Scatter", scatter), ("Dapple Things", things)):
+for name, build in (("Dapple Scatter", scatter), ("Dapple Instances", instances)):
     host = shown("baked", build)
     said(name, scenes.positions(host), "baked")
     said(f"{name} (rotations)", scenes.rotations(host), "baked", "rotations")
@@ -239,10 +240,10 @@ def test_without_the_add_on_each_asset_plays_points_behind_other_nodes(assets, t
     assert max(float(distance) for _, distance in off) < 5e-4, lines
 
 
-def test_things_stand_on_points_of_any_others_too(appended):
+def test_instances_stand_on_points_of_any_others_too(appended):
     surface = scenes.sphere()
-    group = appended["Dapple Things"]
-    surface.modifiers.new("Things", "NODES").node_group = group
+    group = appended["Dapple Instances"]
+    surface.modifiers.new("Instances", "NODES").node_group = group
     assert len(scenes.positions(surface)) == len(surface.data.vertices)
     sizes = np.linalg.norm(scenes.instance_matrices(surface)[:, :3, 0], axis=1)
     assert np.allclose(sizes, 1.0, atol=1e-6)
@@ -286,7 +287,7 @@ def test_the_library_is_added_once_and_removed(library, assets, capfd):
 def test_without_the_file_the_button_says_why(library, tmp_path, monkeypatch):
     monkeypatch.setattr(library, "FOLDER", tmp_path)
     assert not bpy.ops.dapple.add_asset_library.poll()
-    assert drawn(library)[-1].startswith("dapple_nodes.blend is missing: only the extension")
+    assert drawn(library)[-1].startswith("dapple_nodes.blend is missing: it is only part")
     with pytest.raises(RuntimeError, match=r"dapple_nodes\.blend is missing"):
         bpy.ops.dapple.add_asset_library()
     (tmp_path / "dapple_nodes.blend").write_bytes(b"")

@@ -117,7 +117,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     assert report.key_error_mean == pytest.approx(np.mean(apart), rel=1e-3)
     assert report.key_error_max > 1e-3
     line = addon_host.part("blender.results").baked_line(obj)
-    assert line.startswith("Baked: frames 1 to 6, 3 keys; between them points are ")
+    assert line.startswith("Baked: frames 1 to 6, 3 keyframes; between them points are off by ")
 
 
 def test_every_id_is_kept():
@@ -285,7 +285,7 @@ def test_faces_that_change_with_the_same_number_of_vertices_are_refused():
     first, second = loops[0].vertex_index, loops[1].vertex_index
     loops[0].vertex_index, loops[1].vertex_index = second, first
     surface.data.update()
-    refused("is stale: surface 'Tail' has 410 vertices as before, but other faces")
+    refused("is out of date: surface 'Tail' has 410 vertices as before, but other faces")
 
 
 @pytest.mark.parametrize("operator", ["rebind", "bake"])
@@ -310,7 +310,7 @@ def test_a_stale_scatter_is_refused():
     scenes.scattered(surface)
     modifier = surface.modifiers["Subdivision"]
     modifier.levels = modifier.render_levels = 2
-    refused("is stale: bound to 410 vertices, surface 'Tail' has 1634")
+    refused("is out of date: attached to 410 vertices, surface 'Tail' has 1634")
 
 
 def test_an_empty_range_is_refused():

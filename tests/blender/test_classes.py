@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several classes: their counts, what is placed, and what a bake makes of them."""
+"""Object types: their counts, what is placed, and what a bake makes of them."""
 
 import addon_host
 import bmesh
@@ -61,9 +61,9 @@ def test_shares_are_met_by_largest_remainders():
 
 def test_counts_that_cannot_be_are_refused():
     error = addon_host.part("core.errors").ScatterError
-    with pytest.raises(error, match="count 120 points exactly, Count is 100"):
+    with pytest.raises(error, match="add up to 120 points, Count is 100"):
         counts({"count": 120}, {"share": 1})
-    with pytest.raises(error, match="60 points are of no class: all shares are 0"):
+    with pytest.raises(error, match="60 points have no object type: all weights are 0"):
         counts({"count": 40}, {"share": 0})
 
 
@@ -199,7 +199,7 @@ def test_changed_classes_are_stale():
     obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
     assert stale(obj) == ""
     obj.dapple.classes[0].share = 2.0
-    assert stale(obj) == "Settings were changed (classes): optimize again"
+    assert stale(obj) == "Settings were changed (Object Types): optimize again"
     obj.dapple.classes[0].share = 1.0
     obj.dapple.classes[0].scale = 4.0
     assert stale(obj) == "", "what is placed does not move the points"
@@ -220,7 +220,7 @@ def test_a_bake_keeps_classes_even_and_survives_another_class():
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
-        ("count_over_time", "KEEP_DENSITY", "Keep Density does not keep several classes"),
+        ("count_over_time", "KEEP_DENSITY", "Keep Density does not keep several object types"),
         ("bake_smoothing", "BOTH_WAYS", "Smoothing over all frames does not keep several"),
     ],
 )
@@ -235,7 +235,7 @@ def test_bakes_that_cannot_keep_classes_say_so(name, value, said):
 
 
 def overlapping(surface, count=60):
-    """A scatter whose things are nearly the largest that do not overlap."""
+    """A scatter whose instances are nearly the largest that do not overlap."""
     obj = with_classes(surface, {"share": 1.0}, {"share": 1.0}, count=count)
     for kind in obj.dapple.classes:
         kind.radius = 0.24

@@ -122,7 +122,7 @@ def moved_texture():
     obj = solved(surface, image=picture())
     yield obj
     surface.data.uv_layers[0].uv[7].vector = (0.3, 0.3)
-    yield "Texture coordinates of 'Sphere' were changed"
+    yield "UV map of 'Sphere' was changed"
 
 
 def moved_camera():
@@ -146,7 +146,7 @@ def moved_obstacle():
     obj = solved(scenes.sphere(), obstacles=bpy.data.collections["Stones"])
     yield obj
     stone.location.z = -1.5
-    yield "Obstacles were moved or changed"
+    yield "Avoided objects were moved or changed"
 
 
 def reshaped_obstacle():
@@ -154,7 +154,7 @@ def reshaped_obstacle():
     obj = solved(scenes.sphere(), obstacles=bpy.data.collections["Stones"])
     yield obj
     stone.data.vertices[3].co.z = 1.0
-    yield "Obstacles were moved or changed"
+    yield "Avoided objects were moved or changed"
 
 
 def another_obstacle():
@@ -164,7 +164,7 @@ def another_obstacle():
     copy = bpy.data.objects["Stone"].copy()
     copy.location.x = 1.0
     linked(copy, bpy.data.collections["Stones"])
-    yield "Obstacles were moved or changed"
+    yield "Avoided objects were moved or changed"
 
 
 def stretched():
@@ -212,14 +212,14 @@ def tipped_over():
     surface = scenes.sphere()
     yield solved(surface, use_slope=True)
     surface.rotation_euler.x = 1.0
-    yield "Surface 'Sphere' was turned or moved, and the density asks how"
+    yield "Surface 'Sphere' was rotated or moved, and the density depends on it"
 
 
 def lifted():
     surface = scenes.sphere()
     yield solved(surface, use_height=True)
     surface.location.z = 0.3
-    yield "Surface 'Sphere' was turned or moved, and the density asks how"
+    yield "Surface 'Sphere' was rotated or moved, and the density depends on it"
 
 
 def not_a_number():
@@ -233,7 +233,7 @@ def no_geometry():
     surface = scenes.sphere()
     yield solved(surface)
     surface.data.clear_geometry()
-    yield "Bound to 266 vertices, the surface has 0"
+    yield "Attached to 266 vertices, the surface has 0"
 
 
 def no_faces_at_rest():
@@ -258,21 +258,21 @@ def no_surface_at_all():
     obj = solved(scenes.sphere())
     yield obj
     obj.dapple.surface = linked(bpy.data.objects.new("Nothing", None))
-    yield "Surface 'Nothing' is no mesh, curve, text or metaball"
+    yield "Surface 'Nothing' is not a mesh, curve, text or metaball"
 
 
 def points_moved_by_hand():
     obj = solved(scenes.sphere())
     yield obj
     obj.data.vertices[3].co.x += 0.2
-    yield "Points were edited by hand: re-bind, or lock them and optimize"
+    yield "Points were edited by hand: reattach them, or lock them and optimize"
 
 
 def bindings_edited_by_hand():
     obj = solved(scenes.sphere())
     yield obj
     obj.data.attributes["dapple_v1"].data[7].value = 99_999
-    yield "Points were edited by hand: re-bind, or lock them and optimize"
+    yield "Points were edited by hand: reattach them, or lock them and optimize"
 
 
 def another_surface():
@@ -393,7 +393,7 @@ def test_a_scene_that_is_moved_as_a_whole_fits(scale):
     above.location, above.rotation_euler = (3, -40, 5), (1, 2, 3)
     assert reason(obj) == ""
     stone.location.x = 1e-3
-    assert "Obstacles" in reason(obj)
+    assert "Avoided objects" in reason(obj)
 
 
 def test_a_scale_that_is_applied_fits():
@@ -417,7 +417,7 @@ def test_another_scatter_to_keep_off_is_solved_anew():
     assert reason(obj) == ""
     scenes._activate(other)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert reason(obj) == "Obstacles were moved or changed: optimize again"
+    assert reason(obj) == "Avoided objects were moved or changed: optimize again"
 
 
 def test_contents_are_compared_after_saving_and_opening(tmp_path):
@@ -441,7 +441,9 @@ def test_on_another_frame_what_moves_is_told_apart_from_what_was_changed():
     obj = solved(surface, attribute="Grass")
     bpy.context.scene.frame_set(4)
     assert reason(obj) == ""
-    assert note(obj) == ("Not as in frame 1, where the points were optimized: shape of the surface")
+    assert note(obj) == (
+        "Differs from frame 1, where the points were optimized: shape of the surface"
+    )
     group.add([100], 0.25, "REPLACE")
     assert "Values of 'Grass'" in reason(obj)
 
@@ -515,10 +517,10 @@ def test_a_bake_keeps_points_that_were_bound_again():
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("key_every", 2, "key every"),
-        ("bake_smoothing", "LOOP", "smoothing"),
-        ("count_over_time", "KEEP_DENSITY", "count over time, fade"),
-        ("stickiness", 3.0, "stickiness"),
+        ("key_every", 2, "Keyframe Interval"),
+        ("bake_smoothing", "LOOP", "Smoothing"),
+        ("count_over_time", "KEEP_DENSITY", "Population, Fade Duration"),
+        ("stickiness", 3.0, "Stickiness"),
     ],
 )
 def test_settings_of_the_bake_alone_ask_for_another_bake(name, value, words):
@@ -575,7 +577,7 @@ def test_keys_with_bad_indices_are_said(damage, said):
     obj = scenes.scattered(bpy.context.object)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     damage(obj)
-    assert reason(obj).startswith(f"The keys are damaged: {said}")
+    assert reason(obj).startswith(f"The keyframes are damaged: {said}")
     assert reason(obj).endswith(": bake again")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert reason(obj) == ""
@@ -586,9 +588,9 @@ def test_a_result_of_an_older_version_says_what_is_not_compared():
     obj.dapple.solved_from = obj.dapple.solved_points = ""
     obj.dapple.surface.scale.x = 3.0
     assert reason(obj) == ""
-    assert note(obj) == "An older version made it: only settings and faces are compared"
+    assert note(obj) == "Made by an older version: only settings and faces are compared"
     obj.dapple.solved_from = '{"exact": 3}'
-    assert note(obj) == "An older version made it: only settings and faces are compared"
+    assert note(obj) == "Made by an older version: only settings and faces are compared"
 
 
 @pytest.mark.parametrize("seen", range(3))
@@ -619,11 +621,11 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
                 task = going.send(task.call(package.Context()))
             going.close()
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
-            assert reason(obj) == "Settings were changed (count): optimize again"
+            assert reason(obj) == "Settings were changed (Count): optimize again"
             assert addon_host.part("blender.workfiles").unfinished(obj) == 2
         baker = steps.run_now(work.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)
-        assert baker.anew == "Settings were changed (count)"
+        assert baker.anew == "Settings were changed (Count)"
         assert reason(obj) == ""
         found.append(addon_host.part("blender.store").read_baked(obj))
     for name in ("keys", "triangles", "frames"):

@@ -156,7 +156,7 @@ def test_a_changed_density_is_stale_and_undone_is_fresh():
     stale = addon_host.part("blender.scatter").settings_reason
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.density.curvature = 0.5
-    assert stale(obj) == "Settings were changed (density): optimize again"
+    assert stale(obj) == "Settings were changed (Density): optimize again"
     obj.dapple.density.curvature = 0.0
     assert stale(obj) == ""
 

@@ -53,7 +53,7 @@ def columns(obj):
 def test_after_deleting_points_all_goes_on(obj):
     ids = columns(obj)["id"]
     edited(obj, deleted)
-    said = "7 points were removed by hand: re-bind to leave it at that, or optimize"
+    said = "7 points were removed by hand: reattach to keep the others, or optimize"
     assert reason(obj) == said
     for action in (bpy.ops.dapple.tile, bpy.ops.dapple.bake, bpy.ops.dapple.rebind):
         assert action() == {"FINISHED"}
@@ -68,13 +68,16 @@ def test_after_deleting_points_all_goes_on(obj):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (added, "point 60 was added by hand and is not bound to the surface: Re-bind binds it"),
-        (copied, r"point 60 was copied by hand, its id \d+ is that of another one: Re-bind"),
+        (
+            added,
+            "point 60 was added by hand and is not attached to the surface: Reattach attaches it",
+        ),
+        (copied, r"point 60 was copied by hand, its id \d+ is that of another one: Reattach"),
     ],
 )
 def test_points_that_nothing_binds_are_named_with_the_way_out(obj, change, words, name):
     edited(obj, change)
-    assert reason(obj) == "3 points were added by hand: re-bind, or lock them and optimize"
+    assert reason(obj) == "3 points were added by hand: reattach them, or lock them and optimize"
     before = scenes.snapshot()
     with pytest.raises(RuntimeError, match=f"Scatter '{obj.name}': {words}"):
         getattr(bpy.ops.dapple, name)()

@@ -156,7 +156,7 @@ def test_the_panel_says_why_points_hold_on_to_the_rest_position():
     note = addon_host.part("blender.scatter").rest_note
     obj = scenes.scattered(surface)
     assert note(obj) == (
-        "Viewport and render have different faces: points hold on to the rest position"
+        "Viewport and renders have different faces: points are attached to the rest position"
     )
     surface.modifiers["Subdivision"].render_levels = 1
     assert note(scenes.scattered(surface)) == ""
@@ -203,7 +203,7 @@ def test_points_are_previewed_too():
     for frame in (3, 6):
         bpy.context.scene.frame_set(frame)
         preview.tick()
-    assert preview.note(obj) == "Points follow the surface"
+    assert preview.note(obj) == "Points are kept even"
     assert np.abs(scenes.positions(obj) - riding).max() > 0.01
     surface.modifiers["Subdivision"].levels = 2  # other faces: it goes on
     bpy.context.view_layer.update()
@@ -247,7 +247,7 @@ def test_bind_to_is_fulfilled_by_bake_and_is_no_complaint_any_more():
     obj = scenes.scattered(surface)
     for bind_to in ("REST", "FACES"):
         obj.dapple.bind_to = bind_to
-        assert "bind to" in stale(obj)
+        assert "Attach To" in stale(obj)
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert obj.dapple.bound_to == bind_to
         assert stale(obj) == ""
@@ -327,8 +327,8 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
 @pytest.mark.parametrize(
     ("setting", "value", "said"),
     [
-        ("bake_smoothing", "BOTH_WAYS", "Set Smoothing to Forwards"),
-        ("count_over_time", "KEEP_DENSITY", "Set Over Time to Keep Count"),
+        ("bake_smoothing", "BOTH_WAYS", "Set Smoothing to Forward"),
+        ("count_over_time", "KEEP_DENSITY", "Set Population to Keep Count"),
     ],
 )
 def test_what_needs_the_same_faces_in_all_frames_says_what_does_not(setting, value, said):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Things that point along an axis of the surface."""
+"""Instances that point along an axis of the surface."""
 
 import math
 

@@ -11,7 +11,7 @@ import pytest
 import scenes
 import test_panels
 
-UNKNOWN, FITS = "Not compared with the scene yet", "Fresh: fits the surface"
+UNKNOWN, FITS = "Not compared with the scene yet", "Up to date"
 
 
 def part():
@@ -104,7 +104,7 @@ def test_a_change_is_looked_at_once(waiting):
     surface.data.vertices[3].co /= 1.5
     obj.dapple.seed = 9
     assert looked(waiting)["read_surface"] == 1
-    assert "Settings were changed (seed)" in drawn()
+    assert "Settings were changed (Seed)" in drawn()
 
 
 def test_settings_are_compared_without_reading_the_surface(waiting):
@@ -156,7 +156,7 @@ def test_obstacles_and_the_camera_are_watched(waiting):
         before = np.copy(getattr(owner, name)) if name == "location" else getattr(owner, name)
         setattr(owner, name, value)
         assert looked(waiting)["read_around"] == 1
-        assert "Stale: " in drawn(), (owner, name)
+        assert "Out of date: " in drawn(), (owner, name)
         setattr(owner, name, before)
         assert looked(waiting)["read_surface"] == 0
         assert FITS in drawn()
@@ -187,7 +187,7 @@ def test_undo_and_opening_a_file_are_looked_at_anew(waiting, tmp_path):
     bpy.ops.ed.undo_push(message="After")
     drawn()
     looked(waiting)
-    assert "Settings were changed (count)" in drawn()
+    assert "Settings were changed (Count)" in drawn()
     bpy.ops.ed.undo()
     assert UNKNOWN in drawn()
     looked(waiting)

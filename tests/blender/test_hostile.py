@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever a .blend holds in place of what Dapple has stored, a sentence is said of it.
+"""Whatever a .blend holds in place of what Dapple has stored, an error message names it.
 
 Each way to break a file is tried with everything that reads it: operators, panels, playback.
 """
@@ -243,7 +243,7 @@ def opened(path, change):
 
 
 def told(action, obj):
-    """Do something, which may be refused in one sentence; whether it was done."""
+    """Do something, which may be refused with an error message; whether it was done."""
     errors = addon_host.part("core.errors")
     try:
         action(obj)
@@ -336,7 +336,7 @@ WRITING = (
 
 
 def expect_sentences(path, change):
-    """Everything is done, or refused in a sentence."""
+    """Everything is done, or refused with an error message."""
     obj = opened(path, change)
     for action in READING:
         told(action, obj)
@@ -366,9 +366,9 @@ SAID = {
     f"points dapple_class {MOST}": r"dapple_class\[6\] is 2147483647, it must be from 0 to ",
     "points dapple_carry nan": r"dapple_carry\[6\] is not finite: nan",
     "points dapple_gone other type": "Attribute 'dapple_gone' of 'Tail Scatter' is INT on POINT",
-    "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, no mesh",
+    "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, not a mesh",
     "Keys none": "'Tail Scatter Keys' has no INT attribute 'dapple_face' on its points",
-    "Keys fewer": "The keys are damaged: 23 rows are no keys of 12 points",
+    "Keys fewer": "The keyframes are damaged: 23 rows are not a multiple of 12 points",
 }
 
 

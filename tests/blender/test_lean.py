@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Things that slide over a crease lean, and right themselves a little in every frame."""
+"""Instances that slide over a crease lean, and straighten a little in every frame."""
 
 import itertools
 import math

@@ -74,7 +74,7 @@ def test_a_change_of_topology_shows_a_warning_and_no_points():
     surface.modifiers.new("Subdivision", "SUBSURF")
     assert len(scenes.positions(obj)) == 0
     assert scenes.node_warnings(obj) == [
-        "The surface has another number of vertices: optimize the scatter"
+        "The number of vertices of the surface has changed: optimize the scatter"
     ]
 
 
@@ -120,13 +120,13 @@ def test_groups_are_built_once_and_have_no_broken_link():
         for part in (
             "Bound Point",
             "Fit",
+            "Instances",
             "Key Point",
             "Moment",
             "Points",
             "Posture",
             "Rest Place",
             "Rest Shape",
-            "Things",
             "Viewport",
         )
     ]

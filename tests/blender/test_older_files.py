@@ -57,3 +57,15 @@ def test_tiles_keep_the_attribute_that_older_materials_name():
     made.data.color_attributes["Color"].name = "Colour"
     bpy.ops.dapple.tile()
     assert [one.name for one in made.data.color_attributes] == ["Colour"]
+
+
+def test_the_warning_of_an_older_node_group_is_written():
+    obj = scenes.scattered(scenes.sphere(), count=30)
+    group = obj.modifiers[0].node_group
+    group.interface.items_tree["Warning"].name = "Stale"
+    obj.dapple.seed = 7
+    nodes = addon_host.part("nodes")
+    assert nodes.get_input(obj.modifiers[0], "Warning").startswith("Settings were changed (Seed)")
+    bpy.ops.dapple.optimize()
+    assert obj.modifiers[0].node_group != group
+    assert nodes.get_input(obj.modifiers[0], "Warning") == ""

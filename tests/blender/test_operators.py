@@ -246,7 +246,7 @@ def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
     window = Window(monkeypatch, answer)
     kind = getattr(window.operators, f"DAPPLE_OT_{name}")
     assert window.press(kind, drop_keys=False) == {"CANCELLED"}
-    assert window.asked == [("Drop the bake?", "The keys of frames 1 to 6 are dropped")]
+    assert window.asked == [("Delete the bake?", "The keyframes of frames 1 to 6 will be deleted")]
     assert window.started == ([("INVOKE_DEFAULT", True)] if answer else [])
 
 
@@ -269,7 +269,7 @@ def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     files = addon_host.part("blender.workfiles").work_files(obj)
     window = Window(monkeypatch, answer)
     window.press(window.operators.DAPPLE_OT_discard_bake)
-    said = "6 solved frames are deleted from the disk"
+    said = "6 solved frames will be deleted from disk"
     assert window.asked == [("Discard the unfinished bake?", said)]
     assert files.frames() == (0 if answer else 6)
     files.clear()

@@ -93,7 +93,7 @@ def test_a_scatter_shows_its_settings_and_its_result():
     for name in ("dapple.optimize", "dapple.tile", "dapple.bake", "dapple.set_quality"):
         assert name in shown
     assert "points_per_area" not in shown
-    assert "Fresh: fits the surface" in shown
+    assert "Up to date" in shown
 
 
 def test_pictures_tell_of_the_result_and_of_the_settings():
@@ -153,17 +153,17 @@ def test_an_overlap_can_be_selected():
     obj = scenes.scattered(scenes.sphere())
     assert "dapple.select_overlap" not in drawn()
     obj.dapple.report.worst_overlap = 0.25
-    assert "Worst overlap 25 %" in drawn()
+    assert "Max overlap 25 %" in drawn()
 
 
 def test_more_evaluations_are_asked_for_only_where_they_ran_out():
     obj = scenes.scattered(scenes.tail(frames=3), count=30)
     report = obj.dapple.report
     report.converged, report.evaluations = False, obj.dapple.max_evaluations
-    assert "Tolerance not reached: raise Max Evaluations" in " ".join(drawn())
+    assert "Tolerance not reached: increase Max Iterations" in " ".join(drawn())
     report.evaluations = 12
-    assert "Tolerance not reached: no step found that helps" in " ".join(drawn())
-    assert "raise Max Evaluations" not in " ".join(drawn())
+    assert "Tolerance not reached: no step improves the result" in " ".join(drawn())
+    assert "increase Max Iterations" not in " ".join(drawn())
 
 
 @pytest.mark.parametrize("mode", ["KEEP_COUNT", "KEEP_DENSITY"])
@@ -174,7 +174,7 @@ def test_a_baked_scatter(mode):
     shown = drawn()
     assert "Baked: frames 1 to 3" in shown
     obj.dapple.report.converged = False  # of a frame, which has a limit of its own
-    assert not [line for line in drawn() if "Max Evaluations" in line]
+    assert not [line for line in drawn() if "Max Iterations" in line]
     assert ("fade_frames" in shown) == (mode == "KEEP_DENSITY")
 
 
@@ -184,6 +184,9 @@ def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
     assert "dapple.add" in shown
     scenes.scattered(bpy.context.object)
     shown = " ".join(drawn())
-    assert "Viewport and render have different faces: points hold on to the rest position" in shown
+    assert (
+        "Viewport and renders have different faces: points are attached to the rest position"
+        in shown
+    )
     assert "dapple.match_subdivision" in shown
-    assert "Viewport and render differ" not in shown
+    assert "Viewport and renders differ" not in shown

@@ -142,7 +142,7 @@ def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, ca
     assert len(scenes.positions(new)) == 40, "what fits is taken"
     assert new.dapple.density.curvature == 0.5
     told = capfd.readouterr().out
-    assert re.search(f"Warning: Preset 'Default' does not fit here, left out: .*{said}", told)
+    assert re.search(f"Warning: Preset 'Default' does not fit here, skipped: .*{said}", told)
     assert addon_host.part("blender.scatter").settings_reason(new) == ""
 
 
@@ -170,7 +170,7 @@ def test_a_default_with_a_binding_that_cannot_be_gives_way(folder, capfd):
     assert bpy.ops.dapple.add() == {"FINISHED"}
     new = bpy.context.object
     assert (new.dapple.bind_to, new.dapple.bound_to, new.dapple.count) == ("AUTO", "REST", 40)
-    assert "left out: binding (" in capfd.readouterr().out
+    assert "skipped: attachment (" in capfd.readouterr().out
 
 
 def test_what_is_chosen_by_hand_is_refused_with_its_own_reason(folder):

@@ -44,7 +44,7 @@ def test_points_follow_while_scrubbing_and_ride_again_when_it_is_off(preview, pa
         bpy.context.scene.frame_set(frame)
         assert preview.tick() > 0
     assert np.abs(scenes.positions(patient) - expected).max() > 0.01
-    assert preview.note(patient) == "Points follow the surface"
+    assert preview.note(patient) == "Points are kept even"
     toggled()
     assert not preview.is_on(patient)
     assert (scenes.positions(patient) == expected).all()
@@ -88,7 +88,7 @@ def test_over_budget_the_points_ride(preview):
     toggled()
     bpy.context.scene.frame_set(8)
     preview.tick()
-    assert preview.note(obj) == "Over budget: points ride on the surface"
+    assert preview.note(obj) == "Over budget: points stick to the surface"
     assert np.abs(scenes.positions(obj) - expected).max() < 1e-5
 
 
@@ -180,7 +180,7 @@ def test_a_stale_scatter_is_not_previewed(patient):
     patient.dapple.surface.modifiers["Subdivision"].levels = 2
     bpy.context.view_layer.update()
     with pytest.raises(
-        RuntimeError, match="is stale: bound to 410 vertices, surface 'Tail' has 1634"
+        RuntimeError, match="is out of date: attached to 410 vertices, surface 'Tail' has 1634"
     ):
         bpy.ops.dapple.preview()
 
@@ -225,7 +225,7 @@ def test_a_render_stops_the_worker_and_the_points_are_found_afterwards(
     windowed.until(lambda: len(finders) > 1, preview.tick)
     windowed.until(lambda: idle(preview), preview.tick)
     assert np.abs(scenes.positions(patient) - expected).max() > 0.01
-    assert preview.note(patient) == "Points follow the surface"
+    assert preview.note(patient) == "Points are kept even"
 
 
 def test_a_preview_that_ends_forgets_what_its_worker_still_finds(preview, patient, monkeypatch):
@@ -269,7 +269,7 @@ def test_a_surface_that_does_not_fit_ends_the_preview_and_says_so(preview, patie
     patient.dapple.surface = scenes.sphere() if other == "sphere" else None
     preview.tick()
     assert not preview.is_on(patient)
-    said = "is stale: bound to 410 vertices, surface 'Sphere' has 266"
+    said = "is out of date: attached to 410 vertices, surface 'Sphere' has 266"
     assert ("has no surface" if other == "none" else said) in preview.note(patient)
 
 

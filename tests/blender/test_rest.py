@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points bound to the rest position ride on whatever faces the modifiers make."""
+"""Points attached to the rest position stick to whatever faces the modifiers make."""
 
 import addon_host
 import bpy
@@ -80,7 +80,7 @@ def test_things_are_turned_each_by_its_own_angle(align):
 
 def test_viewport_and_render_may_have_other_faces():
     surface = scenes.tail(levels=1, render_levels=2, frames=6)
-    with pytest.raises(RuntimeError, match="set Bind To to Automatic or Rest Position"):
+    with pytest.raises(RuntimeError, match="set Attach To to Automatic or Rest Position"):
         bpy.ops.dapple.add(count=60, bind_to="FACES")
     assert len(scenes.positions(bound(surface))) == 60
 
@@ -156,7 +156,7 @@ def test_back_to_faces():
     surface = scenes.tail(frames=6)
     obj = bound(surface)
     obj.dapple.bind_to = "FACES"
-    assert any("bind to" in warning for warning in scenes.node_warnings(obj))
+    assert any("Attach To" in warning for warning in scenes.node_warnings(obj))
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert not scenes.node_warnings(obj)
     assert bpy.ops.dapple.bake() == {"FINISHED"}

@@ -298,7 +298,7 @@ def test_canceling_says_what_is_kept_and_baking_goes_on(tmp_path):
     obj = saved_scatter(tmp_path / "canceled.blend")
     said = stop_after(2)
     kept = files_of(obj).frames()
-    assert said.startswith(f"Canceled: the scatter is as it was; {kept} solved frames are kept in")
+    assert said.startswith(f"Canceled: the scatter is unchanged; {kept} solved frames are kept in")
     assert obj.dapple.baked_keys == 0
     solves = counted_solves()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -309,7 +309,7 @@ def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
     workfiles = addon_host.part("blender.workfiles")
     assert Path(bpy.app.tempdir) in files_of(obj).folder.parents
-    assert "until Blender closes" in workfiles.unsaved_note()
+    assert "after Blender closes" in workfiles.unsaved_note()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert files_of(obj).frames() == FRAMES
     files_of(obj).clear()

@@ -34,7 +34,7 @@ def test_a_fresh_bake_is_not_stale_on_any_frame(baked):
 def test_changed_settings_are_named_in_panel_and_modifier(baked):
     before = baked.dapple.gap_weight, baked.dapple.seed
     baked.dapple.gap_weight, baked.dapple.seed = 1.5, 4
-    said = "Settings were changed (seed, gap weight): bake again"
+    said = "Settings were changed (Seed, Separation): bake again"
     assert reason(baked) == said
     assert scenes.node_warnings(baked) == [said]
     assert len(scenes.positions(baked)) == 60  # told, and played all the same
@@ -46,7 +46,7 @@ def test_changed_settings_are_named_in_panel_and_modifier(baked):
 def test_changed_settings_of_a_scatter_without_a_bake_ask_to_optimize():
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.count = 70
-    assert reason(obj) == "Settings were changed (count): optimize again"
+    assert reason(obj) == "Settings were changed (Count): optimize again"
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert reason(obj) == ""
 
@@ -60,7 +60,7 @@ def test_another_motion_is_said_where_it_differs(baked):
     assert reason(baked) == ""
     bpy.context.scene.frame_set(3)
     assert reason(baked) == (
-        "Surface 'Tail' moves otherwise than when it was baked (frame 3): bake again"
+        "Surface 'Tail' moves differently than when it was baked (frame 3): bake again"
     )
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert reason(baked) == ""
@@ -85,7 +85,9 @@ def test_faces_that_changed_with_the_same_number_of_vertices_are_said(baked):
     )
     mesh.update()
     bpy.context.view_layer.update()
-    assert reason(baked).startswith("The faces of 'Tail' are not those the points are bound to")
+    assert reason(baked).startswith(
+        "The faces of 'Tail' are not those that the points are attached to"
+    )
 
 
 def test_frames_beyond_the_bake_are_said(baked):
@@ -132,4 +134,4 @@ def test_settings_that_cannot_be_read_are_all_changed(stored):
     assert ("seed" in changed) == ("seed" not in stored)
     text = stale.settings_text(settings)
     assert stale.changed_settings(text, settings) == []
-    assert stale.changed_settings(text, replace(settings, gap_weight=0.5)) == ["gap weight"]
+    assert stale.changed_settings(text, replace(settings, gap_weight=0.5)) == ["gap_weight"]

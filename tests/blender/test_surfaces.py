@@ -18,7 +18,7 @@ def arrays_of(surface):
 
 
 def fits(surface, obj, count=60):
-    """All things stand on the surface, outwards."""
+    """All instances stand on the surface, outwards."""
     found, arrays = scenes.positions(obj), arrays_of(surface)
     assert len(found) == count
     nearest = dapple.project(dapple.Surface(arrays.vertices, arrays.faces), found)
@@ -170,7 +170,7 @@ def test_what_is_edited_counts_before_edit_mode_is_left():
     below = [vertex for vertex in edited.verts if vertex.co.z > 0.1]
     bmesh.ops.delete(edited, geom=below, context="VERTS")
     bmesh.update_edit_mesh(surface.data)
-    assert reason(obj).startswith("Bound to 266 vertices, the surface has 1")
+    assert reason(obj).startswith("Attached to 266 vertices, the surface has 1")
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = obj
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
@@ -325,7 +325,7 @@ def test_another_resolution_in_the_render_is_refused_and_matched(make, name):
 def test_what_is_no_mesh_has_no_rest_position():
     title()
     before = scenes.snapshot()
-    with pytest.raises(RuntimeError, match="'Text' is no mesh and has no rest position"):
+    with pytest.raises(RuntimeError, match="'Text' is not a mesh and has no rest position"):
         bpy.ops.dapple.add(bind_to="REST")
     assert scenes.snapshot() == before
 

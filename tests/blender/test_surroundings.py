@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Density from beside the surface: pictures, the camera, things to keep off."""
+"""Density from beside the surface: images, the camera, objects to avoid."""
 
 import math
 

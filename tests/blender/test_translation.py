@@ -108,12 +108,12 @@ def test_what_is_shown_is_found():
     expected = {
         ("Operator", "Replace Tiles"),  # a choice in the sources
         ("Operator", "Lock Selected"),  # a text of a button
-        ("*", "Capacity Weight"),
-        ("*", "gap weight"),
+        ("*", "Area Uniformity"),
+        ("*", "Separation"),
         ("*", "{count} point"),
         ("*", "Exact Count"),  # a heading
         ("Dapple", "Rest Position"),  # Blender's German for it is that of Resolution
-        ("*", "Even and without any pattern, as grass or pebbles lie"),
+        ("*", "Even without any pattern, like grass or pebbles"),
     }
     assert expected <= shown
     assert len(shown) > 250
@@ -138,7 +138,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
             lines.append(text)
 
     test_panels.drawn(Layout)
-    assert any("«seed»" in line for line in lines)
+    assert any("«Seed»" in line for line in lines)
     plain = [line for line in lines if "«" not in line and line not in known]
     assert not [line for line in plain if not re.fullmatch(r"[\d.,e+-]*", line)]
 
@@ -146,13 +146,19 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
 def test_the_panel_is_german(german):
     obj = scenes.scattered(scenes.sphere(), count=120)
     shown = test_panels.drawn(translating(german))
-    for text in ("Optimieren", "Neu binden", "Mehrere Klassen", "Binden an", "Klebrigkeit"):
+    for text in (
+        "Optimieren",
+        "Neu anheften",
+        "Objekttyp hinzufügen",
+        "Anheften an",
+        "Klebrigkeit",
+    ):
         assert text in shown
-    assert "Aktuell: passt zur Oberfläche" in shown
-    assert any(text.startswith("120 Punkte, Kapazitätsabweichung ") for text in shown)
+    assert "Aktuell" in shown
+    assert any(text.startswith("120 Punkte, Flächenabweichung ") for text in shown)
     obj.dapple.seed, obj.dapple.gap_weight = 3, 1.0
     shown = "|".join(test_panels.drawn(translating(german)))
-    reason = "Einstellungen wurden geändert (Startwert, Abstandsgewicht): neu optimieren"
+    reason = "Einstellungen wurden geändert (Startwert, Abstoßung): neu optimieren"
     assert f"Veraltet: {reason}" in shown.replace("|", " ")
 
 
@@ -167,7 +173,7 @@ def test_a_file_keeps_english(german):
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.seed = 9
     get_input = addon_host.part("nodes").get_input
-    assert get_input(obj.modifiers[0], "Stale") == "Settings were changed (seed): optimize again"
+    assert get_input(obj.modifiers[0], "Warning") == "Settings were changed (Seed): optimize again"
     assert "Einstellungen" in addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
     obj.dapple.surface = None
     with pytest.raises(RuntimeError, match="has no surface: choose a mesh object"):

@@ -5,14 +5,14 @@ import bpy
 
 from .builder import Builder, Socket, new_group
 
-NAME = "Dapple Things"
+NAME = "Dapple Instances"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group: objects of the collection by chance, or the object; a small cone without any.
+    """New group: random objects of the collection, or the object; a small cone without any.
 
-    Things stand on the points of a class, or on all if it is below 0, that are there. Points of
-    others, without `fade` or `scale`, are all there, with things of their own size.
+    Instances are on the points of a class, or on all if it is below 0, that are there. Points of
+    others, without `fade` or `scale`, are all there, with instances of their own size.
     """
     tree = new_group(
         NAME,
@@ -60,7 +60,7 @@ def _one(b: Builder) -> Socket:
 
 
 def _picked(b: Builder, count: Socket) -> Socket:
-    """Which thing a point gets: by digits of its random scale that its size hides."""
+    """Which object a point gets: by digits of its random scale that its size hides."""
     own = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 1000.0))
     index = b.number("FLOOR", b.number("MULTIPLY", own, count))
     return b.number("MINIMUM", index, b.number("SUBTRACT", count, 1.0))
