@@ -3,59 +3,33 @@
 
 import shutil
 import sys
-import sysconfig
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
 
+from scikit_build_core.build import prepare_metadata_for_build_wheel
+
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
 ASSETS = "dapple_nodes.blend"  # addon/blender/asset_library.py looks for it
-PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
-TAG = f"cp{PYTHON}".replace(".", "")
-
-METADATA = """\
-Metadata-Version: 2.4
-Name: dapple3d
-Version: {version}
-Summary: Blue noise on surfaces by variational optimisation
-License-Expression: GPL-3.0-or-later
-{licences}
-Requires-Python: =={python}.*
-Requires-Dist: numpy>=1.26
-Provides-Extra: cli
-Requires-Dist: click; extra == "cli"
-Provides-Extra: pictures
-Requires-Dist: matplotlib; extra == "pictures"
-Requires-Dist: pillow; extra == "pictures"
-"""
-
-WHEEL = """\
-Wheel-Version: 1.0
-Generator: dapple scripts/package.sh
-Root-Is-Purelib: false
-Tag: {tag}-{tag}-{platform}
-"""
 
 
 def describe(folder: str, version: str, *licences: str) -> None:
     """Write the .dist-info folder that makes the package in folder a wheel's contents.
 
-    A licence /usr/share/doc/NAME/copyright becomes NAME.txt.
+    pyproject.toml says what is in it. A licence /usr/share/doc/NAME/copyright becomes NAME.txt.
     """
-    info = Path(folder, f"dapple3d-{version}.dist-info")
-    texts = info / "licenses"
-    texts.mkdir(parents=True)
-    names = []
+    info = Path(folder, prepare_metadata_for_build_wheel(folder))
+    if info.name != f"dapple3d-{version}.dist-info":
+        raise SystemExit(f"the build is of version {version}, pyproject.toml describes {info.stem}")
+    added = ""
     for path in map(Path, licences):
-        names.append(f"{path.parent.name}.txt" if path.name == "copyright" else path.name)
-        (texts / names[-1]).write_bytes(path.read_bytes())
-    lines = "\n".join(f"License-File: {name}" for name in names)
-    metadata = METADATA.format(version=version, licences=lines, python=PYTHON)
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    (info / "METADATA").write_text(metadata)
-    (info / "WHEEL").write_text(WHEEL.format(tag=TAG, platform=platform))
+        name = f"{path.parent.name}.txt" if path.name == "copyright" else path.name
+        (info / "licenses" / name).write_bytes(path.read_bytes())
+        added += f"License-File: {name}\n"
+    before, line, after = (info / "METADATA").read_text().partition("License-File: LICENSE\n")
+    (info / "METADATA").write_text(before + line + added + after)
 
 
 def manifest(text: str, platform: str, version: str, wheels: list[str]) -> str:

@@ -46,7 +46,7 @@ build_wheel() {
   local licences=() name
   for name in "${bundled[@]}"; do licences+=("/usr/share/doc/$name/copyright"); done
   mkdir "$work/linux" &&
-    "$python" scripts/package.py describe "$work/tree" "$version" LICENSE "${licences[@]}" &&
+    "$python" scripts/package.py describe "$work/tree" "$version" "${licences[@]}" &&
     wheel pack "$work/tree" --dest-dir "$work/linux" &&
     auditwheel repair --wheel-dir "$work/wheels" "$work"/linux/*.whl
 }

@@ -175,7 +175,7 @@ real=''
 on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,presets,tiles,translation,window}.py)
 [ -z "$only" ] && [ "$depth" != --all ] || on_zip=(tests/blender)
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
-slow_python=(tests/python/test_{animations,paper_report}.py)
+slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(tests/blender/test_{contents,datablocks,examples,failures,hostile,libraries,package,sidecar,undo}.py)
 
 scripts/setup.sh

@@ -138,9 +138,10 @@ def python_blocks(text: str) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
 
-def test_runs_the_readme(root, tmp_path):
-    blocks = python_blocks((root / "README.md").read_text())
-    assert blocks, "the README shows no Python"
+@pytest.mark.parametrize("page", ["README.md", "native/python/README.md"])
+def test_runs_the_readme(root, tmp_path, page):
+    blocks = python_blocks((root / page).read_text())
+    assert blocks, f"{page} shows no Python"
     script = tmp_path / "readme.py"
     script.write_text("\n".join(blocks))
     found = subprocess.run(

@@ -4,9 +4,15 @@
 import sys
 from importlib.util import find_spec
 
-if __name__ == "__main__":
+
+def start() -> None:
+    """Run the command line, or say what it lacks."""
     if not find_spec("click"):
         sys.exit("Error: the command line needs click, which is missing: pip install click")
     from dapple3d.cli.app import main
 
     main(prog_name="dapple")
+
+
+if __name__ == "__main__":
+    start()
