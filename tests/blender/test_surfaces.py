@@ -238,7 +238,7 @@ def test_a_surface_that_was_deleted_is_said():
     obj = scenes.scattered(surface)
     scenes._activate(surface)
     assert bpy.ops.object.delete() == {"FINISHED"}
-    assert reason(obj) == "Surface 'Sphere' was deleted, or is in no collection: choose another"
+    assert reason(obj) == "Surface 'Sphere' was deleted or is in no collection: choose another one"
     obj.dapple.surface = scenes.sphere()
     scenes._activate(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
