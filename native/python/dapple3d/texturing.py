@@ -8,9 +8,9 @@
 Chen et al. 2012, section 5.3 and Fig. 16b. Images have row 0 at the bottom, as in Blender.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from ._native import Context, Samples, Surface, Texels, decal_cover, texels
 __all__ = ["Decal", "bake", "frames", "turns"]
 
 CHANNELS: Final = 4
+BAND: Final = 1 << 16  # texels painted between two checks
 
 
 @dataclass(frozen=True)
@@ -129,39 +130,52 @@ def bake(
     radii = np.array([decal.radius for decal in decals])[samples.classes]
     across = np.ascontiguousarray(frames(samples, angles)[:, :, 0])
     cover = decal_cover(surface, samples, radii, across, grid, context=context.part(0.2, 0.5))
-    painted = _paint(grid, cover, samples, decals, _texel_size(surface, grid), context)
-    painted = _over(painted, np.asarray(background, np.float64))
-    mean = painted.reshape(rows, oversampling, columns, oversampling, CHANNELS).mean(axis=(1, 3))
-    context.check()
-    result: NDArray[np.float64] = np.clip(_straight(mean), 0.0, 1.0)
+    texel = _texel_size(surface, grid, context)
+    pictures = [
+        _shrunk(_premultiplied(np.asarray(decal.image, np.float64)), decal.radius, texel)
+        for decal in decals
+    ]
+    behind, painting = np.asarray(background, np.float64), context.part(0.5, 1.0)
+    result = np.empty((rows, columns, CHANNELS))
+    for band in _bands(rows, columns * oversampling**2, painting):
+        texel_rows = slice(band.start * oversampling, band.stop * oversampling)
+        painted = _over(_paint([c[texel_rows] for c in cover], samples.classes, pictures), behind)
+        parts = painted.reshape(-1, oversampling, columns, oversampling, CHANNELS)
+        result[band] = np.clip(_straight(parts.mean(axis=(1, 3))), 0.0, 1.0)
     context.advance(1.0)
     return result
 
 
+def _bands(rows: int, texels_per_row: int, context: Context) -> Iterator[slice]:
+    """All rows, a few at a time, between which the context is asked and told."""
+    step = max(1, BAND // texels_per_row)
+    for start in range(0, rows, step):
+        context.check()
+        context.advance(start / rows)
+        yield slice(start, min(start + step, rows))
+
+
 def _paint(
-    grid: Texels,
-    cover: tuple[NDArray[np.int32], NDArray[np.float64]],
-    samples: Samples,
-    decals: Sequence[Decal],
-    texel: float,
-    context: Context,
+    cover: Sequence[NDArray[Any]],
+    classes: NDArray[np.int32],
+    pictures: Sequence[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
     """(rows, columns, 4), premultiplied."""
     owner, places = cover
-    result = np.zeros((*grid.faces.shape, CHANNELS))
-    for kind, decal in enumerate(decals):
-        context.check()
-        there = (owner >= 0) & (samples.classes[owner] == kind)
-        pixels = _shrunk(_premultiplied(np.asarray(decal.image, np.float64)), decal.radius, texel)
+    result = np.zeros((*owner.shape, CHANNELS))
+    for kind, pixels in enumerate(pictures):
+        there = (owner >= 0) & (classes[owner] == kind)
         result[there] = _bilinear(pixels, places[there])
     return result
 
 
-def _texel_size(surface: Surface, grid: Texels) -> float:
+def _texel_size(surface: Surface, grid: Texels, context: Context) -> float:
     """The side of a texel on the surface, on average."""
-    inside = (grid.faces >= 0) & (grid.barycentric.min(axis=2) >= 0)
-    count = max(1, int(np.count_nonzero(inside)))
-    return float(np.sqrt(surface.area / count))
+    count, faces, weights = 0, grid.faces, grid.barycentric
+    for band in _bands(len(faces), faces.shape[1], context.part(0.5, 0.5)):
+        inside = (faces[band] >= 0) & (weights[band].min(axis=2) >= 0)
+        count += int(np.count_nonzero(inside))
+    return float(np.sqrt(surface.area / max(1, count)))
 
 
 def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray[np.float64]:
