@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import dapple3d as dapple
 
-from benchmarks.progress.cases import cases
+from benchmarks.progress.cases import Prepared, cases
 
 INTERVAL = 0.002  # between two looks, in seconds
 HONEST = (0.25, 0.75)  # at half of the time
@@ -39,8 +39,9 @@ class Watched:
         return max((p for t, p in self.seen if t <= share * self.seconds), default=0.0)
 
 
-def watched(work: Work, cancel_at: float | None = None) -> Watched:
+def watched(case: Work | Prepared, cancel_at: float | None = None) -> Watched:
     """Run the work in a thread of its own and look at it; `cancel_at` in seconds."""
+    work = case.ready() if isinstance(case, Prepared) else case
     context, result = dapple.Context(), Watched()
 
     def run() -> None:
@@ -69,11 +70,11 @@ def main() -> None:
     parser.add_argument("--size", type=float, default=1.0, help="of every case (default 1)")
     options = parser.parse_args()
     print(f"{'verb':32} {'time':>7} {'25 %':>5} {'50 %':>5} {'75 %':>5} {'end':>4} {'stops in':>9}")
-    for name, work in cases(options.size).items():
+    for name, case in cases(options.size).items():
         if options.only and options.only not in name:
             continue
-        run = watched(work)
-        stops = [watched(work, run.seconds * k / 10).cancelled_after for k in range(1, 10)]
+        run = watched(case)
+        stops = [watched(case, run.seconds * k / 10).cancelled_after for k in range(1, 10)]
         quarters = " ".join(f"{run.at(share):5.2f}" for share in (0.25, 0.5, 0.75))
         misses = [] if HONEST[0] <= run.at(0.5) <= HONEST[1] else ["half"]
         misses += [] if run.end == 1.0 else ["end"]

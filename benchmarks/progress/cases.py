@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import dapple3d as dapple
 import numpy as np
@@ -12,6 +14,19 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Work = Callable[[dapple.Context], object]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Work on something that is made anew before each run, because the work changes it."""
+
+    make: Callable[[], Any]
+    run: Callable[[Any, dapple.Context], object]
+
+    def ready(self) -> Work:
+        """The work on one that is new."""
+        made = self.make()
+        return lambda context: self.run(made, context)
 
 
 def torus(around: int, tube: int) -> tuple[Array, NDArray[np.int32]]:
@@ -51,9 +66,9 @@ def bent(points: Array, amount: float) -> Array:
     return np.stack([x, points[:, 1], z], axis=-1)
 
 
-def cases(size: float) -> dict[str, Work]:
+def cases(size: float) -> dict[str, Work | Prepared]:
     """The verbs by name."""
-    return {**_samplers(size), **_tracking(size), **_after(size), **_refining(size)}
+    return {**_samplers(size), **_tracking(size), **_after(size), **_refining(size), **_large(size)}
 
 
 def _samplers(size: float) -> dict[str, Work]:
@@ -87,18 +102,23 @@ def _samplers(size: float) -> dict[str, Work]:
     }
 
 
-def _tracking(size: float) -> dict[str, Work]:
+def _tracking(size: float) -> dict[str, Work | Prepared]:
     n = int(4000 * size)
     points, faces = torus(200, 80)
     surface = dapple.Surface(points, faces)
     samples = dapple.sample(surface, n)
+
+    def tracker() -> dapple.Tracker:
+        return dapple.Tracker(surface, samples)
+
     near, far = bent(points, 0.05), bent(points, 0.6)
     frames = np.stack([bent(points, 0.05 * k) for k in (1, 2, 3, 2, 1)])
     return {
-        "Tracker.advance": lambda c: dapple.Tracker(surface, samples).advance(near, context=c),
-        "Tracker.advance, far": lambda c: dapple.Tracker(surface, samples).advance(far, context=c),
-        "Population.advance": lambda c: dapple.Population(surface, samples).advance(
-            1.05 * near, context=c
+        "Tracker.advance": Prepared(tracker, lambda t, c: t.advance(near, context=c)),
+        "Tracker.advance, far": Prepared(tracker, lambda t, c: t.advance(far, context=c)),
+        "Population.advance": Prepared(
+            lambda: dapple.Population(surface, samples),
+            lambda p, c: p.advance(1.05 * near, context=c),
         ),
         "track_window": lambda c: dapple.track_window(surface, frames, samples, context=c),
         "track_window, closed": lambda c: dapple.track_window(
@@ -145,4 +165,25 @@ def _refining(size: float) -> dict[str, Work]:
         "refine_obstacles": lambda c: dapple.refine_obstacles(
             surface, balls, np.full(300, 0.02), context=c
         ),
+    }
+
+
+def _large(size: float) -> dict[str, Work]:
+    points, faces = torus(int(1000 * size**0.5), int(500 * size**0.5))
+    surface = dapple.Surface(points, faces)
+    soup = points[faces].reshape(-1, 3)
+    loose = np.arange(len(soup), dtype=np.int32).reshape(-1, 3)
+    samples = dapple.sample(surface, int(20000 * size), max_evaluations=1)
+    at, on = samples.positions, samples.faces
+    return {
+        "Surface": lambda c: dapple.Surface(points, faces, context=c),
+        "Surface, loose faces": lambda c: dapple.Surface(soup, loose, context=c),
+        "Surface.deformed": lambda c: surface.deformed(points, context=c),
+        "curvature_density": lambda c: dapple.curvature_density(surface, context=c),
+        "analyse": lambda c: dapple.analyse(surface, samples, context=c),
+        "analyse, points": lambda c: dapple.analyse(surface, at, context=c),
+        "energy": lambda c: dapple.energy(surface, at, on, context=c),
+        "Tracker": lambda c: dapple.Tracker(surface, samples, context=c),
+        "Population": lambda c: dapple.Population(surface, samples, context=c),
+        "sample, many faces": lambda c: dapple.sample(surface, 5000, context=c),
     }

@@ -87,11 +87,12 @@ SamplesPtr samples_of(const Surface& surface, const char* name, const py::object
 }
 
 std::shared_ptr<Report> analyse_samples(const Surface& surface, const py::object& samples,
-                                        double capacity_weight, const std::string& cells) {
+                                        double capacity_weight, const std::string& cells,
+                                        const ContextPtr& context) {
   const Cells chosen = cells_named(cells);
   const SamplesPtr bound = samples_of(surface, "samples", samples);
   const py::gil_scoped_release released;
-  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight, chosen));
+  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight, chosen, context.get()));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -173,6 +174,7 @@ void bind_analysis(py::module_& m) {
   bind_spectra(m);
   m.def("analyse", &analyse_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
         py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
+        py::arg("context") = nullptr,
         R"(Measure samples, wherever they come from: evenness, pattern and energy.
 
 Args:
@@ -180,12 +182,14 @@ Args:
     samples: Samples, or (n, 3) float64 points, which are bound where the surface is nearest.
     capacity_weight: lambda of the energy.
     cells: 'connected' or 'euclidean', as for sample().
+    context: a Context to watch and cancel it by.
 
 Returns:
     Report; what tells of the making stays at its default.
 
 Raises:
-    ValueError: naming the first point that is not finite or face out of range.)");
+    ValueError: naming the first point that is not finite or face out of range.
+    Cancelled: through the context.)");
   m.def("nearest_distances", &distances_of, py::arg("points"),
         R"(Distance of each point to the nearest other one, in a straight line.
 

@@ -203,10 +203,11 @@ Raises:
 void bind_curvature(py::module_& m) {
   m.def(
       "curvedness",
-      [](const Surface& surface, Smoothing smoothing) {
-        return give(curvedness(surface, smoothing));
+      [](const Surface& surface, Smoothing smoothing, const ContextPtr& context) {
+        return give(without_gil([&] { return curvedness(surface, smoothing, context.get()); }));
       },
       py::arg("surface"), py::kw_only(), py::arg("smoothing") = CurvatureOptions().smoothing,
+      py::arg("context") = nullptr,
       R"(How strongly a surface bends at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal curvatures.
 
 From the normals at the corners of the faces (Rusinkiewicz 2004); 1 / r on a sphere of radius r, 0 where it is flat.
@@ -214,22 +215,26 @@ From the normals at the corners of the faces (Rusinkiewicz 2004); 1 / r on a sph
 Args:
     surface: a Surface.
     smoothing: rounds of averaging over neighbours against noise, 0..100.
+    context: a Context to watch and cancel it by.
 
 Returns:
     (v,) float64, in 1 / units of the vertices.
 
 Raises:
-    ValueError: smoothing is out of range.)");
+    ValueError: smoothing is out of range.
+    Cancelled: through the context.)");
   m.def(
       "curvature_density",
       [](const Surface& surface, double exponent, double floor, double percentile,
-         Smoothing smoothing) {
-        return give(curvature_density(surface, {exponent, floor, percentile, smoothing}));
+         Smoothing smoothing, const ContextPtr& context) {
+        const CurvatureOptions options{exponent, floor, percentile, smoothing};
+        return give(
+            without_gil([&] { return curvature_density(surface, options, context.get()); }));
       },
       py::arg("surface"), py::kw_only(), py::arg("exponent") = CurvatureOptions().exponent,
       py::arg("floor") = CurvatureOptions().floor,
       py::arg("percentile") = CurvatureOptions().percentile,
-      py::arg("smoothing") = CurvatureOptions().smoothing,
+      py::arg("smoothing") = CurvatureOptions().smoothing, py::arg("context") = nullptr,
       R"(A density for the vertices that grows with the curvature, for surface.with_density().
 
 floor + (1 - floor) * min(1, curvedness / clamp)**exponent, where clamp is the curvedness that percentile % of the area
@@ -241,12 +246,14 @@ Args:
     floor: density where the surface is flat, 0..1.
     percentile: above 0, up to 100.
     smoothing: rounds of averaging over neighbours against noise, 0..100.
+    context: a Context to watch and cancel it by.
 
 Returns:
     (v,) float64 in floor..1.
 
 Raises:
-    ValueError: naming the option out of range.)");
+    ValueError: naming the option out of range.
+    Cancelled: through the context.)");
 }
 
 }  // namespace

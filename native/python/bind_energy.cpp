@@ -11,16 +11,18 @@ namespace {
 
 std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& positions,
                                   const py::object& faces, double capacity_weight,
-                                  const std::string& cells) {
+                                  const std::string& cells, const ContextPtr& context) {
   const DoubleArray points = doubles("positions", positions, 3);
   const IntArray held = integers("faces", faces, 0);
   const auto p = as_points(points);
   const auto f = as_span(held);
   const Cells chosen = cells_named(cells);
   const py::gil_scoped_release released;
-  return std::make_shared<Energy>(evaluate_energy(surface,
-                                                  Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
-                                                  capacity_weight, nullptr, chosen));
+  auto result = std::make_shared<Energy>(
+      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}}, capacity_weight,
+                      context.get(), chosen));
+  if (context) context->advance(1.0);
+  return result;
 }
 
 /// One number of every cell.
@@ -56,6 +58,7 @@ void bind_energy(py::module_& m) {
 
   m.def("energy", &energy_at, py::arg("surface"), py::arg("positions"), py::arg("faces"),
         py::kw_only(), py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
+        py::arg("context") = nullptr,
         R"(Evaluate the energy and its gradient over the restricted Voronoi diagram.
 
 E = sum of the integrals of density^2 |x - x_i|^2 + capacity_weight * sum of the squared capacities
@@ -67,12 +70,14 @@ Args:
     faces: (n,) int32, the faces that hold them.
     capacity_weight: lambda >= 0; the paper finds 20..100 useful.
     cells: 'connected' or 'euclidean', as for sample().
+    context: a Context to watch and cancel it by.
 
 Returns:
     Energy.
 
 Raises:
-    ValueError: naming the first position that is not finite or face out of range.)");
+    ValueError: naming the first position that is not finite or face out of range.
+    Cancelled: through the context.)");
 }
 
 }  // namespace dapple::python

@@ -51,20 +51,20 @@ struct DensityArgument {
 
 std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
                                       const py::object& density, const std::string& density_at,
-                                      std::optional<double> weld) {
+                                      std::optional<double> weld, const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
   const DensityArgument values(density, density_at);
   const py::gil_scoped_release released;
   return std::make_shared<Surface>(as_points(points), as_faces(triangles), values.view(),
-                                   SurfaceOptions{.weld = weld});
+                                   SurfaceOptions{.weld = weld}, context.get());
 }
 
 std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
-                                      const std::string& density_at) {
+                                      const std::string& density_at, const ContextPtr& context) {
   const DensityArgument values(density, density_at);
   const py::gil_scoped_release released;
-  return std::make_shared<Surface>(surface.with_density(values.view()));
+  return std::make_shared<Surface>(surface.with_density(values.view(), context.get()));
 }
 
 py::object density_of(const Surface& surface) {
@@ -128,14 +128,16 @@ Args:
         are connected like one edge: >= 0, 0 for equal coordinates. Files repeat vertices along hard edges and texture
         seams, triangle soups repeat all of them. Faces that lie on each other stay apart. None: faces are connected
         by the indices of their vertices alone.
+    context: a Context to watch and cancel it by.
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
         a density of another length, or no area (or no density) at all.
-    ValueError: an array of another shape or dtype, or another name.)")
+    ValueError: an array of another shape or dtype, or another name.
+    Cancelled: through the context.)")
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
            py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices",
-           py::arg("weld") = SurfaceOptions{}.weld)
+           py::arg("weld") = SurfaceOptions{}.weld, py::arg("context") = nullptr)
       .def_property_readonly(
           "vertices", [](const Surface& s) { return give(s.vertices()); },
           "(v, 3) float64, a read-only copy.")
@@ -161,17 +163,18 @@ Raises:
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
       .def(
           "deformed",
-          [](const Surface& s, const py::object& vertices) {
+          [](const Surface& s, const py::object& vertices, const ContextPtr& context) {
             const DoubleArray points = doubles("vertices", vertices, 3);
             const py::gil_scoped_release released;
-            return std::make_shared<Surface>(s.deformed(as_points(points)));
+            return std::make_shared<Surface>(s.deformed(as_points(points), context.get()));
           },
-          py::arg("vertices"),
-          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError.")
+          py::arg("vertices"), py::kw_only(), py::arg("context") = nullptr,
+          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError, "
+          "Cancelled.")
       .def("with_density", &with_density, py::arg("density"), py::kw_only(),
-           py::arg("density_at") = "vertices",
+           py::arg("density_at") = "vertices", py::arg("context") = nullptr,
            "The same vertices and faces with another density, as in the constructor; None means 1 "
-           "everywhere. Raises SurfaceError.");
+           "everywhere. Raises SurfaceError, Cancelled.");
 }
 
 void bind_projection(py::module_& m) {

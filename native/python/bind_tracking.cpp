@@ -38,7 +38,7 @@ std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& sam
                                       const std::string& method, const std::string& cells,
                                       const py::object& classes, double union_weight,
                                       double stickiness, double memory, double longest_motion,
-                                      Threads threads) {
+                                      Threads threads, const ContextPtr& context) {
   TrackerOptions options =
       tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide, method,
                       cells, stickiness, memory, longest_motion, threads);
@@ -46,7 +46,7 @@ std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& sam
   std::vector<SampleClass> wanted;
   if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
   const py::gil_scoped_release released;
-  return std::make_shared<Tracker>(surface, samples, options, std::move(wanted));
+  return std::make_shared<Tracker>(surface, samples, options, std::move(wanted), context.get());
 }
 
 std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& vertices,
@@ -63,19 +63,17 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
   tracker.resume(as_points(points), samples, settled);
 }
 
-std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
-                                            Whole<int, "fade", 1, kMostInt> fade,
-                                            double capacity_weight, double gap_weight,
-                                            double tolerance, MaxEvaluations max_evaluations,
-                                            double max_slide, const std::string& method,
-                                            const std::string& cells, double stickiness,
-                                            double memory, double longest_motion, Threads threads) {
+std::shared_ptr<Population> make_population(
+    const Surface& surface, const Samples& samples, Whole<int, "fade", 1, kMostInt> fade,
+    double capacity_weight, double gap_weight, double tolerance, MaxEvaluations max_evaluations,
+    double max_slide, const std::string& method, const std::string& cells, double stickiness,
+    double memory, double longest_motion, Threads threads, const ContextPtr& context) {
   const PopulationOptions options{
       .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
                                  method, cells, stickiness, memory, longest_motion, threads),
       .fade = fade};
   const py::gil_scoped_release released;
-  return std::make_shared<Population>(surface, samples, options);
+  return std::make_shared<Population>(surface, samples, options, context.get());
 }
 
 std::shared_ptr<Samples> advance_population(Population& population, const py::object& vertices,
@@ -131,16 +129,18 @@ Args:
         pattern drift.
     longest_motion: farthest that the surface's shape may move at once, relative to its size, apart from moving as a
         whole; a frame on which it moves farther is split (report.parts). 0 never splits.
+    context: a Context to watch and cancel it by.
 
 Raises:
-    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.)")
+    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
+    Cancelled: through the context.)")
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
            py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
            py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
            py::arg("method") = "trust_region", py::arg("cells") = "connected",
            py::arg("classes") = py::none(), py::arg("union_weight") = 1.0,
            py::arg("stickiness") = 0.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
-           py::arg("threads") = 0)
+           py::arg("threads") = 0, py::arg("context") = nullptr)
       .def(
           "resume", &resume_tracker, py::arg("vertices"), py::arg("samples"), py::kw_only(),
           py::arg("settled") = false,
@@ -194,13 +194,14 @@ Args:
     the others: as for Tracker.
 
 Raises:
-    ValueError: the samples are not of the surface, or an option is out of range.)")
+    ValueError: the samples are not of the surface, or an option is out of range.
+    Cancelled: through the context.)")
       .def(py::init(&make_population), py::arg("surface"), py::arg("samples"), py::kw_only(),
            py::arg("fade") = 12, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
            py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
            py::arg("method") = "trust_region", py::arg("cells") = "connected",
            py::arg("stickiness") = 0.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
-           py::arg("threads") = 0)
+           py::arg("threads") = 0, py::arg("context") = nullptr)
       .def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.

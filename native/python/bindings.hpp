@@ -15,6 +15,13 @@ namespace dapple::python {
 
 using ContextPtr = std::shared_ptr<Context>;
 
+/// What the work returns, done while other Python threads run.
+template <typename Work>
+auto without_gil(const Work& work) {
+  const py::gil_scoped_release released;
+  return work();
+}
+
 /// A property that shows an array of the object without copying it.
 template <typename Class, typename Member>
 auto array_property(Member Class::*member) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <dapple/classes.hpp>
+#include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
@@ -100,7 +101,8 @@ void cancel_everywhere(const Work& work, const std::function<void()>& after) {
 }
 
 /// While the work still asks, it is not done; what it shows rises, by no leaps, and ends at 1.
-void expect_honest_progress(const Work& work, double longest_leap = 0.5) {
+/// \return what it shows
+std::vector<double> expect_honest_progress(const Work& work, double longest_leap = 0.5) {
   Context context;
   checks = 0;
   cancel_at = kNever;
@@ -109,11 +111,18 @@ void expect_honest_progress(const Work& work, double longest_leap = 0.5) {
   EXPECT_EQ(context.progress(), 1.0);
   const std::vector<double> seen = watch.seen();
   watch.look_at(nullptr);
-  ASSERT_FALSE(seen.empty());
+  EXPECT_FALSE(seen.empty());
+  if (seen.empty()) return seen;
   EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
   EXPECT_LT(seen.back(), 1.0) << "it was said to be done while it worked";
   for (std::size_t k = 1; k < seen.size(); ++k)
     EXPECT_LE(seen[k] - seen[k - 1], longest_leap) << "at check " << k << " of " << seen.size();
+  EXPECT_LE(1.0 - seen.back(), longest_leap) << "at the end";
+  return seen;
+}
+
+std::ptrdiff_t distinct(std::vector<double> sorted) {
+  return std::unique(sorted.begin(), sorted.end()) - sorted.begin();
 }
 
 SampleOptions few_evaluations(int threads) {
@@ -219,6 +228,49 @@ TEST(Watched, AnotherNumberOfSamples) {
   expect_watched([&](Context* context) {
     (void)resample(surface, samples, 200, {.optimizer = few_steps()}, context);
   });
+}
+
+TEST(Watched, SamplesThatArePutIn) {
+  const Surface surface = blob(2).surface();
+  const Samples samples = sample(surface, 60);
+  const double no_optimization = 0.7;
+  const std::vector<double> seen = expect_honest_progress(
+      [&](Context* context) {
+        (void)resample(surface, samples, 1500, {.optimizer = {.max_evaluations = 1}}, context);
+      },
+      no_optimization);
+  EXPECT_GT(distinct(seen), 8) << "new samples come without a word";
+}
+
+TEST(Watched, SurfacesOfAllKinds) {
+  const Shape loose = soup(blob(3));
+  const Surface expected = loose.surface();
+  expect_watched([&](Context* context) {
+    const Surface surface(loose.vertices, loose.faces, Density{}, SurfaceOptions{}, context);
+    EXPECT_EQ(surface.welded_faces(), expected.welded_faces());
+  });
+  Context cancelled;
+  cancelled.cancel();
+  EXPECT_THROW((void)expected.deformed(loose.vertices, &cancelled), Cancelled);
+  EXPECT_THROW((void)expected.with_density({}, &cancelled), Cancelled);
+}
+
+TEST(Watched, Curvature) {
+  const Surface surface = blob(3).surface();
+  expect_watched([&](Context* context) { (void)curvature_density(surface, {}, context); });
+}
+
+TEST(Watched, NewTrackersAndMeasures) {
+  const Surface surface = blob(2).surface();
+  const Samples samples = sample(surface, 80);
+  const double one_evaluation = 0.8;
+  expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, {}, context); },
+                 one_evaluation);
+  expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
+                 one_evaluation);
+  cancel_everywhere(
+      [&](Context* context) { (void)analyse(surface, samples, 30.0, Cells::kConnected, context); },
+      [] {});
 }
 
 TEST(Watched, AFrameInParts) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/surface.hpp>
 
 namespace dapple {
@@ -12,8 +13,9 @@ namespace dapple {
 /// turned the same way first; a border takes over what lies next to it.
 /// \param smoothing rounds of averaging normals, then tensors, over neighbours; 0..100
 /// \return one value per vertex, in the caller's order
-/// \throw ArgumentError for smoothing out of range
-[[nodiscard]] std::vector<double> curvedness(const Surface& surface, int smoothing = 2);
+/// \throw ArgumentError for smoothing out of range; Cancelled
+[[nodiscard]] std::vector<double> curvedness(const Surface& surface, int smoothing = 2,
+                                             Context* context = nullptr);
 
 struct CurvatureOptions {
   double exponent = 1.0;  ///< > 0
@@ -28,8 +30,9 @@ struct CurvatureOptions {
 /// given share of the area does not exceed; its maximum where that is 0. It is 1 everywhere on a
 /// surface that is flat.
 /// \return one value per vertex, in the caller's order
-/// \throw ArgumentError naming the option out of range
+/// \throw ArgumentError naming the option out of range; Cancelled
 [[nodiscard]] std::vector<double> curvature_density(const Surface& surface,
-                                                    const CurvatureOptions& options = {});
+                                                    const CurvatureOptions& options = {},
+                                                    Context* context = nullptr);
 
 }  // namespace dapple

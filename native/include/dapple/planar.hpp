@@ -31,7 +31,7 @@ class FlatDomain : public Domain {
 
   /// Where an optimisation begins. \throw Cancelled
   [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
-                            const Context* context) const;
+                            Context* context) const;
 
  protected:
   explicit FlatDomain(std::shared_ptr<const Image> density) : density_(std::move(density)) {}

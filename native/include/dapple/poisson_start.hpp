@@ -16,6 +16,6 @@ namespace dapple {
 /// refused, until all fit. Components get their shares as above; darts of another component, or on
 /// the far side of a wall, are not near. \throw Cancelled
 [[nodiscard]] Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed,
-                                  const Context* context = nullptr);
+                                  Context* context = nullptr);
 
 }  // namespace dapple

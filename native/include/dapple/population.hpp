@@ -18,8 +18,10 @@ struct PopulationOptions {
 /// from the beginning.
 class Population {
  public:
-  /// \throw ArgumentError if the samples are not of the surface, for options out of range
-  Population(Surface surface, Samples samples, PopulationOptions options = {});
+  /// \throw ArgumentError if the samples are not of the surface, for options out of range;
+  /// Cancelled
+  Population(Surface surface, Samples samples, PopulationOptions options = {},
+             Context* context = nullptr);
 
   /// Move to the next frame.
   /// \return samples with `fade`: those that stay, in the order of their ids, then those that

@@ -64,7 +64,9 @@ struct Samples {
 /// Measure samples, wherever they come from, at the price of one evaluation: count, spacing,
 /// evenness, bond order and energy; what tells of the making stays at its default.
 /// \param surface the surface they lie on
+/// \throw Cancelled
 [[nodiscard]] Report analyse(const Surface& surface, const Samples& samples,
-                             double capacity_weight = 30.0, Cells cells = Cells::kConnected);
+                             double capacity_weight = 30.0, Cells cells = Cells::kConnected,
+                             Context* context = nullptr);
 
 }  // namespace dapple

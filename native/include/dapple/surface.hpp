@@ -8,6 +8,8 @@
 
 namespace dapple {
 
+class Context;
+
 /// How a surface is put together.
 struct SurfaceOptions {
   /// Border edges whose ends are within this distance of each other, as a share of the bounding
@@ -42,22 +44,22 @@ class Surface {
           std::span<const double> density = {});
 
   /// The same with a density at vertices, faces or corners (as many values >= 0 as there are).
-  /// \throw SurfaceError also if `options.weld` is negative or not finite
+  /// \throw SurfaceError also if `options.weld` is negative or not finite; Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
-          const SurfaceOptions& options = {});
+          const SurfaceOptions& options = {}, Context* context = nullptr);
 
   /// The same with connections that are known, wherever the vertices are.
-  /// \throw SurfaceError also if the lengths of `joints` do not fit
+  /// \throw SurfaceError also if the lengths of `joints` do not fit; Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
-          const Joints& joints);
+          const Joints& joints, Context* context = nullptr);
 
   /// The same faces and density over moved vertices (as many, in the same order).
-  /// \throw SurfaceError as the constructor
-  [[nodiscard]] Surface deformed(std::span<const Vec3> vertices) const;
+  /// \throw SurfaceError as the constructor; Cancelled
+  [[nodiscard]] Surface deformed(std::span<const Vec3> vertices, Context* context = nullptr) const;
 
   /// The same faces and vertices, shared, with another density.
-  /// \throw SurfaceError as the constructor
-  [[nodiscard]] Surface with_density(const Density& density) const;
+  /// \throw SurfaceError as the constructor; Cancelled
+  [[nodiscard]] Surface with_density(const Density& density, Context* context = nullptr) const;
 
   [[nodiscard]] std::size_t vertex_count() const;
   [[nodiscard]] std::size_t face_count() const;

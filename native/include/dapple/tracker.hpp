@@ -22,9 +22,9 @@ class Tracker {
   /// \param classes densities and radii of the samples' classes (counts are the samples'); empty:
   ///                 one class, whatever the samples say
   /// \throw ArgumentError if the samples are not of the surface or the classes; see
-  /// sample_classes()
+  /// sample_classes(); Cancelled
   Tracker(Surface surface, Samples samples, TrackerOptions options = {},
-          std::vector<SampleClass> classes = {});
+          std::vector<SampleClass> classes = {}, Context* context = nullptr);
 
   /// Move to the next frame. The tracker is unchanged if this throws.
   /// \param vertices as many as the surface has, in the caller's order

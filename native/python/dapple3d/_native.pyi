@@ -48,6 +48,7 @@ class Surface:
         *,
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
         weld: float | None = 1e-06,
+        context: Context | None = None,
     ) -> None: ...
     @property
     def weld(self) -> float | None: ...
@@ -66,12 +67,13 @@ class Surface:
     @property
     def topology(self) -> Topology: ...
     def spacing(self, count: int) -> float: ...
-    def deformed(self, vertices: ArrayLike) -> Surface: ...
+    def deformed(self, vertices: ArrayLike, *, context: Context | None = None) -> Surface: ...
     def with_density(
         self,
         density: ArrayLike | None,
         *,
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
+        context: Context | None = None,
     ) -> Surface: ...
 
 class Quality:
@@ -331,6 +333,7 @@ class Tracker:
         memory: float = 0.8,
         longest_motion: float = 0.02,
         threads: int = 0,
+        context: Context | None = None,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
     def resume(self, vertices: ArrayLike, samples: Samples, *, settled: bool = False) -> None: ...
@@ -359,6 +362,7 @@ class Population:
         memory: float = 0.8,
         longest_motion: float = 0.02,
         threads: int = 0,
+        context: Context | None = None,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
     @property
@@ -424,6 +428,7 @@ def energy(
     *,
     capacity_weight: float = 30.0,
     cells: Literal["connected", "euclidean"] = "connected",
+    context: Context | None = None,
 ) -> Energy: ...
 def texels(
     surface: Surface,
@@ -462,6 +467,7 @@ def analyse(
     *,
     capacity_weight: float = 30.0,
     cells: Literal["connected", "euclidean"] = "connected",
+    context: Context | None = None,
 ) -> Report: ...
 def spectrum(
     runs: ArrayLike | Sequence[ArrayLike],
@@ -511,7 +517,9 @@ def refine_obstacles(
     max_faces: int = 1_000_000,
     context: Context | None = None,
 ) -> Refined: ...
-def curvedness(surface: Surface, *, smoothing: int = 2) -> NDArray[np.float64]: ...
+def curvedness(
+    surface: Surface, *, smoothing: int = 2, context: Context | None = None
+) -> NDArray[np.float64]: ...
 def curvature_density(
     surface: Surface,
     *,
@@ -519,6 +527,7 @@ def curvature_density(
     floor: float = 0.1,
     percentile: float = 95.0,
     smoothing: int = 2,
+    context: Context | None = None,
 ) -> NDArray[np.float64]: ...
 def project(surface: Surface, points: ArrayLike) -> Projection: ...
 def read_mesh(path: str | os.PathLike[str]) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...

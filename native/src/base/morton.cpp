@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/progress.hpp"
+
 namespace dapple {
 namespace {
 
@@ -29,7 +31,7 @@ std::uint64_t code(const Vec3& unit) {
 
 }  // namespace
 
-std::vector<std::int32_t> morton_order(std::span<const Vec3> points) {
+std::vector<std::int32_t> morton_order(std::span<const Vec3> points, Context* context) {
   if (points.empty()) return {};
   Vec3 low = points[0];
   Vec3 high = points[0];
@@ -39,9 +41,12 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> points) {
   }
   const double extent = std::max((high - low).maxCoeff(), 1e-300);
   std::vector<std::pair<std::uint64_t, std::int32_t>> keys(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k)
+  Stretch coding(context, 0.0, 0.3), sorting(context, 0.3, 1.0);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    report_at(coding.context(), k, points.size());
     keys[k] = {code((points[k] - low) / extent), static_cast<std::int32_t>(k)};
-  std::sort(keys.begin(), keys.end());
+  }
+  sort_watched(keys, sorting.context());
   std::vector<std::int32_t> order(points.size());
   std::transform(keys.begin(), keys.end(), order.begin(),
                  [](const auto& key) { return key.second; });

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <dapple/context.hpp>
 #include <optional>
+#include <vector>
 
 namespace dapple {
 
@@ -24,5 +27,50 @@ class Stretch {
  private:
   std::optional<Context> part_;
 };
+
+/// In the loop over k: ask now and then whether to go on.
+inline void check_at(const Context* context, std::size_t k, std::size_t grain = 4096) {
+  if (context && k % grain == 0) context->check();
+}
+
+/// The same, and say how far the loop of `count` is.
+inline void report_at(Context* context, std::size_t k, std::size_t count,
+                      std::size_t grain = 4096) {
+  if (!context || k % grain != 0) return;
+  context->check();
+  context->advance(static_cast<double>(k) / static_cast<double>(count));
+}
+
+/// How much of `count` equal things several threads have done.
+class Tally {
+ public:
+  Tally(Context* context, std::size_t count) : context_(context), count_(count) {}
+
+  void check() const {
+    if (context_) context_->check();
+  }
+  void add(std::size_t more) {
+    const std::size_t done = done_ += more;
+    if (context_) context_->advance(static_cast<double>(done) / static_cast<double>(count_));
+  }
+
+ private:
+  Context* context_;
+  std::size_t count_;
+  std::atomic<std::size_t> done_ = 0;
+};
+
+/// Sort, and ask now and then whether to go on; if not, what was to be sorted is lost.
+template <typename T>
+void sort_watched(std::vector<T>& values, Context* context) {
+  if (!context) return std::sort(values.begin(), values.end());
+  const auto expected = static_cast<std::size_t>(std::bit_width(values.size())) *
+                        std::max<std::size_t>(values.size(), 1);
+  std::size_t comparisons = 0;
+  std::sort(values.begin(), values.end(), [&](const T& a, const T& b) {
+    report_at(context, ++comparisons, expected, 65536);
+    return a < b;
+  });
+}
 
 }  // namespace dapple

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -15,14 +16,19 @@ namespace {
 using Mat3 = Eigen::Matrix3d;
 
 constexpr double kAtBorder = 1e-6;  // weight of a face at a border, whose normals are one-sided
-constexpr double kFlat = 1e-9;      // curvedness times size: below that it is rounding
+// Of the progress: how long each step takes against another.
+constexpr double kOriented = 1.0, kNormals = 1.0, kTensors = 5.0, kSmoothed = 6.0;
+constexpr double kFound = 0.95;
+constexpr double kKnown = 0.85;  // of that of a density: the curvature is known
+constexpr double kFlat = 1e-9;   // curvedness times size: below that it is rounding
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
 /// 1 or -1 per ordered face, so that times their sign neighbours face the same way.
-std::vector<double> orient(const Surface& surface) {
+std::vector<double> orient(const Surface& surface, const Context* context) {
   std::vector<double> signs(surface.face_count(), 0.0);
   std::vector<std::int32_t> pending;
+  std::size_t seen = 0;
   const auto start_of = [&](std::int32_t h) {
     return surface.ordered().welded_corners(h / 3)[as_size(h % 3)];
   };
@@ -31,6 +37,7 @@ std::vector<double> orient(const Surface& surface) {
     signs[first] = 1.0;
     pending.push_back(static_cast<std::int32_t>(first));
     while (!pending.empty()) {
+      check_at(context, seen++);
       const std::int32_t face = pending.back();
       pending.pop_back();
       for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
@@ -69,15 +76,29 @@ struct WeightedTensor {
 /// stand at the lowest of them.
 class CurvatureField {
  public:
-  CurvatureField(const Surface& surface, int smoothing)
-      : surface_(surface), normals_(surface.vertex_count(), Vec3::Zero()) {
-    const std::vector<double> signs = orient(surface);
+  CurvatureField(const Surface& surface, int smoothing, Context* context)
+      : surface_(surface), context_(context), normals_(surface.vertex_count(), Vec3::Zero()) {
+    const double all = kOriented + kNormals + kTensors + smoothing * (kNormals + kSmoothed);
+    const auto did = [&](double share) {
+      done_ += share / all;
+      if (context) context->advance(done_);
+    };
+    const std::vector<double> signs = orient(surface, context);
+    did(kOriented);
     for (std::size_t f = 0; f < signs.size(); ++f)
       face_normals_.emplace_back(signs[f] * geometry(f).normal);
     add_normals();
-    for (int round = 0; round < smoothing; ++round) smooth_normals();
+    did(kNormals);
+    for (int round = 0; round < smoothing; ++round) {
+      smooth_normals();
+      did(kNormals);
+    }
     spread(face_tensors());
-    for (int round = 0; round < smoothing; ++round) spread(gathered());
+    did(kTensors);
+    for (int round = 0; round < smoothing; ++round) {
+      spread(gathered());
+      did(kSmoothed);
+    }
   }
 
   [[nodiscard]] double curvedness(std::int32_t vertex) const {
@@ -97,6 +118,7 @@ class CurvatureField {
   /// Max (1999): with these weights the normals are exact if the vertices lie on a sphere.
   void add_normals() {
     for (std::size_t f = 0; f < face_normals_.size(); ++f) {
+      check_at(context_, f);
       if (geometry(f).moments.area <= 0.0) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const Face face = corners(f);
@@ -112,6 +134,7 @@ class CurvatureField {
   void smooth_normals() {
     std::vector<Vec3> sums(normals_.size(), Vec3::Zero());
     for (std::size_t f = 0; f < face_normals_.size(); ++f) {
+      check_at(context_, f);
       const auto [a, b, c] = corners(f);
       const Vec3 part = geometry(f).moments.area * (normal_at(a) + normal_at(b) + normal_at(c));
       for (const std::int32_t v : corners(f)) sums[as_size(v)] += part;
@@ -157,6 +180,7 @@ class CurvatureField {
     const std::vector<bool> at_border = border_vertices();
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
+      check_at(context_, f);
       if (geometry(f).moments.area <= 0.0) continue;
       const Face face = corners(f);
       const bool inner = std::none_of(face.begin(), face.end(),
@@ -171,6 +195,7 @@ class CurvatureField {
   [[nodiscard]] std::vector<WeightedTensor> gathered() const {
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
+      check_at(context_, f);
       if (geometry(f).moments.area <= 0.0) continue;
       for (const std::int32_t v : corners(f))
         parts[f].add(tensors_[as_size(v)], normals_[as_size(v)], face_normals_[f], 1.0 / 3.0);
@@ -181,12 +206,16 @@ class CurvatureField {
   /// Of each vertex, the sum of its faces.
   void spread(const std::vector<WeightedTensor>& parts) {
     tensors_.assign(normals_.size(), {});
-    for (std::size_t f = 0; f < parts.size(); ++f)
+    for (std::size_t f = 0; f < parts.size(); ++f) {
+      check_at(context_, f);
       for (const std::int32_t v : corners(f))
         tensors_[as_size(v)].add(parts[f], face_normals_[f], normals_[as_size(v)]);
+    }
   }
 
   const Surface& surface_;
+  const Context* context_;
+  double done_ = 0.0;
   std::vector<Vec3> face_normals_;  // turned the same way; zero without area
   std::vector<Vec3> normals_;       // per vertex, unit
   std::vector<WeightedTensor> tensors_;
@@ -194,10 +223,11 @@ class CurvatureField {
 
 /// The value that `percentile` of the surface's area does not exceed; each vertex stands for a
 /// third of its faces.
-double area_percentile(const Surface& surface, const std::vector<double>& values,
-                       double percentile) {
+double area_percentile(const Surface& surface, const std::vector<double>& values, double percentile,
+                       const Context* context) {
   std::vector<double> areas(values.size(), 0.0);
   const std::vector<Face> faces = surface.faces();
+  if (context) context->check();
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (const std::int32_t v : faces[f])
       areas[as_size(v)] +=
@@ -207,7 +237,9 @@ double area_percentile(const Surface& surface, const std::vector<double>& values
           3.0;
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  std::size_t comparisons = 0;
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    check_at(context, ++comparisons, 65536);
     return values[a] != values[b] ? values[a] < values[b] : a < b;
   });
   double reached = 0.0;
@@ -227,31 +259,38 @@ void check_range(const char* name, double value, double low, bool with_low, doub
 
 }  // namespace
 
-std::vector<double> curvedness(const Surface& surface, int smoothing) {
+std::vector<double> curvedness(const Surface& surface, int smoothing, Context* context) {
   check_range("smoothing", smoothing, 0.0, true, 100.0);
-  const CurvatureField field(surface, smoothing);
+  if (context) context->check();
+  Stretch finding(context, 0.0, kFound);
+  const CurvatureField field(surface, smoothing, finding.context());
   std::vector<double> result(surface.vertex_count(), 0.0);
   const std::vector<Face> faces = surface.faces();
   for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(context, f);
     const Face& ordered =
         surface.ordered().corners(surface.ordered().ordered_face(static_cast<std::int32_t>(f)));
     for (std::size_t k = 0; k < 3; ++k) result[as_size(faces[f][k])] = field.curvedness(ordered[k]);
   }
+  if (context) context->advance(1.0);
   return result;
 }
 
-std::vector<double> curvature_density(const Surface& surface, const CurvatureOptions& options) {
+std::vector<double> curvature_density(const Surface& surface, const CurvatureOptions& options,
+                                      Context* context) {
   check_positive("exponent", options.exponent);
   check_range("floor", options.floor, 0.0, true, 1.0);
   check_range("percentile", options.percentile, 0.0, false, 100.0);
-  std::vector<double> values = curvedness(surface, options.smoothing);
+  Stretch bending(context, 0.0, kKnown);
+  std::vector<double> values = curvedness(surface, options.smoothing, bending.context());
   const double rounding = kFlat / std::sqrt(surface.area());
-  double clamp = area_percentile(surface, values, options.percentile);
+  double clamp = area_percentile(surface, values, options.percentile, context);
   if (clamp <= rounding) clamp = *std::max_element(values.begin(), values.end());
   for (double& value : values) {
     const double share = clamp <= rounding ? 1.0 : std::min(1.0, value / clamp);
     value = options.floor + (1.0 - options.floor) * std::pow(share, options.exponent);
   }
+  if (context) context->advance(1.0);
   return values;
 }
 

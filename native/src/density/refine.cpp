@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -12,7 +13,6 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kNone = -1;
-constexpr std::size_t kGrain = 4096;  // triangles between two checks
 // Of the progress: cutting, and of what is left of that each round; nobody knows how many there
 // will be, and the last ones take longest.
 constexpr double kCut = 0.5;
@@ -61,7 +61,7 @@ class CutMesh {
         context_(context) {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-      check_at(f);
+      check_at(context_, f);
       Triangle triangle{faces_[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t h = 3 * surface.ordered().ordered_face(as_index(f)) + as_index(k);
@@ -83,6 +83,7 @@ class CutMesh {
     });
     bool any = false;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      check_at(context_, t);
       triangles_[t].fresh = false;
       for (std::size_t k = 0; k < 3; ++k)
         if (marks[t][k]) any = mark(triangles_[t].edges[k]);
@@ -95,6 +96,7 @@ class CutMesh {
     for (bool changed = true; changed;) {
       changed = false;
       for (const Triangle& triangle : triangles_) {
+        check_at(context_, static_cast<std::size_t>(&triangle - triangles_.data()));
         if (marked_edges(triangle) == 0) continue;
         const std::int32_t longest = longest_of(triangle, [](const Edge&) { return true; });
         changed = changed || !edge(longest).marked;
@@ -105,6 +107,7 @@ class CutMesh {
 
   [[nodiscard]] std::size_t size_after_cut() const {
     std::size_t size = triangles_.size();
+    if (context_) context_->check();
     for (const Triangle& triangle : triangles_) size += marked_edges(triangle);
     return size;
   }
@@ -112,29 +115,25 @@ class CutMesh {
   /// Halve the marked edges and cut the triangles at them.
   void cut() {
     std::vector<std::size_t> halved;
-    for (std::size_t e = 0, count = edges_.size(); e < count; ++e)
-      if (edges_[e].marked && edges_[e].midpoint == kNone) {
-        halve(e);
-        halved.push_back(e);
-      }
+    for (std::size_t e = 0, count = edges_.size(); e < count; ++e) {
+      check_at(context_, e);
+      if (!edges_[e].marked || edges_[e].midpoint != kNone) continue;
+      halve(e);
+      halved.push_back(e);
+    }
     for (const std::size_t e : halved) link_halves(edges_[e]);
     std::vector<Triangle> cut;
     cut.reserve(2 * triangles_.size());
     for (const Triangle& triangle : triangles_) {
-      check_at(cut.size());
+      check_at(context_, static_cast<std::size_t>(&triangle - triangles_.data()));
       cut_at_longest(triangle, cut);
     }
     triangles_ = std::move(cut);
   }
 
-  [[nodiscard]] Refined result(bool resolved) &&;
+  [[nodiscard]] Refined result(bool resolved, Context* context) &&;
 
  private:
-  /// Ask now and then whether to go on.
-  void check_at(std::size_t k) const {
-    if (context_ && k % kGrain == 0) context_->check();
-  }
-
   [[nodiscard]] Edge& edge(std::int32_t e) { return edges_[static_cast<std::size_t>(e)]; }
   [[nodiscard]] const Edge& edge(std::int32_t e) const {
     return edges_[static_cast<std::size_t>(e)];
@@ -269,12 +268,14 @@ class CutMesh {
   /// Per half-edge, the lowest of the edges at its place.
   [[nodiscard]] std::vector<std::int32_t> joined_edges() const {
     std::vector<std::int32_t> result;
-    for (const Triangle& triangle : triangles_)
+    for (const Triangle& triangle : triangles_) {
+      check_at(context_, result.size(), 3 * 4096);
       for (const std::int32_t e : triangle.edges) {
         std::int32_t lowest = e;
         for (std::int32_t t = edge(e).twin; t != e; t = edge(t).twin) lowest = std::min(lowest, t);
         result.push_back(lowest);
       }
+    }
     return result;
   }
 
@@ -284,11 +285,13 @@ class CutMesh {
     std::iota(result.begin(), result.end(), 0);
     for (std::size_t v = 0; v < welded_.size(); ++v)
       if (welded_[v] != kNone) result[v] = welded_[v];
-    for (const Edge& e : edges_)
+    for (const Edge& e : edges_) {
+      check_at(context_, static_cast<std::size_t>(&e - edges_.data()));
       for (const Edge* t = &edge(e.twin); e.midpoint != kNone && t != &e; t = &edge(t->twin)) {
         std::int32_t& place = result[static_cast<std::size_t>(e.midpoint)];
         place = std::min(place, t->midpoint);
       }
+    }
     return result;
   }
 
@@ -303,28 +306,32 @@ class CutMesh {
 };
 
 /// The density of the surface at the corners of pieces of its faces.
-std::vector<double> carried_density(const Surface& surface, const Refined& refined) {
+std::vector<double> carried_density(const Surface& surface, const Refined& refined,
+                                    const Context* context) {
   std::vector<double> values;
   if (surface.uniform()) return values;
   values.reserve(3 * refined.parents.size());
-  for (std::size_t f = 0; f < refined.parents.size(); ++f)
+  for (std::size_t f = 0; f < refined.parents.size(); ++f) {
+    check_at(context, f);
     for (const Vec3& weights : refined.barycentric[f])
       values.push_back(weights.dot(
           surface.ordered().densities(surface.ordered().ordered_face(refined.parents[f]))));
+  }
   return values;
 }
 
-Refined CutMesh::result(bool resolved) && {
+Refined CutMesh::result(bool resolved, Context* context) && {
   Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), resolved};
   std::vector<Face> faces;
   for (const Triangle& triangle : triangles_) {
+    check_at(context, faces.size());
     faces.push_back(triangle.corners);
     refined.parents.push_back(triangle.parent);
     refined.barycentric.push_back(triangle.barycentric);
   }
-  const std::vector<double> density = carried_density(*surface_, refined);
+  const std::vector<double> density = carried_density(*surface_, refined, context);
   refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
-                            Joints{joined_edges(), places()});
+                            Joints{joined_edges(), places()}, context);
   return refined;
 }
 
@@ -346,7 +353,8 @@ Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::s
     if (context) context->advance(done);
   }
   if (context) context->advance(kCut);
-  Refined refined = std::move(mesh).result(resolved);
+  Stretch joining(context, kCut, 1.0);
+  Refined refined = std::move(mesh).result(resolved, joining.context());
   if (context) context->advance(1.0);
   return refined;
 }

@@ -12,10 +12,10 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;          // of the progress: all faces are cut
+constexpr double kCut = 0.8;          // of the progress: all faces are cut ...
+constexpr double kFilled = 0.9;       // ... and have their density
 constexpr double kPatch = 32.0;       // pixels: larger pieces are not looked at pixel by pixel
 constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
-constexpr std::size_t kGrain = 4096;  // faces between two checks
 constexpr double kLatticeStep = 0.5;  // pixels
 
 /// A triangle on the picture, in pixels; (0, 0) is the centre of the first.
@@ -216,17 +216,19 @@ Refined refine_image(const Surface& surface, std::span<const FaceUv> uv, const I
         return unresolved_edges(picture, chart.triangle(piece.parent, piece.barycentric), options);
       },
       options.max_faces, cutting.context());
+  Stretch filling(context, kCut, kFilled), measuring(context, kFilled, 1.0);
   std::vector<double> density;
   density.reserve(3 * refined.parents.size());
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-    if (context && f % kGrain == 0) context->check();
+    report_at(filling.context(), f, refined.parents.size());
     const PixelTriangle t = chart.triangle(refined.parents[f], refined.barycentric[f]);
     const Vec3 before = refined.surface.ordered().densities(
         refined.surface.ordered().ordered_face(static_cast<std::int32_t>(f)));
     for (std::size_t k = 0; k < 3; ++k)
       density.push_back(before[static_cast<Eigen::Index>(k)] * picture(t[k]));
   }
-  refined.surface = refined.surface.with_density({DensityAt::kCorners, density});
+  refined.surface =
+      refined.surface.with_density({DensityAt::kCorners, density}, measuring.context());
   if (context) context->advance(1.0);
   return refined;
 }

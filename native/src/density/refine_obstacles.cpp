@@ -13,9 +13,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kCut = 0.8;          // of the progress: all faces are cut
-constexpr std::size_t kGrain = 4096;  // faces between two checks
-constexpr double kRounding = 1e-14;   // of the largest coordinate, in the position of a sample
+constexpr double kCut = 0.8;         // of the progress: all faces are cut ...
+constexpr double kFilled = 0.9;      // ... and have their density
+constexpr double kRounding = 1e-14;  // of the largest coordinate, in the position of a sample
 
 double largest_coordinate(const Surface& surface) {
   double largest = 0.0;
@@ -103,10 +103,11 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
       },
       options.max_faces, cutting.context());
   const OrderedSurface& fine = refined.surface.ordered();
+  Stretch filling(context, kCut, kFilled), measuring(context, kFilled, 1.0);
   std::vector<double> density;
   bool left = false;
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
-    if (context && f % kGrain == 0) context->check();
+    report_at(filling.context(), f, refined.parents.size());
     const std::int32_t face = fine.ordered_face(static_cast<std::int32_t>(f));
     const bool taken =
         in_area(refined.parents[f]) || balls.reach(refined.parents[f], corners_of(fine, face));
@@ -115,7 +116,8 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
     left = left || (!taken && fine.geometry(face).moments.capacity > 0.0);
   }
   if (!left) throw ArgumentError("points and areas take all of the surface: nothing can be placed");
-  refined.surface = refined.surface.with_density({DensityAt::kCorners, density});
+  refined.surface =
+      refined.surface.with_density({DensityAt::kCorners, density}, measuring.context());
   if (context) context->advance(1.0);
   return refined;
 }

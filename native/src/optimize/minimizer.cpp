@@ -55,6 +55,59 @@ constexpr double kStuck = 5e-4;  // of the energy: what the model may promise wh
 constexpr double kRounding = 1e-9;  // of the energy: a promise that rounding may break
 constexpr int kFailures = 5;  // steps in a row without any decrease: rounding is all that is left
 
+// Decreases fall with a power of the number of evaluations: c / k^p of the energy at the k-th.
+struct Falling {
+  double power;
+  double first;  // c, from a Poisson-disk start
+};
+constexpr Falling kTrustRegion{2.0, 4e-3}, kLineSearch{3.0, 1.0};
+constexpr double kToRestore = 4.0;   // evaluations that a frame takes
+constexpr double kAlmost = 0.8;      // of those expected; the rest comes ever slower
+constexpr int kRememberedLeast = 3;  // decreases by which the number is expected, and ...
+constexpr int kRememberedPart = 2;   // ... this part of all
+
+/// Tells from how the decreases fall how many evaluations there will be. Nothing but the progress
+/// hangs on it.
+class Forecast {
+ public:
+  Forecast(const OptimizerOptions& options, bool restoring)
+      : law_(options.method == Method::kTrustRegion ? kTrustRegion : kLineSearch),
+        tolerance_(options.tolerance),
+        most_(std::max(options.max_evaluations, 1)) {
+    if (restoring) {
+      most_ = std::min(most_, kToRestore);
+      tolerance_ = 0.0;
+    }
+  }
+
+  void note(int evaluations, double decrease) {
+    logs_.push_back(std::log(std::max({decrease, tolerance_, kRounding})) +
+                    law_.power * std::log(evaluations));
+  }
+
+  [[nodiscard]] double evaluations() const {
+    if (!(tolerance_ > 0.0)) return most_;
+    const std::size_t last = std::min(
+        logs_.size(), std::max<std::size_t>(kRememberedLeast, logs_.size() / kRememberedPart));
+    double sum = logs_.empty() ? std::log(law_.first) : 0.0;
+    for (std::size_t k = logs_.size() - last; k < logs_.size(); ++k) sum += logs_[k];
+    const double c = std::exp(sum / static_cast<double>(std::max<std::size_t>(last, 1)));
+    return std::min(most_, std::max(1.0, std::pow(c / tolerance_, 1.0 / law_.power)));
+  }
+
+  [[nodiscard]] double progress(int evaluations) const {
+    const double share = static_cast<double>(evaluations) / this->evaluations();
+    if (share <= kAlmost) return share;
+    return 1.0 - (1.0 - kAlmost) * std::exp((kAlmost - share) / (1.0 - kAlmost));
+  }
+
+ private:
+  Falling law_;
+  double tolerance_;
+  double most_;
+  std::vector<double> logs_;  // of c, at each iteration
+};
+
 class Minimizer {
  public:
   Minimizer(const Objective& objective, const OptimizerOptions& options, Context* context)
@@ -62,7 +115,8 @@ class Minimizer {
         options_(options),
         context_(context),
         memory_(options.memory),
-        radii_(objective.terms.size()) {
+        radii_(objective.terms.size()),
+        forecast_(options, options.restore && options.method == Method::kTrustRegion) {
     if (options.restore && options.method == Method::kTrustRegion) aim_ = &*options.restore;
   }
 
@@ -79,7 +133,7 @@ class Minimizer {
     while (!settled() && result_.evaluations < options_.max_evaluations) {
       iterate();
       rescue();
-      report_progress();
+      forecast_.note(result_.evaluations, decrease_);
     }
     result_.settled = settled();
     result_.converged = at_minimum();
@@ -143,8 +197,10 @@ class Minimizer {
   }
 
   State evaluate(Sites sites) {
+    State state = dapple::evaluate(objective_, std::move(sites), radii_, context_);
     ++result_.evaluations;
-    return dapple::evaluate(objective_, std::move(sites), radii_, context_);
+    if (context_) context_->advance(forecast_.progress(result_.evaluations));
+    return state;
   }
 
   /// The gaps' radii follow the local spacing. They stay fixed within an iteration, so that the
@@ -430,16 +486,6 @@ class Minimizer {
     result_.energies.push_back(state_.total / objective_.total_weight() - options_.capacity_weight);
   }
 
-  // The decrease falls by orders of magnitude until it meets the tolerance.
-  void report_progress() const {
-    if (!context_) return;
-    const double used = double(result_.evaluations) / options_.max_evaluations;
-    const double fallen = options_.tolerance > 0.0 && decrease_ > 0.0
-                              ? std::log(decrease_) / std::log(std::min(options_.tolerance, 0.5))
-                              : 0.0;
-    context_->advance(std::clamp(std::max(used, 0.9 * fallen), 0.0, 1.0));
-  }
-
   Objective objective_;
   const OptimizerOptions& options_;
   Context* context_;
@@ -456,6 +502,7 @@ class Minimizer {
   double missed_ = 0.0;      // the most that failed steps in a row promised, relative
   int rescues_ = 0;
   double jump_ = 0.0;  // of the energy, that the last step met
+  Forecast forecast_;
   Minimum result_;
 };
 
@@ -474,6 +521,10 @@ void check(const OptimizerOptions& options) {
 }
 
 }  // namespace
+
+double expected_evaluations(const OptimizerOptions& options) {
+  return Forecast(options, options.restore.has_value()).evaluations();
+}
 
 Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
                  Context* context, const Sites* home) {

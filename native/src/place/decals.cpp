@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/validate_samples.hpp"
 #include "surface/ordered_surface.hpp"
@@ -101,9 +102,9 @@ DecalCover cover(const Surface& surface, const Samples& samples, std::span<const
     return result;
   }
   const Decals decals(samples, radii, tangents);
-  std::atomic<std::size_t> done = 0;
+  Tally tally(context, texels.size());
   parallel_chunks(texels.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    if (context) context->check();
+    tally.check();
     std::vector<Neighbour> found;
     for (std::size_t k = begin; k < end; ++k) {
       if (texels.faces[k] < 0) continue;
@@ -114,8 +115,7 @@ DecalCover cover(const Surface& surface, const Samples& samples, std::span<const
       result.samples[k] = hit.sample;
       result.places[k] = hit.place;
     }
-    done += end - begin;
-    if (context) context->advance(static_cast<double>(done) / static_cast<double>(texels.size()));
+    tally.add(end - begin);
   });
   if (context) context->advance(1.0);
   return result;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "density/cut_surface.hpp"
 #include "place/grout.hpp"
@@ -16,7 +17,8 @@ namespace {
 
 constexpr std::size_t kGrain = 32;   // cells a chunk
 constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
-constexpr double kCellsShare = 0.4;  // of the progress
+constexpr double kCellsShare = 0.4;  // of the progress: the cells are cut ...
+constexpr double kMade = 0.95;       // ... and the tiles made
 
 void check(const Surface& surface, const Samples& samples, const MosaicOptions& options) {
   check_samples(surface, samples);
@@ -112,15 +114,13 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
   const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
   const Tiler tiler(drawn, samples, options);
   std::vector<MadeTile> tiles(samples.size());
-  std::atomic<std::size_t> done = 0;
+  Stretch making(context, kCellsShare, kMade);
+  Tally tally(making.context(), samples.size());
   parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    if (context) context->check();
+    tally.check();
     for (std::size_t k = begin; k < end; ++k)
       tiles[k] = tiler.make(k, std::span(pieces).subspan(rows[k], rows[k + 1] - rows[k]));
-    done += end - begin;
-    if (context)
-      context->advance(kCellsShare + (1.0 - kCellsShare) * static_cast<double>(done) /
-                                         static_cast<double>(samples.size()));
+    tally.add(end - begin);
   });
   if (cut) name_parents(*cut, tiles);
   return tiles;
@@ -136,8 +136,10 @@ Mosaic mosaic(const Surface& surface, const Samples& samples, const MosaicOption
       with_threads(options.threads, [&] { return make_tiles(surface, samples, options, context); });
   Mosaic result;
   result.starts.push_back(0);
-  for (std::size_t k = 0; k < tiles.size(); ++k)
+  for (std::size_t k = 0; k < tiles.size(); ++k) {
+    check_at(context, k, 256);
     append(result, static_cast<std::int32_t>(k), samples.classes[k], tiles[k]);
+  }
   if (context) context->advance(1.0);
   return result;
 }

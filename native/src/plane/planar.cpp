@@ -113,8 +113,7 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 // ---- both ----
 
-Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed,
-                        const Context* context) const {
+Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed, Context* context) const {
   check_count("count", count);
   const ClassStarts starts{{{&drawn_on(), count}}, &drawn_on(), period(), seed};
   return project(

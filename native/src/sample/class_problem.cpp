@@ -16,9 +16,9 @@ constexpr double kUnionGap = 5.0 / 6.0;  // of the gap's radius, between sites o
 constexpr double kThings = 20.0;         // weight of overlapping things in the first round ...
 constexpr double kHarder = 10.0;         // ... and by how much it grows
 constexpr int kRounds = 4;
-constexpr double kStarted = 0.05;  // of the progress: the start is there ...
-constexpr double kAlone = 0.35;    // ... and every class is even by itself
-constexpr double kRound = 0.6;  // of the progress that is left: nobody knows how many there will be
+constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
+constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
+constexpr double kRound = 0.5;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
 constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
 
@@ -175,8 +175,7 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
   return objective;
 }
 
-Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
-                 const Context* context) {
+Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context) {
   ClassStarts starts{{}, &problem.all->drawn_on(), problem.all->period(), seed};
   for (const ClassProblem::Member& member : problem.classes)
     starts.classes.push_back({&member.domain->drawn_on(), member.count, member.radius,
@@ -204,13 +203,22 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
   return {std::move(objective), std::move(found)};
 }
 
+/// The share of the time that the start takes; several classes are evaluated twice.
+double share_of_start(const ClassProblem& problem, const ClassOptions& options) {
+  if (options.sample.start == Start::kRandom) return 0.0;
+  const double evaluations = expected_evaluations(options.sample.optimizer);
+  return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
+}
+
 ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
   check(problem, options);
-  Sites start = make_start(problem, options.sample.start, options.sample.seed, context);
-  if (context) context->advance(kStarted);
+  const double started = share_of_start(problem, options);
+  Stretch starting(context, 0.0, started);
+  Sites start = make_start(problem, options.sample.start, options.sample.seed, starting.context());
+  if (context) context->advance(started);
   const bool stages = options.two_stages && problem.classes.size() > 1;
-  const double together = stages ? kAlone : kStarted;
-  Stretch alone(context, kStarted, together);
+  const double together = stages ? started + kAlone * (1.0 - started) : started;
+  Stretch alone(context, started, together);
   Stretch finishing(context, together, 1.0);
   Minimum before;
   std::size_t first = 0;

@@ -34,7 +34,7 @@ struct ClassProblem {
 
 /// Where an optimisation begins, class by class.
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
-                               const Context* context);
+                               Context* context);
 
 /// The end of a solution, and what it was measured by.
 struct ClassMinimum {

@@ -13,6 +13,8 @@
 namespace dapple {
 namespace {
 
+constexpr double kEvaluated = 0.9;  // of the progress of analysing: the cells are known
+
 /// Which term is about this class; all sites' if they are all of it. -1 for an empty class.
 std::int32_t term_of(const Objective& objective, std::size_t c) {
   const auto is_of_class = [&](std::int32_t site) {
@@ -121,15 +123,18 @@ void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Ve
   report.slide_max = slides.back();
 }
 
-Report analyse(const Surface& surface, const Samples& samples, double capacity_weight,
-               Cells cells) {
+Report analyse(const Surface& surface, const Samples& samples, double capacity_weight, Cells cells,
+               Context* context) {
+  if (context) context->check();
   check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
   const SurfaceDomain domain(surface, cells);
   Report report;
-  static_cast<Quality&>(report) =
-      measure(domain, evaluate_energy(domain, sites, capacity_weight), sites, samples.normals);
+  const Energy energy = evaluate_energy(domain, sites, capacity_weight, context);
+  if (context) context->advance(kEvaluated);
+  static_cast<Quality&>(report) = measure(domain, energy, sites, samples.normals);
   report.evaluations = 1;
+  if (context) context->advance(1.0);
   return report;
 }
 

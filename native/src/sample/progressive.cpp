@@ -5,14 +5,18 @@
 #include <dapple/progressive.hpp>
 #include <numeric>
 #include <queue>
+#include <utility>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 512;
+constexpr double kSpaced = 0.15;  // of the progress: the points' spacings are known
+constexpr double kLinked = 0.6;   // of that of a level: its points are linked
 constexpr std::size_t kRing = 6;  // neighbours in a hexagonal lattice
 
 using Indices = std::vector<std::int32_t>;
@@ -27,13 +31,14 @@ struct Link {
 /// Points that are to be even among themselves: all of them, or those of a class.
 class Layer {
  public:
-  Layer(std::span<const Vec3> all, Indices members, const Context* context)
+  Layer(std::span<const Vec3> all, Indices members, Context* context)
       : all_(all), members_(std::move(members)) {
     const std::vector<Vec3> places = places_of(members_);
     const Neighbours tree(places);
     spacing_.resize(members_.size());
+    Tally tally(context, members_.size());
     parallel_chunks(members_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      if (context) context->check();
+      tally.check();
       std::vector<Neighbour> ring;
       for (std::size_t k = begin; k < end; ++k) {
         tree.nearest(places[k], kRing + 1, ring);  // the first is the point itself
@@ -41,6 +46,7 @@ class Layer {
         for (const Neighbour& one : ring) sum += std::sqrt(one.squared_distance);
         spacing_[k] = sum / static_cast<double>(std::max<std::size_t>(ring.size(), 2) - 1);
       }
+      tally.add(end - begin);
     });
   }
 
@@ -48,7 +54,7 @@ class Layer {
   /// share `left` of the layer were there: (1 - distance / spacing)^8, as in weighted sample
   /// elimination, once for each of both points' spacings.
   void link(const std::vector<std::uint8_t>& alive, double left,
-            std::vector<std::vector<Link>>& links, const Context* context) const {
+            std::vector<std::vector<Link>>& links, Context* context) const {
     std::vector<std::size_t> kept;
     for (std::size_t k = 0; k < members_.size(); ++k)
       if (alive[at(members_[k])]) kept.push_back(k);
@@ -57,8 +63,9 @@ class Layer {
     const std::vector<Vec3> places = places_of(who);
     const Neighbours tree(places);
     std::vector<std::vector<Link>> found(kept.size());
+    Tally tally(context, kept.size());
     parallel_chunks(kept.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      if (context) context->check();
+      tally.check();
       std::vector<Neighbour> near;
       for (std::size_t k = begin; k < end; ++k) {
         const double radius = spacing_[kept[k]] / std::sqrt(left);
@@ -68,13 +75,18 @@ class Layer {
             found[k].push_back(
                 {who[at(one.index)], closeness(std::sqrt(one.squared_distance) / radius)});
       }
+      tally.add(end - begin);
     });
-    for (std::size_t k = 0; k < kept.size(); ++k)
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      check_at(context, k, kGrain);
       for (const Link& one : found[k]) {
         links[at(who[k])].push_back(one);
         links[at(one.other)].push_back({who[k], one.weight});
       }
+    }
   }
+
+  [[nodiscard]] std::size_t size() const { return members_.size(); }
 
  private:
   static double closeness(double part) { return std::pow(1.0 - part, 8.0); }
@@ -127,25 +139,33 @@ class Shares {
 class Elimination {
  public:
   Elimination(std::span<const Vec3> points, const std::vector<Indices>& classes,
-              const Indices& class_of, const Context* context)
+              const Indices& class_of, Context* context)
       : class_of_(class_of), shares_(classes), alive_(points.size(), 1), ranks_(points.size()) {
     Indices all(points.size());
     std::iota(all.begin(), all.end(), 0);
-    layers_.emplace_back(points, std::move(all), context);
+    const auto sets = static_cast<double>(classes.size() > 1 ? 2 * points.size() : points.size());
+    double done = 0.0;
+    const auto add = [&](Indices members) {
+      const double before =
+          std::exchange(done, done + kSpaced * static_cast<double>(members.size()) / sets);
+      Stretch step(context, before, done);
+      layers_.emplace_back(points, std::move(members), step.context());
+    };
+    add(std::move(all));
     if (classes.size() > 1)
-      for (const Indices& one : classes) layers_.emplace_back(points, one, context);
+      for (const Indices& one : classes) add(one);
     left_ = points.size();
   }
 
   Indices run(Context* context) && {
     // Radii grow with the gaps, so neighbours are looked up anew whenever half are gone.
     while (left_ > 0) {
-      const std::size_t target = left_ / 2;
-      begin_level(target, context);
-      while (left_ > target) {
-        if (context && left_ % kGrain == 0) report(*context);
-        remove(next());
-      }
+      const std::size_t first = left_, target = left_ / 2;
+      Stretch level(context, progress_at(first), progress_at(target));
+      Stretch linking(level.context(), 0.0, kLinked), removing(level.context(), kLinked, 1.0);
+      begin_level(target, linking.context());
+      for (; left_ > target; remove(next()))
+        report_at(removing.context(), first - left_, first - target, kGrain);
     }
     return std::move(ranks_);
   }
@@ -160,19 +180,26 @@ class Elimination {
   };
 
   /// Each half that goes takes half as long as the one before.
-  void report(Context& context) const {
-    context.check();
-    context.advance(1.0 - static_cast<double>(left_) / static_cast<double>(alive_.size()));
+  [[nodiscard]] double progress_at(std::size_t left) const {
+    return 1.0 - (1.0 - kSpaced) * static_cast<double>(left) / static_cast<double>(alive_.size());
   }
 
-  void begin_level(std::size_t target, const Context* context) {
+  void begin_level(std::size_t target, Context* context) {
     const double share =
         static_cast<double>(std::max<std::size_t>(target, 1)) / static_cast<double>(alive_.size());
     links_.assign(alive_.size(), {});
-    for (const Layer& layer : layers_) layer.link(alive_, share, links_, context);
+    std::size_t sets = 0, done = 0;
+    for (const Layer& layer : layers_) sets += layer.size();
+    for (const Layer& layer : layers_) {
+      const std::size_t before = std::exchange(done, done + layer.size());
+      Stretch step(context, static_cast<double>(before) / static_cast<double>(sets),
+                   static_cast<double>(done) / static_cast<double>(sets));
+      layer.link(alive_, share, links_, step.context());
+    }
     weights_.assign(alive_.size(), 0.0);
     queues_.assign(layers_.size() > 1 ? layers_.size() - 1 : 1, {});
     for (std::size_t k = 0; k < alive_.size(); ++k) {
+      check_at(context, k);
       if (!alive_[k]) continue;
       for (const Link& one : links_[k]) weights_[k] += one.weight;
       enter(static_cast<std::int32_t>(k));

@@ -10,6 +10,7 @@
 
 #include "base/hexagonal.hpp"
 #include "base/morton.hpp"
+#include "base/progress.hpp"
 #include "base/random.hpp"
 #include "base/tangent_basis.hpp"
 #include "optimize/objective.hpp"
@@ -21,9 +22,11 @@ namespace {
 constexpr std::ptrdiff_t kPatch = 8;  // sites that settle among themselves who goes
 // Of one sample: what a neighborhood may have too much or too little before that is mended.
 constexpr double kReluctance = 0.75;
-constexpr int kCandidates = 16;  // places that are tried for a new site ...
-constexpr double kAround = 0.9;  // ... within so many spacings of its host
-constexpr int kRounds = 40;      // each at most doubles or halves; the last one does the rest
+constexpr int kCandidates = 16;      // places that are tried for a new site ...
+constexpr double kAround = 0.9;      // ... within so many spacings of its host
+constexpr int kRounds = 40;          // each at most doubles or halves; the last one does the rest
+constexpr double kWork = 15.0;       // to put one in takes as long as so many cells
+constexpr std::size_t kGrain = 128;  // changes between two checks
 
 std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
 
@@ -61,6 +64,11 @@ std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   return result;
 }
 
+/// What changes take, in evaluations of one cell; those that take out are quick.
+double work_of(std::ptrdiff_t change) {
+  return change > 0 ? kWork * static_cast<double>(change) : -static_cast<double>(change);
+}
+
 /// What one round has changed.
 struct Passed {
   std::vector<bool> alive;  // per site
@@ -73,13 +81,14 @@ struct Passed {
 class Round {
  public:
   Round(const Surface& surface, const Domain& domain, const Sites& sites, std::size_t count,
-        bool limited, Random& random, const Context* context)
+        bool limited, Random& random, Context* context)
       : surface_(surface),
         domain_(domain),
         sites_(sites),
         count_(count),
         limited_(limited),
         random_(random),
+        context_(context),
         diagram_(domain.cells(sites, context)),
         fill_(sites.size(), 0.0),
         patch_(sites.size(), 0),
@@ -92,6 +101,12 @@ class Round {
     take_out();
     put_in();
     return std::move(passed_);
+  }
+
+  /// The share done of what this round and those after it have to do.
+  [[nodiscard]] double progress() const {
+    const auto cells = static_cast<double>(sites_.size());
+    return (cells + made_) / (cells + wanted_);
   }
 
  private:
@@ -184,6 +199,7 @@ class Round {
     const std::ptrdiff_t possible =
         limited_ ? std::clamp(change, half ? -((size + 1) / 2) : -size, size) : change;
     passed_.complete = passed_.complete && possible == change;
+    wanted_ += work_of(change);
     for (Place s = first; s != last; ++s) patch_[static_cast<std::size_t>(*s)] = changes_.size();
     changes_.push_back(possible);
   }
@@ -194,6 +210,7 @@ class Round {
     const std::int32_t face = surface_.ordered().original_face(ordered_face);
     const Sites first{{surface_.point(face, middle)}, {face}, {middle}};
     for (std::ptrdiff_t k = 0; k < (limited_ ? 1 : change); ++k) add(first, 0);
+    wanted_ += work_of(change);
     passed_.complete = passed_.complete && (!limited_ || change == 1);
   }
 
@@ -224,11 +241,19 @@ class Round {
     }
   }
 
+  void note(std::ptrdiff_t change) {
+    made_ += work_of(change);
+    if (!context_ || changed_++ % kGrain != 0) return;
+    context_->check();
+    context_->advance(progress());
+  }
+
   void take_out() {
     for (Queue waiting = queue(1); !waiting.empty();) {
       const std::size_t site = waiting.extract(waiting.begin()).value().second;
       if (changes_[patch_[site]] == 0) continue;
       ++changes_[patch_[site]];
+      note(-1);
       passed_.alive[site] = false;
       hand_out(site, fill_[site], 1, waiting);
     }
@@ -240,6 +265,7 @@ class Round {
       const std::size_t host = waiting.extract(waiting.begin()).value().second;
       if (changes_[patch_[host]] == 0) continue;
       --changes_[patch_[host]];
+      note(1);
       place_beside(host);
       fill_[host] -= 0.5;
       hand_out(host, -0.5, -1, waiting);
@@ -317,6 +343,7 @@ class Round {
   std::size_t count_;
   bool limited_;
   Random& random_;
+  Context* context_;
   RestrictedVoronoi diagram_;
   std::vector<std::int32_t> order_;    // sites by component, in each along a curve that fills space
   std::vector<std::int32_t> largest_;  // per component: the face with the most density
@@ -324,6 +351,8 @@ class Round {
   std::vector<std::size_t> patch_;     // per site
   std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
   std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
+  double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
+  std::size_t changed_ = 0;
   Passed passed_;
 };
 
@@ -353,15 +382,24 @@ void apply(const Passed& passed, Traced& now) {
 
 }  // namespace
 
+double rebalancing_work(std::size_t sites, std::size_t count) {
+  return static_cast<double>(sites) +
+         work_of(static_cast<std::ptrdiff_t>(count) - static_cast<std::ptrdiff_t>(sites));
+}
+
 Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                     std::size_t count, std::uint64_t seed, const Context* context) {
+                     std::size_t count, std::uint64_t seed, Context* context) {
   Random random(seed);
   Rebalanced result;
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
+  double done = 0.0;
   for (bool complete = false; !complete;) {
     const bool limited = ++result.evaluations < kRounds;
-    const Passed passed = Round(surface, domain, now.sites, count, limited, random, context).run();
+    Stretch left(context, done, 1.0);
+    Round round(surface, domain, now.sites, count, limited, random, left.context());
+    const Passed passed = round.run();
+    done += (1.0 - done) * round.progress();
     apply(passed, now);
     complete = passed.complete;
   }

@@ -12,6 +12,9 @@ struct Rebalanced {
   int evaluations = 0;            ///< of the cells
 };
 
+/// What it takes to come from one number of sites to another, in evaluations of one cell.
+[[nodiscard]] double rebalancing_work(std::size_t sites, std::size_t count);
+
 /// Take out sites and put in others, so that each neighborhood of a few sites has the number that
 /// its share of the density asks for. Whatever has to be made up over a longer distance is then
 /// made up, and an optimization moves no site far. Those with the smallest cells are taken out, far
@@ -20,6 +23,6 @@ struct Rebalanced {
 /// \param sites with barycentric coordinates; at least one \param count at least one
 /// \throw Cancelled
 [[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                                   std::size_t count, std::uint64_t seed, const Context* context);
+                                   std::size_t count, std::uint64_t seed, Context* context);
 
 }  // namespace dapple

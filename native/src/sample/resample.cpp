@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kSlack = 5e-4;  // of the normalised energy: as even to the eye, as in the tracker
 
-constexpr double kBegun = 0.15;  // of the progress: before the optimization
+// Of the progress: before the optimization, after a start from nothing ...
+constexpr double kStarted = 0.3;
+constexpr double kEvening = 24.0;  // ... else it takes as long as so many evaluations of each cell
 
 /// Where an optimization begins: those that stay, then the new ones.
 struct Beginning {
@@ -25,12 +27,12 @@ struct Beginning {
 };
 
 Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t seed,
-                     const Context* context) {
+                     Context* context) {
   return {bind_samples(surface, {}, {}), poisson_start(surface, count, seed, context)};
 }
 
 Beginning begin(const Surface& surface, const Domain& domain, const Samples& samples,
-                std::size_t count, std::uint64_t seed, const Context* context) {
+                std::size_t count, std::uint64_t seed, Context* context) {
   const Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
   if (all.size() == 0 || count == 0) return begin_anew(surface, count, seed, context);
   const Sites there{all.positions, all.faces, all.barycentric};
@@ -49,6 +51,13 @@ Beginning begin(const Surface& surface, const Domain& domain, const Samples& sam
   const Samples kept = bind_samples(surface, sites.faces, sites.barycentric, ids);
   for (std::size_t k = 0; k < found.fresh.size(); ++k) add(found.fresh, k);
   return {kept, std::move(sites), found.evaluations};
+}
+
+/// The share of the time before the optimization.
+double beginning(std::size_t sites, std::size_t count) {
+  if (sites == 0 || count == 0) return kStarted;
+  const double work = rebalancing_work(sites, count);
+  return work / (work + kEvening * static_cast<double>(count));
 }
 
 /// The largest id; samples without ids are numbered from 0.
@@ -77,12 +86,14 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
   check_none_locked("locked", options.locked, "all may move a little here");
   Samples result = with_threads(options.threads, [&] {
     const SurfaceDomain domain(surface, options.cells);
-    const Beginning first = begin(surface, domain, samples, count, options.seed, context);
+    const double begun = beginning(samples.size(), count);
+    Stretch starting(context, 0.0, begun), evening(context, begun, 1.0);
+    const Beginning first =
+        begin(surface, domain, samples, count, options.seed, starting.context());
     OptimizerOptions optimizer = options.optimizer;
     if (samples.report.energy > 0.0)
       optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kSlack);
     const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
-    Stretch evening(context, kBegun, 1.0);
     OptimizerResult found = optimize(domain, first.sites, optimizer, evening.context());
     found.evaluations += first.evaluations;
     Samples even = to_samples(surface, domain, std::move(found), ids);

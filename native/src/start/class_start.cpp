@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
+#include "base/progress.hpp"
 #include "start/darts.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -16,6 +18,7 @@ namespace {
 constexpr double kFirstRadius = 0.76;
 constexpr double kShrink = 0.96;
 constexpr std::size_t kPatience = 4;  // darts per wanted sample at one radius
+constexpr double kFillingTime = 4.0;  // filled to x takes as long as x to this power
 constexpr double kUnion = 0.85;       // distance to any class, in the spacing of all
 constexpr double kSizesYield = 0.4;   // fraction below which the things' own radii shrink too
 
@@ -58,20 +61,25 @@ struct ClassDarts {
 
 class Throwing {
  public:
-  Throwing(const ClassStarts& starts, const Context* context)
+  Throwing(const ClassStarts& starts, Context* context)
       : starts_(starts), context_(context), random_(starts.seed), any_(starts.period) {
-    std::size_t count = 0;
     for (const ClassStart& wanted : starts.classes) {
       classes_.emplace_back(wanted, starts.period);
-      count += wanted.count;
+      count_ += wanted.count;
     }
-    spacing_ = spacing_at_1(*starts.all, count);
+    spacing_ = spacing_at_1(*starts.all, count_);
     for (ClassDarts& members : classes_)
       for (const Dart& dart : members.darts) note(members, dart, kFirstRadius);
   }
 
   Sites run() {
-    for (const std::vector<ClassDarts*>& group : by_size()) fill(group);
+    double done = 0.0;
+    for (const std::vector<ClassDarts*>& group : by_size()) {
+      const double before = std::exchange(done, done + share_of(group));
+      Stretch filling(context_, before, std::min(done, 1.0));
+      fill(group, filling.context());
+    }
+    if (context_) context_->advance(1.0);
     Sites sites;
     for (const ClassDarts& members : classes_)
       for (const Dart& dart : members.darts) {
@@ -100,12 +108,30 @@ class Throwing {
     return groups;
   }
 
-  void fill(const std::vector<ClassDarts*>& group) {
+  [[nodiscard]] static std::size_t count_of(const std::vector<ClassDarts*>& group) {
     std::size_t count = 0;
     for (const ClassDarts* members : group) count += members->start->count;
+    return count;
+  }
+
+  [[nodiscard]] double share_of(const std::vector<ClassDarts*>& group) const {
+    return static_cast<double>(count_of(group)) / static_cast<double>(count_);
+  }
+
+  static void report(const std::vector<ClassDarts*>& group, std::size_t count, Context* context) {
+    if (!context) return;
+    context->check();
+    std::size_t there = 0;
+    for (const ClassDarts* members : group) there += members->darts.size();
+    context->advance(
+        std::pow(static_cast<double>(there) / static_cast<double>(count), kFillingTime));
+  }
+
+  void fill(const std::vector<ClassDarts*>& group, Context* context) {
+    const std::size_t count = count_of(group);
     for (double fraction = kFirstRadius;; fraction *= kShrink) {
       for (std::size_t thrown = 0; thrown < kPatience * count; ++thrown) {
-        if (context_ && thrown % 1024 == 0) context_->check();
+        if (thrown % 1024 == 0) report(group, count, context);
         ClassDarts* members = least_filled(group);
         if (!members) return;
         throw_one(*members, fraction);
@@ -162,11 +188,12 @@ class Throwing {
   [[nodiscard]] bool many() const { return classes_.size() > 1; }
 
   const ClassStarts& starts_;
-  const Context* context_;
+  Context* context_;
   Random random_;
   std::vector<ClassDarts> classes_;
   DartSet any_;  // of all classes
   double spacing_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace
@@ -190,7 +217,7 @@ Sites random_start(const ClassStarts& starts) {
   return sites;
 }
 
-Sites poisson_start(const ClassStarts& starts, const Context* context) {
+Sites poisson_start(const ClassStarts& starts, Context* context) {
   return Throwing(starts, context).run();
 }
 

@@ -30,6 +30,6 @@ struct ClassStarts {
 /// their radii from another thing. Larger things go first; of equal ones the dart is for the class
 /// that is least filled. r and r' shrink each time that too many darts are refused, in the end the
 /// things' radii too, until all fit. \throw Cancelled
-[[nodiscard]] Sites poisson_start(const ClassStarts& starts, const Context* context);
+[[nodiscard]] Sites poisson_start(const ClassStarts& starts, Context* context);
 
 }  // namespace dapple

@@ -12,7 +12,7 @@ Sites random_start(const Surface& surface, std::size_t count, std::uint64_t seed
 }
 
 Sites poisson_start(const Surface& surface, std::size_t count, std::uint64_t seed,
-                    const Context* context) {
+                    Context* context) {
   check_count("count", count);
   return poisson_start({{{&surface, count}}, &surface, 0.0, seed}, context);
 }

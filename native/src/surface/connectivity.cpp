@@ -7,11 +7,15 @@
 #include <unordered_map>
 
 #include "base/morton.hpp"
+#include "base/progress.hpp"
 #include "base/reorder.hpp"
 #include "surface/weld.hpp"
 
 namespace dapple {
 namespace {
+
+// Of the progress: what is done after each step.
+constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0.65, kWelded = 0.94;
 
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
@@ -19,10 +23,12 @@ struct HalfEdgeKey {
 };
 
 /// Link the half-edges of equal keys into rings, in the order of their faces.
-std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys) {
-  std::sort(keys.begin(), keys.end());
+std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, Context* context) {
+  sort_watched(keys, context);
   std::vector<std::int32_t> next(keys.size());
+  std::size_t rings = 0;
   for (std::size_t first = 0; first < keys.size();) {
+    check_at(context, rings++);
     std::size_t last = first;
     while (last + 1 < keys.size() && keys[last + 1].low == keys[first].low &&
            keys[last + 1].high == keys[first].high)
@@ -35,21 +41,24 @@ std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys) {
 }
 
 /// Link the half-edges that share an (undirected) edge.
-std::vector<std::int32_t> link_edges(std::span<const Face> faces) {
+std::vector<std::int32_t> link_edges(std::span<const Face> faces, Context* context) {
   std::vector<HalfEdgeKey> keys;
   keys.reserve(3 * faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(context, f);
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
       keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
     }
-  return link_rings(std::move(keys));
+  }
+  return link_rings(std::move(keys), context);
 }
 
 /// Number the sets of faces connected over edges, in the order of their first faces.
-void find_components(Connectivity& mesh) {
+void find_components(Connectivity& mesh, const Context* context) {
   mesh.component.assign(mesh.faces.size(), -1);
   std::vector<std::int32_t> pending;
+  std::size_t seen = 0;
   const auto push = [&](std::int32_t face) {
     std::int32_t& component = mesh.component[static_cast<std::size_t>(face)];
     if (component >= 0) return;
@@ -63,6 +72,7 @@ void find_components(Connectivity& mesh) {
     if (mesh.component[start] >= 0) continue;
     push(static_cast<std::int32_t>(start));
     while (!pending.empty()) {
+      check_at(context, seen++);
       const std::int32_t face = pending.back();
       pending.pop_back();
       for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
@@ -89,38 +99,45 @@ double diagonal_of(std::span<const Vec3> vertices) {
 }
 
 /// Link the edges, those at the same place too where `weld` asks for it.
-void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivity& mesh) {
+void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivity& mesh,
+          Context* context) {
+  Stretch linking(context, kFacesOrdered, kEdgesLinked), welding(context, kEdgesLinked, kWelded);
   mesh.weld = weld;
-  mesh.next_around_edge = link_edges(mesh.faces);
+  mesh.next_around_edge = link_edges(mesh.faces, linking.context());
   mesh.welded_vertex.resize(vertices.size());
   std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
   const double tolerance = weld ? *weld * diagonal_of(vertices) : 0.0;
   if (weld && std::isfinite(tolerance))  // if not, the area is not finite either
     mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), tolerance, mesh.faces,
-                                      mesh.next_around_edge);
+                                      mesh.next_around_edge, welding.context());
 }
 
 /// Link the edges that the caller knows to be one.
 void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
-          Connectivity& mesh) {
+          Connectivity& mesh, Context* context) {
+  Stretch linking(context, kFacesOrdered, kEdgesLinked);
   std::vector<HalfEdgeKey> keys;
   for (std::size_t h = 0; h < edges.size(); ++h) {
     const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
     const std::int32_t edge = edges[3 * face + h % 3];
     keys.push_back({edge, edge, static_cast<std::int32_t>(h)});
   }
-  mesh.next_around_edge = link_rings(std::move(keys));
+  mesh.next_around_edge = link_rings(std::move(keys), linking.context());
   const std::vector<std::int32_t> place_of = gather(places, mesh.original_vertex);
   std::unordered_map<std::int32_t, std::int32_t> lowest;
-  for (std::size_t v = 0; v < place_of.size(); ++v)
+  for (std::size_t v = 0; v < place_of.size(); ++v) {
+    check_at(context, v);
     mesh.welded_vertex.push_back(
         lowest.try_emplace(place_of[v], static_cast<std::int32_t>(v)).first->second);
+  }
 }
 
 /// All but the links.
-Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face> faces) {
+Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face> faces,
+                           Context* context) {
   Connectivity result;
-  result.original_vertex = morton_order(vertices);
+  Stretch first(context, 0.0, kVerticesOrdered), second(context, kVerticesOrdered, kFacesOrdered);
+  result.original_vertex = morton_order(vertices, first.context());
   const std::vector<std::int32_t> ordered_vertex = invert(result.original_vertex);
   std::vector<Vec3> centroids(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -129,7 +146,7 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
     };
     centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
   }
-  result.original_face = morton_order(centroids);
+  result.original_face = morton_order(centroids, second.context());
   result.ordered_face = invert(result.original_face);
   result.faces.reserve(faces.size());
   for (const std::int32_t f : result.original_face) {
@@ -145,18 +162,21 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
 }  // namespace
 
 Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                     std::optional<double> weld) {
-  Connectivity result = ordered_faces(vertices, faces);
-  link(vertices, weld, result);
-  find_components(result);
+                     std::optional<double> weld, Context* context) {
+  Connectivity result = ordered_faces(vertices, faces, context);
+  link(vertices, weld, result, context);
+  if (context) context->advance(kWelded);
+  find_components(result, context);
   return result;
 }
 
 Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                     std::span<const std::int32_t> edges, std::span<const std::int32_t> places) {
-  Connectivity result = ordered_faces(vertices, faces);
-  link(edges, places, result);
-  find_components(result);
+                     std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
+                     Context* context) {
+  Connectivity result = ordered_faces(vertices, faces, context);
+  link(edges, places, result, context);
+  if (context) context->advance(kWelded);
+  find_components(result, context);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <optional>
 #include <span>
@@ -24,15 +25,16 @@ struct Connectivity {
 
 /// Connect faces over edges of the same vertices and, where `weld` asks for it, over border edges
 /// at the same place (see SurfaceOptions::weld).
-/// \pre the faces' vertices are there
+/// \pre the faces' vertices are there. \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                                   std::optional<double> weld);
+                                   std::optional<double> weld, Context* context = nullptr);
 
 /// Connect faces over the edges that the caller knows to be one (see Joints).
 /// \param edges per face three. \param places per vertex
-/// \pre the faces' vertices are there, and the lengths fit
+/// \pre the faces' vertices are there, and the lengths fit. \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::span<const std::int32_t> edges,
-                                   std::span<const std::int32_t> places);
+                                   std::span<const std::int32_t> places,
+                                   Context* context = nullptr);
 
 }  // namespace dapple

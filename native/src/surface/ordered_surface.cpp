@@ -7,6 +7,7 @@
 
 #include "base/density_unit.hpp"
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/reorder.hpp"
 #include "surface/integrate.hpp"
 
@@ -16,7 +17,8 @@ namespace {
 // A face thinner than this against its longest edge has no usable normal; it counts as having no
 // area.
 constexpr double kDegenerate = 1e-14;
-constexpr std::size_t kGrain = 4096;  // faces a chunk
+constexpr std::size_t kGrain = 4096;              // faces a chunk
+constexpr double kPlaced = 0.3, kMeasured = 0.9;  // of the progress
 
 /// Geometry of the triangle x with the density f at its corners.
 FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
@@ -50,41 +52,46 @@ DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
 }
 
 OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity,
-                               const Density& density)
+                               const Density& density, Context* context)
     : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
   vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
-  *this = with_density(density);
+  *this = with_density(density, context);
 }
 
-OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices) const {
+OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context* context) const {
   OrderedSurface result = *this;
   result.vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
-  result.measure();
+  Stretch measuring(context, kPlaced, kMeasured);
+  result.measure(measuring.context());
   return result;
 }
 
-OrderedSurface OrderedSurface::with_density(const Density& density) const {
+OrderedSurface OrderedSurface::with_density(const Density& density, Context* context) const {
   OrderedSurface result = *this;
   const auto [order, width] = density_layout(*connectivity_, density.at);
   result.density_ =
       std::make_shared<const Values>(Values{density.at, gather(density.values, order, width)});
-  result.measure();
+  Stretch measuring(context, kPlaced, kMeasured);
+  result.measure(measuring.context());
   return result;
 }
 
-void OrderedSurface::measure() {
+void OrderedSurface::measure(Context* context) {
   auto result = std::make_shared<Geometry>();
   const double unit = result->density_unit = find_density_unit();
   result->faces.resize(face_count());
+  Tally tally(context, result->faces.size());
   parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    tally.check();
     for (std::size_t f = begin; f < end; ++f) {
       const auto face = static_cast<std::int32_t>(f);
       const auto [a, b, c] = corners(face);
       result->faces[f] = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face),
                                       density_->values.empty());
     }
+    tally.add(end - begin);
   });
   for (const FaceGeometry& face : result->faces) {
     result->area += face.moments.area;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/density.hpp>
 #include <dapple/moments.hpp>
 #include <memory>
@@ -22,13 +23,16 @@ struct FaceGeometry {
 class OrderedSurface {
  public:
   /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
-  /// not finite
-  OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density);
+  /// not finite; Cancelled
+  OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density,
+                 Context* context = nullptr);
 
   /// The same with moved vertices, or another density (both in the caller's order).
   /// \pre as many as before. \throw SurfaceError as the constructor
-  [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices) const;
-  [[nodiscard]] OrderedSurface with_density(const Density& density) const;
+  [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices,
+                                        Context* context = nullptr) const;
+  [[nodiscard]] OrderedSurface with_density(const Density& density,
+                                            Context* context = nullptr) const;
 
   [[nodiscard]] std::size_t vertex_count() const { return vertices_->size(); }
   [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
@@ -95,7 +99,7 @@ class OrderedSurface {
     double density_unit = 1.0;
   };
 
-  void measure();
+  void measure(Context* context);
   [[nodiscard]] double find_density_unit() const;
   static void check(const Geometry& geometry);
 

@@ -5,6 +5,7 @@
 
 #include "base/hexagonal.hpp"
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/reorder.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
@@ -13,6 +14,7 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // faces a chunk
+constexpr double kConnected = 0.85;   // of the progress: only the faces are left to be measured
 
 void check_sizes(std::size_t vertices, std::size_t faces) {
   if (faces > kMostSurfaceFaces)
@@ -132,36 +134,45 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
     : Surface(vertices, faces, Density{DensityAt::kVertices, density}) {}
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
-                 const Density& density, const SurfaceOptions& options) {
+                 const Density& density, const SurfaceOptions& options, Context* context) {
   check_mesh(vertices, faces, density);
   if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
+  Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   ordered_ = std::make_shared<const OrderedSurface>(
-      vertices, connect(vertices, faces, options.weld), density);
+      vertices, connect(vertices, faces, options.weld, connecting.context()), density,
+      measuring.context());
+  if (context) context->advance(1.0);
 }
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
-                 const Density& density, const Joints& joints) {
+                 const Density& density, const Joints& joints, Context* context) {
   check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
+  Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   ordered_ = std::make_shared<const OrderedSurface>(
-      vertices, connect(vertices, faces, joints.edges, joints.places), density);
+      vertices, connect(vertices, faces, joints.edges, joints.places, connecting.context()),
+      density, measuring.context());
+  if (context) context->advance(1.0);
 }
 
-Surface Surface::deformed(std::span<const Vec3> vertices) const {
+Surface Surface::deformed(std::span<const Vec3> vertices, Context* context) const {
   if (vertices.size() != vertex_count())
     throw SurfaceError("vertices has " + std::to_string(vertices.size()) +
                        " rows; the surface has " + std::to_string(vertex_count()) +
                        " vertices, and deforming keeps their number");
   check_finite<SurfaceError>("vertices", vertices);
   Surface result = *this;
-  result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->deformed(vertices));
+  result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->deformed(vertices, context));
+  if (context) context->advance(1.0);
   return result;
 }
 
-Surface Surface::with_density(const Density& density) const {
+Surface Surface::with_density(const Density& density, Context* context) const {
   check_density(density, vertex_count(), face_count());
   Surface result = *this;
-  result.ordered_ = std::make_shared<const OrderedSurface>(ordered_->with_density(density));
+  result.ordered_ =
+      std::make_shared<const OrderedSurface>(ordered_->with_density(density, context));
+  if (context) context->advance(1.0);
   return result;
 }
 

@@ -11,6 +11,8 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "base/progress.hpp"
+
 namespace dapple {
 namespace {
 
@@ -19,6 +21,9 @@ constexpr double kFlat = 1e-9;      // height of a face over its side: it has no
 constexpr double kCell =
     64.0;  // side of the grid's cells, in tolerances: few points are near a side
 constexpr double kFinest = 1e-9;  // of the extent: side of the cells where the tolerance is 0
+
+// Of the progress.
+constexpr double kBordersSettled = 0.35, kSettled = 0.4, kSidesFound = 0.7;
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
@@ -99,8 +104,12 @@ struct Side {
 class Welder {
  public:
   Welder(std::span<const Vec3> vertices, double tolerance, std::span<const Face> faces,
-         std::vector<std::int32_t>& next_around)
-      : vertices_(vertices), faces_(faces), next_around_(next_around), welded_(vertices.size()) {
+         std::vector<std::int32_t>& next_around, Context* context)
+      : vertices_(vertices),
+        faces_(faces),
+        next_around_(next_around),
+        context_(context),
+        welded_(vertices.size()) {
     std::iota(welded_.begin(), welded_.end(), 0);
     border_ = border_vertices();
     if (std::find(border_.begin(), border_.end(), true) != border_.end()) find_places(tolerance);
@@ -108,7 +117,12 @@ class Welder {
 
   std::vector<std::int32_t> run() {
     std::vector<Side> sides = crowded_sides();
+    Stretch connecting(context_, kSidesFound, 1.0);
+    std::size_t edges = 0;
     for (auto first = sides.begin(); first != sides.end();) {
+      if (edges++ % 1024 == 0)
+        report_at(connecting.context(), static_cast<std::size_t>(first - sides.begin()),
+                  sides.size(), 1);
       const auto last = std::find_if(first, sides.end(), [&](const Side& side) {
         return side.low != first->low || side.high != first->high;
       });
@@ -137,8 +151,10 @@ class Welder {
 
   [[nodiscard]] std::vector<bool> border_vertices() const {
     std::vector<bool> result(vertices_.size(), false);
-    for (std::int32_t h = 0; h < half_edges(); ++h)
+    for (std::int32_t h = 0; h < half_edges(); ++h) {
+      check_at(context_, as_size(h));
       if (is_border(h)) result[as_size(start(h))] = result[as_size(end(h))] = true;
+    }
     return result;
   }
 
@@ -147,8 +163,10 @@ class Welder {
     Places places(vertices_, tolerance);
     places_.resize(vertices_.size());
     std::iota(places_.begin(), places_.end(), 0);
-    const auto settle = [&](bool at_border) {
+    const auto settle = [&](bool at_border, double from, double to) {
+      Stretch settling(context_, from, to);
       for (std::size_t v = 0; v < places_.size(); ++v) {
+        report_at(settling.context(), v, places_.size());
         if (border_[v] != at_border) continue;
         const std::int32_t found = places.find(vertices_[v]);
         if (found >= 0)
@@ -157,8 +175,8 @@ class Welder {
           places.add(static_cast<std::int32_t>(v));
       }
     };
-    settle(true);
-    settle(false);
+    settle(true, 0.0, kBordersSettled);
+    settle(false, kBordersSettled, kSettled);
   }
 
   /// The half-edges of edges between places where a border edge has company, sorted by edge.
@@ -169,11 +187,13 @@ class Welder {
     for (std::size_t v = 0; v < border_.size(); ++v)
       if (border_[v]) at_border[as_size(places_[v])] = true;
     for (std::int32_t h = 0; h < half_edges(); ++h) {
+      check_at(context_, as_size(h));
       const std::int32_t a = places_[as_size(start(h))], b = places_[as_size(end(h))];
       if (a != b && at_border[as_size(a)] && at_border[as_size(b)])
         sides.push_back({std::min(a, b), std::max(a, b), h, a < b, is_border(h)});
     }
-    std::sort(sides.begin(), sides.end());
+    Stretch sorting(context_, kSettled, kSidesFound);
+    sort_watched(sides, sorting.context());
     return sides;
   }
 
@@ -289,6 +309,7 @@ class Welder {
   std::span<const Vec3> vertices_;
   std::span<const Face> faces_;
   std::vector<std::int32_t>& next_around_;
+  Context* context_;
   std::vector<std::int32_t> welded_;  // towards the lowest vertex of each set
   std::vector<bool> border_;          // per vertex
   std::vector<std::int32_t> places_;  // per vertex; empty without any border
@@ -298,8 +319,8 @@ class Welder {
 
 std::vector<std::int32_t> weld_borders(std::span<const Vec3> vertices, double tolerance,
                                        std::span<const Face> faces,
-                                       std::vector<std::int32_t>& next_around) {
-  return Welder(vertices, tolerance, faces, next_around).run();
+                                       std::vector<std::int32_t>& next_around, Context* context) {
+  return Welder(vertices, tolerance, faces, next_around, context).run();
 }
 
 }  // namespace dapple

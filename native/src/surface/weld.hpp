@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <span>
 
@@ -18,6 +19,7 @@ namespace dapple {
 /// \return per vertex the lowest one that it hangs together with
 [[nodiscard]] std::vector<std::int32_t> weld_borders(std::span<const Vec3> vertices,
                                                      double tolerance, std::span<const Face> faces,
-                                                     std::vector<std::int32_t>& next_around);
+                                                     std::vector<std::int32_t>& next_around,
+                                                     Context* context = nullptr);
 
 }  // namespace dapple

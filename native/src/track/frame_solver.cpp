@@ -90,7 +90,8 @@ Sites carried(const Surface& surface, Sites sites) {
 }
 
 FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
-                         const TrackerOptions& options, std::vector<SampleClass> classes)
+                         const TrackerOptions& options, std::vector<SampleClass> classes,
+                         const Context* context)
     : options_(options),
       classes_(counted(std::move(classes), samples.classes)),
       ids_(samples.ids),
@@ -99,7 +100,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   check(options);
   const Frame frame(surface, classes_, class_of_, options_);
   const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
-  const State state = evaluate(frame.objective, first_, no_gaps, nullptr);
+  const State state = evaluate(frame.objective, first_, no_gaps, context);
   target_energy_ = normalised_energy(frame.objective, state);
   restoration_.cvt = normalised_cvt(frame.objective, state);
   restoration_.first_spread = capacity_spread(frame.objective, state);

@@ -18,9 +18,10 @@ namespace dapple {
 /// Brings the samples of one body, frame by frame, back to the evenness of its first frame.
 class FrameSolver {
  public:
-  /// \throw ArgumentError for options out of range, or samples of a class that is not given
+  /// \throw ArgumentError for options out of range, or samples of a class that is not given;
+  /// Cancelled
   FrameSolver(const Surface& surface, const Samples& samples, const TrackerOptions& options,
-              std::vector<SampleClass> classes);
+              std::vector<SampleClass> classes, const Context* context);
 
   /// Moves back towards the first frame's pattern; see PatternMemory.
   /// \param before the sites on the last frame

@@ -25,8 +25,9 @@ void check_wanted(double wanted, std::size_t now) {
 
 }  // namespace
 
-Population::Population(Surface surface, Samples samples, PopulationOptions options)
-    : tracker_(std::move(surface), std::move(samples), options.tracker),
+Population::Population(Surface surface, Samples samples, PopulationOptions options,
+                       Context* context)
+    : tracker_(std::move(surface), std::move(samples), options.tracker, {}, context),
       options_(options),
       next_id_(0) {
   check_at_least("fade", options.fade, 1);

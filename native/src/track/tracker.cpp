@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kMostParts = 16;   // of a frame
 constexpr double kStill = 1e-9;  // motion that rounding alone makes, relative to the size
+constexpr double kBound = 0.2;   // of the progress of a new tracker: the samples are bound
 constexpr double kHeld = 0.9;    // of the longest slide: a sample so far was held back by it
 
 int part_count(const Motion& motion, double longest) {
@@ -44,14 +45,20 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
 }  // namespace
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
-                 std::vector<SampleClass> classes)
+                 std::vector<SampleClass> classes, Context* context)
     : surface_(std::move(surface)),
       samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids,
                             samples.classes)) {
   samples_.report = samples.report;
+  if (context) {
+    context->check();
+    context->advance(kBound);
+  }
   with_threads(options.threads, [&] {
-    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes));
+    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes),
+                                                  context);
   });
+  if (context) context->advance(1.0);
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {

@@ -24,7 +24,7 @@ class Window {
         solver_(
             surface,
             bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes),
-            options.tracker, {}) {}
+            options.tracker, {}, context) {}
 
   std::vector<Samples> solve(const Samples& samples) {
     const int closing = options_.closed ? 2 : 0;  // the pass backwards, and the way over to it
@@ -46,7 +46,8 @@ class Window {
   std::vector<Samples> pass(const Samples& samples, bool forwards) {
     TrackerOptions options = options_.tracker;
     options.optimizer.stickiness = 0.0;
-    Tracker tracker(first_, samples, options);
+    Stretch beginning(context_, 0.0, 0.0);
+    Tracker tracker(first_, samples, options, {}, beginning.context());
     std::vector<Samples> result(count());
     result[0] = tracker.samples();
     for (std::size_t k = 1; k < count(); ++k) {
