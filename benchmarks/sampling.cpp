@@ -11,7 +11,7 @@
 #include <utility>
 
 // Run: build/release/benchmarks/dapple_benchmarks
-// The figure to watch: whole_optimisation, 2,000 samples on 81,920 faces at the paper's tolerance
+// The figure to watch: whole_optimization, 2,000 samples on 81,920 faces at the paper's tolerance
 // (the paper: 16 s).
 
 namespace {
@@ -101,14 +101,14 @@ void report(benchmark::State& state, const dapple::Report& r) {
   state.counters["capacity_spread"] = r.evenness.capacity_spread;
 }
 
-void whole_optimisation(benchmark::State& state) {
+void whole_optimization(benchmark::State& state) {
   const dapple::Surface surface = body(static_cast<int>(state.range(1)));
   dapple::Samples samples;
   for (auto _ : state) samples = dapple::sample(surface, static_cast<std::size_t>(state.range(0)));
   state.counters["faces"] = static_cast<double>(surface.face_count());
   report(state, samples.report);
 }
-BENCHMARK(whole_optimisation)
+BENCHMARK(whole_optimization)
     ->Args({2000, 6})
     ->Args({10000, 6})
     ->Unit(benchmark::kMillisecond)

@@ -24,7 +24,7 @@ else()
                          -Wno-sign-conversion -Werror -ffp-contract=off)
 endif()
 if(DAPPLE_SANITIZE)
-  # The sanitizers' own code makes GCC see uninitialised values where there are none.
+  # The sanitizers' own code makes GCC see uninitialized values where there are none.
   target_compile_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE} -fno-omit-frame-pointer
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE})

@@ -15,16 +15,16 @@ MANIFEST = "blender_manifest.toml"
 ASSETS = "dapple_nodes.blend"  # addon/blender/asset_library.py looks for it
 
 
-def describe(folder: str, version: str, *licences: str) -> None:
+def describe(folder: str, version: str, *licenses: str) -> None:
     """Write the .dist-info folder that makes the package in folder a wheel's contents.
 
-    pyproject.toml says what is in it. A licence /usr/share/doc/NAME/copyright becomes NAME.txt.
+    pyproject.toml says what is in it. A license /usr/share/doc/NAME/copyright becomes NAME.txt.
     """
     info = Path(folder, prepare_metadata_for_build_wheel(folder))
     if info.name != f"dapple3d-{version}.dist-info":
         raise SystemExit(f"the build is of version {version}, pyproject.toml describes {info.stem}")
     added = ""
-    for path in map(Path, licences):
+    for path in map(Path, licenses):
         name = f"{path.parent.name}.txt" if path.name == "copyright" else path.name
         (info / "licenses" / name).write_bytes(path.read_bytes())
         added += f"License-File: {name}\n"
@@ -59,7 +59,7 @@ def refuse_wheels(version: str, names: list[str]) -> None:
 
 
 def extension(folder: str, platform: str, version: str, assets: str, *wheels: str) -> None:
-    """Write the folder that Blender builds into a zip: the add-on, its licence, assets, wheels."""
+    """Write the folder that Blender builds into a zip: the add-on, its license, assets, wheels."""
     names = [Path(wheel).name for wheel in wheels]
     refuse_wheels(version, names)
     target = Path(folder)

@@ -30,7 +30,7 @@ export SOURCE_DATE_EPOCH=315532800 # the first day that a zip can hold, so that 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Packages whose code is in the module or beside it: their licences travel along.
+# Packages whose code is in the module or beside it: their licenses travel along.
 bundled=(libboost-dev libcgal-dev libeigen3-dev libembree-dev libgmp10 libnanoflann-dev libopenmesh-dev libtbb-dev
   pybind11-dev)
 
@@ -43,10 +43,10 @@ stage_files() {
 }
 
 build_wheel() {
-  local licences=() name
-  for name in "${bundled[@]}"; do licences+=("/usr/share/doc/$name/copyright"); done
+  local licenses=() name
+  for name in "${bundled[@]}"; do licenses+=("/usr/share/doc/$name/copyright"); done
   mkdir "$work/linux" &&
-    "$python" scripts/package.py describe "$work/tree" "$version" "${licences[@]}" &&
+    "$python" scripts/package.py describe "$work/tree" "$version" "${licenses[@]}" &&
     wheel pack "$work/tree" --dest-dir "$work/linux" &&
     auditwheel repair --wheel-dir "$work/wheels" "$work"/linux/*.whl
 }
@@ -71,7 +71,7 @@ check_wheel() {
 }
 
 # Blender reads files of newer versions badly or not at all: the oldest one here writes. A Python that has imported bpy
-# hands its children OCIO, the colours of a newer Blender.
+# hands its children OCIO, the colors of a newer Blender.
 build_assets() {
   local command=("$python" scripts/assets.py)
   [ "$(system_name)" != debian-13 ] ||

@@ -132,7 +132,7 @@ def _clear_after_text(result: bytearray, block: _Block) -> None:
 
 
 def _clear_asset(result: bytearray, block: _Block, structures: "_Structures") -> None:
-    """Bytes that Blender never set: the catalogue's name, which it knows by its UUID, and gaps."""
+    """Bytes that Blender never set: the catalog's name, which it knows by its UUID, and gaps."""
     for name, _, begin, end in structures.members(block.structure):
         if name.startswith(("catalog_simple_name", "_pad")):
             result[block.start + begin : block.start + end] = bytes(end - begin)

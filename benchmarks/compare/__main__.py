@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares ways to optimise over real meshes; prints Markdown tables, progress on stderr.
+"""Compares ways to optimize over real meshes; prints Markdown tables, progress on stderr.
 
 Run through benchmarks/compare/run.sh, which sets everything up first.
 """
@@ -47,7 +47,7 @@ class Runs:
 def energies_at(
     runs: Runs, case: Case, method: str, given: argparse.Namespace
 ) -> list[list[float]]:
-    """The normalised energy without the gap: per number of evaluations, per seed."""
+    """The normalized energy without the gap: per number of evaluations, per seed."""
     return [
         [
             runs.sample(
@@ -237,7 +237,7 @@ def arguments() -> argparse.Namespace:
     kind.add_argument("--gap-weights", type=float, nargs="+", default=[1.0])
     kind = add("converge", compare_convergence, [10_000], [1.0])
     kind.add_argument("--tolerance", type=float, default=1e-5)
-    kind.add_argument("--energy", type=float, default=0.1650, help="normalised, to be reached")
+    kind.add_argument("--energy", type=float, default=0.1650, help="normalized, to be reached")
     kind.add_argument("--gap-weights", type=float, nargs="+", default=[1.0])
     kind = add("components", compare_components, [2000], [1.0])
     kind.set_defaults(seeds=1)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from benchmarks.compare.tables import say
 from benchmarks.paper.drawing import (
-    CLASS_COLOURS,
+    CLASS_COLORS,
     Array,
     bare,
     draw_periodogram,
@@ -50,8 +50,8 @@ def names_of(counts: Sequence[int]) -> list[str]:
     return [*(f"class {k + 1} ({n:,})" for k, n in enumerate(counts)), f"all ({sum(counts):,})"]
 
 
-def draw_central(axes: Axes, points: Array, colours: str | list[str], title: str) -> None:
-    draw_points(axes, points, colours, size=4.0)
+def draw_central(axes: Axes, points: Array, colors: str | list[str], title: str) -> None:
+    draw_points(axes, points, colors, size=4.0)
     low, high = (1 - CENTRAL) / 2, (1 + CENTRAL) / 2
     axes.set(xlim=(low, high), ylim=(low, high))
     bare(axes, title)
@@ -68,10 +68,10 @@ def draw_sets(
     sets = [sets_of(run.positions, run.classes, count) for run in runs]
     names = names_of([len(points) for points in sets[0][:-1]])
     for k, name in enumerate(names):
-        colours: str | list[str] = (
-            CLASS_COLOURS[k] if k < count else [CLASS_COLOURS[c] for c in runs[0].classes]
+        colors: str | list[str] = (
+            CLASS_COLORS[k] if k < count else [CLASS_COLORS[c] for c in runs[0].classes]
         )
-        draw_central(axes[0][k], sets[0][k], colours, f"{title}: {name}")
+        draw_central(axes[0][k], sets[0][k], colors, f"{title}: {name}")
         spectrum = dapple.spectrum([one[k] for one in sets])
         draw_periodogram(axes[1][k], spectrum)
         draw_radial(axes[2][k], spectrum.radial, spectrum.frequency_unit)
@@ -154,7 +154,7 @@ def figure_13(setting: Setting) -> Plate:
     """Two classes on a surface: all, then each."""
     one = body(setting)
     counts = setting.size((600, 1200), (60, 120))
-    scene, colours = one.scene(), np.array([to_rgb(name) for name in CLASS_COLOURS])
+    scene, colors = one.scene(), np.array([to_rgb(name) for name in CLASS_COLORS])
     radius = 0.3 * one.surface.spacing(sum(counts))
     figure, axes = sheet(2, 3)
     reports = []
@@ -168,9 +168,7 @@ def figure_13(setting: Setting) -> Plate:
             ["all", "class 1", "class 2"],
             strict=True,
         ):
-            picture = scene.dots(
-                samples.positions[chosen], colours[samples.classes[chosen]], radius
-            )
+            picture = scene.dots(samples.positions[chosen], colors[samples.classes[chosen]], radius)
             show(place, picture, f"{way}: {name}")
         reports.append([samples.report])
     figure.savefig(setting.picture(13))

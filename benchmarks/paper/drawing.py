@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 INK, ACCENT, PALE = "#1f3a5f", "#c8553d", "#dfe7f1"
-CLASS_COLOURS = ["#c8553d", "#1f6fb2", "#3a8f4d"]
+CLASS_COLORS = ["#c8553d", "#1f6fb2", "#3a8f4d"]
 DPI = 110
 
 
-SIDES = {5: "#f2d7a0", 6: PALE, 7: "#b9d9c0"}  # of a cell; what has fewer or more is grey
+SIDES = {5: "#f2d7a0", 6: PALE, 7: "#b9d9c0"}  # of a cell; what has fewer or more is gray
 
 
 def sheet(
@@ -36,7 +36,7 @@ def sheet(
 
 def show(axes: Axes, picture: NDArray[np.uint8], title: str) -> None:
     """A picture without a frame."""
-    axes.imshow(picture, cmap="gray")  # the map counts for grey ones only
+    axes.imshow(picture, cmap="gray")  # the map counts for gray ones only
     axes.set_axis_off()
     axes.set_title(title, fontsize=9)
 
@@ -53,24 +53,22 @@ def periodic_images(points: Array) -> Array:
 
 
 def draw_cells(axes: Axes, points: Array) -> None:
-    """Sites and Voronoi cells of the unit torus, coloured by how many sides they have."""
+    """Sites and Voronoi cells of the unit torus, colored by how many sides they have."""
     found = Voronoi(periodic_images(points))
     regions = [found.regions[k] for k in found.point_region]
     polygons = [found.vertices[region] for region in regions if region and -1 not in region]
-    colours = [SIDES.get(len(polygon), "0.8") for polygon in polygons]
-    axes.add_collection(
-        PolyCollection(polygons, facecolors=colours, edgecolors=INK, linewidths=0.4)
-    )
+    colors = [SIDES.get(len(polygon), "0.8") for polygon in polygons]
+    axes.add_collection(PolyCollection(polygons, facecolors=colors, edgecolors=INK, linewidths=0.4))
     axes.scatter(points[:, 0], points[:, 1], s=3.0, color=INK, linewidths=0, zorder=3)
     axes.set(xlim=(0, 1), ylim=(0, 1))
 
 
 def draw_points(
-    axes: Axes, points: Array, colours: str | list[str] = INK, size: float = 0.0
+    axes: Axes, points: Array, colors: str | list[str] = INK, size: float = 0.0
 ) -> None:
     """Points of the unit square."""
     size = size or float(np.clip(2500.0 / max(len(points), 1), 0.3, 12.0))
-    axes.scatter(points[:, 0], points[:, 1], s=size, c=colours, linewidths=0)
+    axes.scatter(points[:, 0], points[:, 1], s=size, c=colors, linewidths=0)
     axes.set(xlim=(0, 1), ylim=(0, 1))
 
 

@@ -34,7 +34,7 @@ class Played:
 
     @property
     def energies(self) -> list[float]:
-        return [dapple.analyse(one.surface, one.samples).energy for one in self.steps]
+        return [dapple.analyze(one.surface, one.samples).energy for one in self.steps]
 
 
 def play(animation: Animation, count: int, frames: int, way: str) -> Played:
@@ -47,7 +47,7 @@ def play(animation: Animation, count: int, frames: int, way: str) -> Played:
 
 
 def identities(samples: dapple.Samples) -> Array:
-    """A colour (n, 3) for each sample, by its place on the first frame."""
+    """A color (n, 3) for each sample, by its place on the first frame."""
     at = samples.positions
     low, span = at.min(axis=0), np.maximum(np.ptp(at, axis=0), 1e-300)
     along = (at - low) / span
@@ -62,12 +62,12 @@ def draw(animation: Animation, played: dict[str, Played], setting: Setting) -> N
     frame = Frame.around(np.concatenate(list(surfaces.values())), eye)
     figure, axes = sheet(len(played), SHOWN, 3.2, 0.7)
     for line, (way, one) in zip(axes, played.items(), strict=True):
-        colours = identities(one.steps[0].samples)
+        colors = identities(one.steps[0].samples)
         for place, (k, vertices) in zip(line, surfaces.items(), strict=True):
             samples = one.steps[k].samples
             scene = Scene(vertices, animation.faces, eye, frame)
             radius = 0.33 * dapple.Surface(vertices, animation.faces).spacing(len(samples))
-            show(place, scene.dots(samples.positions, colours, radius), f"{way}, frame {k}")
+            show(place, scene.dots(samples.positions, colors, radius), f"{way}, frame {k}")
     figure.savefig(setting.picture(17))
 
 
@@ -102,14 +102,14 @@ def rows_17(count: int, played: list[Played]) -> list[Row]:
             "evaluations on each later frame: mean, least to most",
             "5-10 iterations",
             [f"{np.mean(n):.1f}, {min(n)}-{max(n)}" for n in (one.later for one in played)],
-            "The preset minimises every frame down to 1e-5, ours restores the first frame's "
+            "The preset minimizes every frame down to 1e-5, ours restores the first frame's "
             "evenness only; how far the paper's body moves in a frame is not told.",
         ),
         row(
-            "normalised energy, first to last frame",
+            "normalized energy, first to last frame",
             "not told",
             [f"{one.energies[0]:.4f} to {one.energies[-1]:.4f}" for one in played],
-            "A lattice has 0.1604: minimising on every frame goes towards it, ours is held near "
+            "A lattice has 0.1604: minimizing on every frame goes toward it, ours is held near "
             "the first frame's.",
         ),
     ]

@@ -13,7 +13,7 @@ from dapple3d import stippling
 from benchmarks.compare.tables import say
 from benchmarks.paper.drawing import Array, sheet, show
 from benchmarks.paper.setting import PICTURE_ONLY, Plate, Row, Setting, fastest, row
-from benchmarks.stipple.__main__ import COLOUR_DOTS, GREY_DOTS, astronaut
+from benchmarks.stipple.__main__ import COLOR_DOTS, GRAY_DOTS, astronaut
 from benchmarks.stipple.measure import Quality, quality
 
 ITERATIONS = 30  # of the paper's Fig. 14
@@ -45,7 +45,7 @@ def crop(drawn: Any, window: tuple[int, int, int, int], scale: float) -> Any:
 def figure_14(setting: Setting) -> Plate:
     """The camera in black dots, with the error diffusion that it starts from."""
     picture = skimage.data.camera() / 255.0
-    count = setting.size(GREY_DOTS, 1000)
+    count = setting.size(GRAY_DOTS, 1000)
     figure, axes = sheet(2, 4, 3.4)
     show(axes[0][0], skimage.data.camera(), "picture")
     say("fig. 14: start")
@@ -98,7 +98,7 @@ def rows_14(picture: Array, dots: list[stippling.Dots]) -> list[Row]:
 def figure_15(setting: Setting) -> Plate:
     """The astronaut in dots of seven inks: all of it, and its face."""
     picture = astronaut()
-    count = setting.size(COLOUR_DOTS, 7000)
+    count = setting.size(COLOR_DOTS, 7000)
     figure, axes = sheet(2, 2, 4.2, 0.8)
     show(axes[0][0], (255 * picture + 0.5).astype("uint8"), "picture")
     show(axes[1][0], crop((255 * picture + 0.5).astype("uint8"), WINDOW, 1), "her face")

@@ -25,7 +25,7 @@ gap, tolerance 1e-5. *Our default* is what `sample` and its kin do without optio
 the text of the paper gives no number, and what its picture shows is not measured. lambda is 30
 where nothing else is said.
 
-alpha is the distance to the nearest neighbour, 1 for perfect hexagons (alpha min: the normalised
+alpha is the distance to the nearest neighbor, 1 for perfect hexagons (alpha min: the normalized
 Poisson-disk radius); the spread is the standard deviation of the capacities over their mean; psi6
 is 1 for a hexagonal lattice and 0.37 for white noise. The times of the paper are from a 3.16 GHz
 Xeon of its day, on one thread; those of other methods are quoted from it, not run. Times on

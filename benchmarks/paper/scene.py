@@ -25,7 +25,7 @@ LINE = np.array([0.16, 0.18, 0.24])
 
 
 def view(up: str, azimuth: float, elevation: float) -> Array:
-    """Rows (3, 3): right, up and towards the eye. Angles in degrees.
+    """Rows (3, 3): right, up and toward the eye. Angles in degrees.
 
     At azimuth 0 the eye is at z where y is up, and at -y where z is up.
     """
@@ -80,23 +80,23 @@ class Scene:
         self.places = self._blend(vertices)  # (hits, 3): of the pixels that show the surface
         self._shade = self._shading()
 
-    def cells(self, sites: Array, colours: Array | None = None) -> Picture:
-        """Cells of sites (n, 3), outlined; colours (n, 3) in 0..1."""
+    def cells(self, sites: Array, colors: Array | None = None) -> Picture:
+        """Cells of sites (n, 3), outlined; colors (n, 3) in 0..1."""
         _, owner = cKDTree(sites).query(self.places)
-        base = STONE if colours is None else colours[owner]
+        base = STONE if colors is None else colors[owner]
         return self._finish(self._outlined(self._paint(base), owner))
 
-    def dots(self, sites: Array, colours: Array, radii: float | Array) -> Picture:
-        """Round dots at sites (n, 3); colours (n, 3) in 0..1, radii in the unit of the mesh."""
+    def dots(self, sites: Array, colors: Array, radii: float | Array) -> Picture:
+        """Round dots at sites (n, 3); colors (n, 3) in 0..1, radii in the unit of the mesh."""
         away, owner = cKDTree(sites).query(self.places)
         inside = away < np.broadcast_to(radii, len(sites))[owner]
-        return self._finish(self._paint(np.where(inside[:, None], colours[owner], STONE)))
+        return self._finish(self._paint(np.where(inside[:, None], colors[owner], STONE)))
 
-    def values(self, values: Array, colour_map: str = "viridis") -> Picture:
+    def values(self, values: Array, color_map: str = "viridis") -> Picture:
         """Values (v,) at the vertices, from their least to their largest."""
         span = max(float(np.ptp(values)), 1e-300)
         at = (self._blend(values[:, None])[:, 0] - values.min()) / span
-        return self._finish(self._paint(colormaps[colour_map](at)[:, :3]))
+        return self._finish(self._paint(colormaps[color_map](at)[:, :3]))
 
     def _draw_faces(self, columns: int, rows: int) -> NDArray[np.int64]:
         """The face in front at each pixel, or -1: painted from the farthest to the nearest."""
@@ -135,10 +135,10 @@ class Scene:
         smooth *= np.where(smooth[:, 2:] < 0, -1, 1)
         return np.asarray(0.45 + 0.6 * np.clip(smooth @ LIGHT, 0, 1))
 
-    def _paint(self, colours: Array) -> Array:
-        """White paper with shaded colours (hits, 3) or (3,) on the surface."""
+    def _paint(self, colors: Array) -> Array:
+        """White paper with shaded colors (hits, 3) or (3,) on the surface."""
         paper = np.ones((*self._hit.shape, 3))
-        paper[self._hit] = np.clip(colours * self._shade[:, None], 0, 1)
+        paper[self._hit] = np.clip(colors * self._shade[:, None], 0, 1)
         return paper
 
     def _outlined(self, paper: Array, owner: NDArray[np.int64]) -> Array:

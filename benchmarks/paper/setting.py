@@ -19,7 +19,7 @@ PRESET: dict[str, Any] = {**dapple.PAPER, "max_evaluations": 5000}
 DEFAULT: dict[str, Any] = {"max_evaluations": 5000}
 WAYS: dict[str, dict[str, Any]] = {"the paper's preset": PRESET, "our default": DEFAULT}
 
-# The library always minimises the CVT term too; from 1e3 on results hardly change any more.
+# The library always minimizes the CVT term too; from 1e3 on results hardly change any more.
 CAPVT = 1e6
 ENERGIES: dict[str, float] = {"CVT": 0.0, "CapVT": CAPVT, "CapCVT": 30.0}
 PICTURE_ONLY = "picture only"

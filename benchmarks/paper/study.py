@@ -67,7 +67,7 @@ def draw_alphas(axes: Axes, curves: list[Curve]) -> None:
     styles = zip(
         curves, ("o-", "s-", "^-", "D--"), (INK, "#4a7ab5", "#9bb8d9", ACCENT), strict=True
     )
-    for curve, style, colour in styles:
+    for curve, style, color in styles:
         weights = list(curve.alphas)
         middle = [curve.alpha(weight) for weight in weights]
         ends = [
@@ -79,7 +79,7 @@ def draw_alphas(axes: Axes, curves: list[Curve]) -> None:
             middle,
             yerr=ends,
             fmt=style,
-            color=colour,
+            color=color,
             markersize=4,
             linewidth=1,
             elinewidth=0.5,

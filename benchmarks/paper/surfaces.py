@@ -66,7 +66,7 @@ def runs_of(
 
 
 def mixed(count: int) -> Array:
-    """Pale colours (count, 3), neighbours in number being unlike."""
+    """Pale colors (count, 3), neighbors in number being unlike."""
     return PASTEL[np.arange(count) * 2 % len(PASTEL)]
 
 

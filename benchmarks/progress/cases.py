@@ -97,7 +97,7 @@ def _samplers(size: float) -> dict[str, Work]:
         "sample_planar, torus": lambda c: dapple.sample_planar(dapple.Torus(), n, context=c),
         "resample, fewer": lambda c: dapple.resample(surface, samples, int(0.9 * n), context=c),
         "resample, many more": lambda c: dapple.resample(surface, samples, 4 * n, context=c),
-        "stipple, grey": lambda c: dapple.stippling.stipple(picture[..., 0], n, context=c),
+        "stipple, gray": lambda c: dapple.stippling.stipple(picture[..., 0], n, context=c),
         "stipple, color": lambda c: dapple.stippling.stipple(picture, n, context=c),
     }
 
@@ -180,8 +180,8 @@ def _large(size: float) -> dict[str, Work]:
         "Surface, loose faces": lambda c: dapple.Surface(soup, loose, context=c),
         "Surface.deformed": lambda c: surface.deformed(points, context=c),
         "curvature_density": lambda c: dapple.curvature_density(surface, context=c),
-        "analyse": lambda c: dapple.analyse(surface, samples, context=c),
-        "analyse, points": lambda c: dapple.analyse(surface, at, context=c),
+        "analyze": lambda c: dapple.analyze(surface, samples, context=c),
+        "analyze, points": lambda c: dapple.analyze(surface, at, context=c),
         "energy": lambda c: dapple.energy(surface, at, on, context=c),
         "Tracker": lambda c: dapple.Tracker(surface, samples, context=c),
         "Population": lambda c: dapple.Population(surface, samples, context=c),

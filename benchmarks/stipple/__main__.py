@@ -28,8 +28,8 @@ from benchmarks.stipple.measure import (
     quality,
 )
 
-GREY_DOTS = 10_000
-COLOUR_DOTS = 280_000  # of Fig. 15
+GRAY_DOTS = 10_000
+COLOR_DOTS = 280_000  # of Fig. 15
 HEAD = ["picture", "method", "dots", "s", "evaluations", "PSNR", "SSIM", "PSNR drawn", "SSIM drawn"]
 Array = NDArray[np.float64]
 
@@ -51,13 +51,13 @@ def row(
     ]
 
 
-def grey(given: argparse.Namespace) -> list[list[str]]:
+def gray(given: argparse.Namespace) -> list[list[str]]:
     """10,000 dots for the 512 x 512 pixels of scikit-image's camera."""
     picture = skimage.data.camera() / 255.0
     rows = []
     for seed in range(given.seeds):
         say(f"camera, seed {seed}")
-        dots = dapple.stipple(picture, GREY_DOTS, seed=seed, threads=given.threads)
+        dots = dapple.stipple(picture, GRAY_DOTS, seed=seed, threads=given.threads)
         report = dots.report
         rows.append(
             row(
@@ -73,7 +73,7 @@ def grey(given: argparse.Namespace) -> list[list[str]]:
     ):
         say(f"camera, {name}")
         start = perf_counter()
-        positions = method(picture, GREY_DOTS)
+        positions = method(picture, GRAY_DOTS)
         seconds = perf_counter() - start
         rows.append(row("camera", name, len(positions), seconds, quality(picture, positions)))
     return rows
@@ -84,12 +84,12 @@ def astronaut() -> Array:
     return np.clip(resize(skimage.data.astronaut()[:384] / 255.0, (768, 1024), order=1), 0.0, 1.0)
 
 
-def colour(given: argparse.Namespace) -> list[list[str]]:
+def color(given: argparse.Namespace) -> list[list[str]]:
     picture = astronaut()
     rows = []
     for method, most in (("dapple", 200), ("its start: error diffusion", 1)):
         say(f"astronaut, {method}")
-        dots = dapple.stipple(picture, COLOUR_DOTS, max_evaluations=most, threads=given.threads)
+        dots = dapple.stipple(picture, COLOR_DOTS, max_evaluations=most, threads=given.threads)
         report = dots.report
         if method == "dapple":
             print_classes(dots)
@@ -107,7 +107,7 @@ def colour(given: argparse.Namespace) -> list[list[str]]:
 
 def print_classes(dots: stippling.Dots) -> None:
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-    print(f"Colour: {dots.report.seconds:.0f} s, at most {peak:.1f} GB of memory.\n")
+    print(f"Color: {dots.report.seconds:.0f} s, at most {peak:.1f} GB of memory.\n")
     sets = [*zip(dots.inks, dots.report.classes, strict=True), ("all", dots.report)]
     rows = [
         [name, f"{one.count:,}"]
@@ -119,17 +119,17 @@ def print_classes(dots: stippling.Dots) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks/stipple/run.sh", description=__doc__)
-    parser.add_argument("--only", choices=["grey", "colour"])
-    parser.add_argument("--seeds", type=int, default=3, help="of the grey picture, from 0 on")
+    parser.add_argument("--only", choices=["gray", "color"])
+    parser.add_argument("--seeds", type=int, default=3, help="of the gray picture, from 0 on")
     parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
     parser.add_argument("--pictures", type=Path, default=Path("build/stipple"), metavar="FOLDER")
     given = parser.parse_args()
     if given.seeds < 1:
         parser.error(f"--seeds {given.seeds}: at least one is needed")
     given.pictures.mkdir(parents=True, exist_ok=True)
-    rows = grey(given) if given.only != "colour" else []
-    if given.only != "grey":
-        rows += colour(given)
+    rows = gray(given) if given.only != "color" else []
+    if given.only != "gray":
+        rows += color(given)
     print(table(HEAD, rows))
 
 

@@ -21,7 +21,7 @@ SIGMA = 4.0  # pixels
 Array = NDArray[np.float64]
 
 # What an ink takes from red, green and blue light.
-TAKES = 1.0 - np.array([stippling.COLOURS[name] for name in stippling.INKS]) / 255.0
+TAKES = 1.0 - np.array([stippling.COLORS[name] for name in stippling.INKS]) / 255.0
 
 
 class Quality(NamedTuple):
@@ -30,7 +30,7 @@ class Quality(NamedTuple):
 
 
 def quality(picture: Array, positions: Array, classes: NDArray[np.int32] | None = None) -> Quality:
-    """Compare points with a picture in [0, 1]: grey, or red, green, blue with classes of INKS."""
+    """Compare points with a picture in [0, 1]: gray, or red, green, blue with classes of INKS."""
     darkness = 1.0 - picture
     if classes is None:
         return compare(darkness, darkness.sum() / len(positions) * spread(positions, picture.shape))
@@ -43,20 +43,20 @@ def quality(picture: Array, positions: Array, classes: NDArray[np.int32] | None 
 
 
 def compare(wanted: Array, found: Array) -> Quality:
-    """Blur both and compare; a third axis is colour."""
-    colour = 2 if wanted.ndim == 3 else None
+    """Blur both and compare; a third axis is color."""
+    color = 2 if wanted.ndim == 3 else None
     a, b = (
-        gaussian(image, SIGMA, mode="reflect", preserve_range=True, channel_axis=colour)
+        gaussian(image, SIGMA, mode="reflect", preserve_range=True, channel_axis=color)
         for image in (wanted, found)
     )
     return Quality(
         float(peak_signal_noise_ratio(a, b, data_range=1.0)),
-        float(structural_similarity(a, b, data_range=1.0, channel_axis=colour)),
+        float(structural_similarity(a, b, data_range=1.0, channel_axis=color)),
     )
 
 
 def spread(positions: Array, shape: tuple[int, ...]) -> Array:
-    """The number of points at each pixel, each shared by the four whose centres are around it."""
+    """The number of points at each pixel, each shared by the four whose centers are around it."""
     limit = np.array(shape[1::-1]) - 1.0
     at = np.clip(positions - 0.5, 0.0, limit)
     first = np.minimum(at.astype(int), np.maximum(limit - 1.0, 0.0).astype(int))

@@ -11,7 +11,7 @@ import dapple3d as dapple
 import numpy as np
 
 from benchmarks.tracking.implicit import Array
-from benchmarks.tracking.paper import minimise
+from benchmarks.tracking.paper import minimize
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Contender(Protocol):
 
 
 class Ride:
-    """The samples stay on their faces: nothing is optimised."""
+    """The samples stay on their faces: nothing is optimized."""
 
     def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
         self.surface, self.samples = surface, samples
@@ -43,7 +43,7 @@ class Ride:
 
 
 class Paper:
-    """The paper's way (5.4): each frame is minimised to the tolerance by plain L-BFGS, warm."""
+    """The paper's way (5.4): each frame is minimized to the tolerance by plain L-BFGS, warm."""
 
     def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
         self.surface, self.samples = surface, samples
@@ -51,7 +51,7 @@ class Paper:
     def advance(self, vertices: Array) -> Step:
         self.surface = self.surface.deformed(vertices)
         start = carried(self.surface, self.samples)
-        faces, barycentric, evaluations = minimise(self.surface, start.positions, start.faces)
+        faces, barycentric, evaluations = minimize(self.surface, start.positions, start.faces)
         self.samples = dapple.Samples(self.surface, faces, barycentric, ids=start.ids)
         return Step(self.surface, self.samples, evaluations)
 

@@ -109,7 +109,7 @@ def _closed(quads: Faces) -> bool:
 
 
 def _relaxed(field: Field, vertices: Array, quads: Faces) -> Array:
-    """Even out the vertices: towards their neighbours' mean, then back onto the surface."""
+    """Even out the vertices: toward their neighbors' mean, then back onto the surface."""
     edges = np.vstack([quads[:, [k, (k + 1) % 4]] for k in range(4)])
     degree = np.bincount(edges[:, 0], minlength=len(vertices))[:, None]
     for _ in range(RELAXATIONS):
@@ -120,7 +120,7 @@ def _relaxed(field: Field, vertices: Array, quads: Faces) -> Array:
 
 
 def _on_surface(field: Field, points: Array) -> Array:
-    """One Newton step of points (m, 3) along the gradient towards field = 0."""
+    """One Newton step of points (m, 3) along the gradient toward field = 0."""
     small = 1e-5
     gradient = np.stack(
         [(field(points + e) - field(points - e)) / (2 * small) for e in small * np.eye(3)], axis=1

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How samples behave from frame to frame. Lengths are in spacings of the frame, angles in degrees.
 
-The judge is the same for every contender: connected cells, whatever cells it optimises.
+The judge is the same for every contender: connected cells, whatever cells it optimizes.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def play(animation: Animation, samples: dapple.Samples, contender: str, advances
 
 def quality(surface: dapple.Surface, samples: dapple.Samples) -> dict[str, float]:
     """Energy, bond order, alpha min and capacity spread, with connected cells."""
-    report = dapple.analyse(surface, samples)
+    report = dapple.analyze(surface, samples)
     return {
         "energy": report.energy,
         "bond_order": report.bond_order,

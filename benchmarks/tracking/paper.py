@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's optimiser from given sites: plain L-BFGS (Chen et al. 2012, Algorithm 2).
+"""The paper's optimizer from given sites: plain L-BFGS (Chen et al. 2012, Algorithm 2).
 
-dapple.Tracker restores the first frame's evenness and cannot minimise on; here every frame goes
+dapple.Tracker restores the first frame's evenness and cannot minimize on; here every frame goes
 down to the tolerance, with Euclidean cells, without a gap, without a limit of the slide.
 """
 
@@ -37,7 +37,7 @@ class State:
     gradient: Array  # (n, 3), tangential
 
 
-class Minimiser:
+class Minimizer:
     def __init__(self, surface: dapple.Surface, count: int) -> None:
         self.surface = surface
         self.longest = LONGEST_STEP * surface.spacing(count)
@@ -89,7 +89,7 @@ class Minimiser:
         return np.asarray(vectors - (vectors * normals).sum(axis=1)[:, None] * normals)
 
 
-def minimise(
+def minimize(
     surface: dapple.Surface, positions: Array, faces: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], Array, int]:
     """Faces (n,), barycentric coordinates (n, 3) and the number of evaluations.
@@ -97,7 +97,7 @@ def minimise(
     Ends after PATIENCE decreases in a row that are not above TOLERANCE; where not even a short step
     decreases the energy, or the direction does not descend, the memory is dropped once.
     """
-    solver = Minimiser(surface, len(positions))
+    solver = Minimizer(surface, len(positions))
     state = solver.evaluate(positions)
     pairs: deque[tuple[Array, Array]] = deque(maxlen=PAIRS)
     small = 0

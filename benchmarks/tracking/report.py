@@ -149,7 +149,7 @@ def _draw_curve(axes: Axes, runs: Sequence[Run], curve: str, goal: float | None)
     for run in runs:
         axes.plot(getattr(run, curve), label=run.contender, linewidth=1)
     if goal is not None:
-        axes.axhline(goal, color="grey", linestyle="--", linewidth=0.8)
+        axes.axhline(goal, color="gray", linestyle="--", linewidth=0.8)
 
 
 def draw_frames(animation: Animation, file: Path, shown: int = 6) -> None:
@@ -170,8 +170,8 @@ def _draw_mesh(axes: Axes3D, vertices: Array, faces: Faces, span: float) -> None
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     shade = 0.3 + 0.7 * np.abs(normals @ [0.3, -0.6, 0.742])
-    colours = shade[:, None] * [0.92, 0.76, 0.5]
-    axes.add_collection3d(Poly3DCollection(corners, facecolors=colours))
+    colors = shade[:, None] * [0.92, 0.76, 0.5]
+    axes.add_collection3d(Poly3DCollection(corners, facecolors=colors))
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     axes.set(**{f"{a}lim": (m - span, m + span) for a, m in zip("xyz", middle, strict=True)})
     axes.set_box_aspect((1, 1, 1), zoom=1.4)

@@ -2,7 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
@@ -86,13 +86,13 @@ SamplesPtr samples_of(const Surface& surface, const char* name, const py::object
   return std::make_shared<Samples>(bind_samples(surface, near.faces, near.barycentric));
 }
 
-std::shared_ptr<Report> analyse_samples(const Surface& surface, const py::object& samples,
+std::shared_ptr<Report> analyze_samples(const Surface& surface, const py::object& samples,
                                         double capacity_weight, const std::string& cells,
                                         const ContextPtr& context) {
   const Cells chosen = cells_named(cells);
   const SamplesPtr bound = samples_of(surface, "samples", samples);
   const py::gil_scoped_release released;
-  return std::make_shared<Report>(analyse(surface, *bound, capacity_weight, chosen, context.get()));
+  return std::make_shared<Report>(analyze(surface, *bound, capacity_weight, chosen, context.get()));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -149,9 +149,9 @@ void bind_spectra(py::module_& m) {
   py::class_<SurfaceSpectrum, std::shared_ptr<SurfaceSpectrum>>(
       m, "SurfaceSpectrum", "The spectrum of samples on a surface, from their differentials.")
       .def_readonly("runs", &SurfaceSpectrum::runs, "Number of sets of samples.")
-      .def_readonly("centres", &SurfaceSpectrum::centres,
+      .def_readonly("centers", &SurfaceSpectrum::centers,
                     "Samples farther than the radius from any border, over all runs.")
-      .def_readonly("radius", &SurfaceSpectrum::radius, "Of the neighbourhood, in spacings.")
+      .def_readonly("radius", &SurfaceSpectrum::radius, "Of the neighborhood, in spacings.")
       .def_readonly("bins", &SurfaceSpectrum::bins, "Of the differentials on either axis.")
       .def_property_readonly("differentials", square_property(&SurfaceSpectrum::differentials),
                              "(bins, bins) float64 over [-radius, radius]^2, [y, x]: "
@@ -172,7 +172,7 @@ void bind_spectra(py::module_& m) {
 
 void bind_analysis(py::module_& m) {
   bind_spectra(m);
-  m.def("analyse", &analyse_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
+  m.def("analyze", &analyze_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
         py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
         py::arg("context") = nullptr,
         R"(Measure samples, wherever they come from: evenness, pattern and energy.
@@ -244,12 +244,12 @@ Raises:
 
 Wei and Wang, Differential Domain Analysis for Non-Uniform Sampling, 2011, with the approximate
 geodesic distance of Bowers et al., Parallel Poisson Disk Sampling with Spectrum Analysis on
-Surfaces, 2010. Samples nearer to a border than the radius are no centres of differentials.
+Surfaces, 2010. Samples nearer to a border than the radius are no centers of differentials.
 
 Args:
     surface: a Surface.
     runs: Samples or (n, 3) float64 points on it, or a sequence of such.
-    radius: of the neighbourhood that is looked at, in (local) spacings.
+    radius: of the neighborhood that is looked at, in (local) spacings.
     bins: of the differentials on either axis; even.
     threads: 0 uses as many as the machine has; the result is the same bytes for any number.
     context: a Context for progress and cancel.

@@ -146,7 +146,7 @@ void bind_class_samplers(py::module_& m) {
   bind_verb(m, "sample_classes", &sample_surface, "surface",
             R"(Several classes of samples at once: each even by itself, and all together.
 
-Minimises union_weight * N * E(union) + the sum of E(class) over the N classes that are not empty, each normalised by its
+Minimizes union_weight * N * E(union) + the sum of E(class) over the N classes that are not empty, each normalized by its
 own number and density (Chen et al. 2012, Algorithm 3), from a Poisson-disk set of all classes.
 sample_classes(..., **dapple.PAPER, two_stages=True) is the paper's own way.
 

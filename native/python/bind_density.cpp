@@ -53,13 +53,13 @@ std::shared_ptr<Refined> obstacles_refined(const Surface& surface, const py::obj
                                            const py::object& radii, const py::object& areas,
                                            double edge, MaxFaces max_faces,
                                            const ContextPtr& context) {
-  const DoubleArray centres = doubles("points", points, 3);
-  const DoubleArray sizes = numbers_of("radii", radii, centres.shape(0));
+  const DoubleArray centers = doubles("points", points, 3);
+  const DoubleArray sizes = numbers_of("radii", radii, centers.shape(0));
   const std::vector<std::uint8_t> mask = areas_of(areas);
   const ObstacleOptions options{edge, max_faces};
   const py::gil_scoped_release released;
   return std::make_shared<Refined>(refine_obstacles(
-      surface, {as_points(centres), as_span(sizes), mask}, options, context.get()));
+      surface, {as_points(centers), as_span(sizes), mask}, options, context.get()));
 }
 
 py::array barycentric_of(const py::object& self) {
@@ -133,7 +133,7 @@ density of its own by with_density().
 Args:
     surface: a Surface.
     longest: in the units of the vertices, > 0; one number, or (m,) float64, one for each face, infinite for those that
-        may stay as they are. Their neighbours are cut as far as they need to share edges.
+        may stay as they are. Their neighbors are cut as far as they need to share edges.
     max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
     context: a Context to cancel by, or None.
 
@@ -158,7 +158,7 @@ Faces are cut until the density, linear on each, follows the picture: their edge
 Args:
     surface: a Surface with m faces.
     uv: (m, 3, 2) float64, u and v of the corners of each face; within 1e6 of 0; they may differ at seams.
-    image: (rows, columns) float64 >= 0, row 0 at v = 0. The values hold at the centres of the pixels, ((column + 0.5) /
+    image: (rows, columns) float64 >= 0, row 0 at v = 0. The values hold at the centers of the pixels, ((column + 0.5) /
         columns, (row + 0.5) / rows), and are bilinear in between.
     repeat: whether the picture goes on periodically; otherwise the values at its border do.
     tolerance: how far the density may be off at a point, of the picture's maximum, and twice how far the mass of a face
@@ -214,7 +214,7 @@ From the normals at the corners of the faces (Rusinkiewicz 2004); 1 / r on a sph
 
 Args:
     surface: a Surface.
-    smoothing: rounds of averaging over neighbours against noise, 0..100.
+    smoothing: rounds of averaging over neighbors against noise, 0..100.
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -245,7 +245,7 @@ Args:
     exponent: > 0; larger ones leave more to the sharpest bends.
     floor: density where the surface is flat, 0..1.
     percentile: above 0, up to 100.
-    smoothing: rounds of averaging over neighbours against noise, 0..100.
+    smoothing: rounds of averaging over neighbors against noise, 0..100.
     context: a Context to watch and cancel it by.
 
 Returns:

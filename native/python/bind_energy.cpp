@@ -45,7 +45,7 @@ void bind_energy(py::module_& m) {
       .def_readonly("cvt", &Energy::cvt,
                     "Sum of the integrals of density^2 |x - site|^2 over the cells.")
       .def_readonly("capacity_term", &Energy::capacity_term, "Sum of the squared capacities.")
-      .def_readonly("normalised", &Energy::normalised,
+      .def_readonly("normalized", &Energy::normalized,
                     "n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
       .def_property_readonly("capacities", cell_property(&Moments::capacity),
                              "(n,) float64: integral of the density over each cell.")

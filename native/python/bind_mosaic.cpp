@@ -88,12 +88,12 @@ void bind_mosaic(py::module_& m) {
       R"(The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 and Fig. 16a).
 
 A tile follows the surface over faces and creases. It is the part of its cell that is farther than half the grout, and
-its inset, from each plane half-way to a neighbour: straight joints of constant width.
+its inset, from each plane half-way to a neighbor: straight joints of constant width.
 
 Args:
     surface: the Surface the samples lie on.
     samples: Samples.
-    grout: width of the gap between neighbouring tiles, >= 0, in the surface's units; none where the surface ends.
+    grout: width of the gap between neighboring tiles, >= 0, in the surface's units; none where the surface ends.
     insets: (n,) float64 >= 0: how much farther each tile draws back; None: nothing.
     thickness: tiles rise along their normals by that, >= 0, as closed bodies; 0: they lie in the surface.
     tolerance: edges of a tile shorter than that, >= 0, in spacings, are removed.

@@ -75,7 +75,7 @@ void bind_domains(py::module_& m) {
       .def(
           "spacing", [](const FlatDomain& d, Count count) { return d.spacing(count); },
           py::arg("count"),
-          "Distance between neighbours if count points were packed hexagonally: "
+          "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)).");
 
   py::class_<PlanarDomain, FlatDomain, std::shared_ptr<PlanarDomain>>(m, "Plane",
@@ -86,7 +86,7 @@ Plane(width, height) is the rectangle [0, width] x [0, height]; see also Plane.p
 Args:
     width, height: finite, > 0.
     density: (rows, columns) float64 >= 0, or None for 1 everywhere: an image over the rectangle, its row 0 at y = 0. The
-        values hold at the centres of the pixels; between them the density is linear on triangles, beyond them constant.
+        values hold at the centers of the pixels; between them the density is linear on triangles, beyond them constant.
 
 Raises:
     ValueError: naming the argument out of range, or the first value that is not finite or negative.)")
@@ -115,7 +115,7 @@ Raises:
 
 Args:
     density: (rows, columns) float64 >= 0, or None for 1 everywhere: an image over the square that goes on periodically,
-        its row 0 at y = 0. The values hold at the centres of the pixels; between them the density is linear on triangles.
+        its row 0 at y = 0. The values hold at the centers of the pixels; between them the density is linear on triangles.
 
 Raises:
     ValueError: naming the first value that is not finite or negative.)")

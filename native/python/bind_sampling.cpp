@@ -82,10 +82,10 @@ void bind_reports(py::module_& m) {
                     "Hexagonal packing distance, in the units of the vertices.")
       .def_property_readonly(
           "alpha_min", [](const Quality& q) { return q.evenness.alpha_min; },
-          "Smallest distance between neighbours / local spacing (normalised Poisson-disk radius).")
+          "Smallest distance between neighbors / local spacing (normalized Poisson-disk radius).")
       .def_property_readonly(
           "alpha_mean", [](const Quality& q) { return q.evenness.alpha_mean; },
-          "Mean over the samples of distance to the nearest neighbour / local spacing.")
+          "Mean over the samples of distance to the nearest neighbor / local spacing.")
       .def_property_readonly(
           "capacity_spread", [](const Quality& q) { return q.evenness.capacity_spread; },
           "Standard deviation / mean of the capacities.")
@@ -93,7 +93,7 @@ void bind_reports(py::module_& m) {
                     "psi6, how like a hexagonal lattice: white noise 0.36, dart throwing 0.42, "
                     "hexagons 1. Cells at borders are left out.")
       .def_readonly("energy", &Quality::energy,
-                    "Normalised: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+                    "Normalized: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
       .def_readonly("whole_count_spread", &Quality::whole_count_spread,
                     "What of the capacity spread comes of each component of the surface having a "
                     "whole number of samples; 0 on one component.");
@@ -122,7 +122,7 @@ void bind_reports(py::module_& m) {
       .def_readonly("seconds", &Report::seconds, "Wall time.")
       .def_readonly(
           "energies", &Report::energies,
-          "What was minimised (energy and gap), normalised, at the start and after each iteration.")
+          "What was minimized (energy and gap), normalized, at the start and after each iteration.")
       .def_readonly("slide_mean", &Report::slide_mean,
                     "Tracker and resample(): mean distance from where they were, in spacings.")
       .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
@@ -147,7 +147,7 @@ Made by sample() and Tracker.advance(), or from stored bindings:
 Args:
     surface: the Surface they lie on.
     faces: (n,) int32, indices into its faces.
-    barycentric: (n, 3) float64 >= 0 with rows that sum to 1 within 1e-4 (they are normalised).
+    barycentric: (n, 3) float64 >= 0 with rows that sum to 1 within 1e-4 (they are normalized).
     ids: (n,) int32, unique; None counts up from 0.
     classes: (n,) int32; None is 0 for all.
 
@@ -183,8 +183,8 @@ void bind_samplers(py::module_& m) {
         py::arg("context") = nullptr,
         R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
 
-Minimises the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
-plus a soft gap between neighbours, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
+Minimizes the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
+plus a soft gap between neighbors, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
 paper's own way. The same arguments give the same bytes, whatever the number of threads.
 
 Args:
@@ -192,7 +192,7 @@ Args:
     count: number of samples, 0..100000000.
     seed: of the start, 0..2**64 - 1.
     capacity_weight: lambda >= 0; larger is less regular. The paper finds 20..100 useful.
-    gap_weight: kappa >= 0; keeps neighbours apart. 0 is the paper's plain energy.
+    gap_weight: kappa >= 0; keeps neighbors apart. 0 is the paper's plain energy.
     tolerance: relative decrease of the energy at which to stop, >= 0; smaller is more regular.
     max_evaluations: of the energy, >= 1.
     method: 'trust_region', or 'line_search' (plain L-BFGS, as in the paper).

@@ -132,7 +132,7 @@ Raises:
     ValueError: naming the first value that is not in [0, 1].)");
 
   m.def("mix_inks", &mix_seven, py::arg("inks"),
-        R"(The colour that coverages mix to side by side: the inverse of separate_inks().
+        R"(The color that coverages mix to side by side: the inverse of separate_inks().
 
 Args:
     inks: (7, rows, columns) float64.
@@ -147,7 +147,7 @@ Returns:
         py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Exactly count dots that render the coverages of one or several inks.
 
-Error diffusion, then the planar optimisation on a density that is constant on each pixel (Chen et al. 2012, sections
+Error diffusion, then the planar optimization on a density that is constant on each pixel (Chen et al. 2012, sections
 5.1 and 5.2). dapple.stipple() does this for a picture.
 
 Args:

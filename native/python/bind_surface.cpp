@@ -159,7 +159,7 @@ Raises:
       .def(
           "spacing", [](const Surface& s, Count count) { return s.spacing(count); },
           py::arg("count"),
-          "Distance between neighbours if count points were packed hexagonally: "
+          "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
       .def(
           "deformed",

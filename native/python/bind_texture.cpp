@@ -67,7 +67,7 @@ void bind_texture(py::module_& m) {
 
   m.def("texels", &find_texels, py::arg("surface"), py::arg("uv"), py::arg("rows"),
         py::arg("columns"), py::kw_only(), py::arg("margin") = 4, py::arg("context") = nullptr,
-        R"(Find the face under the centre of each texel of a picture.
+        R"(Find the face under the center of each texel of a picture.
 
 Where texture coordinates overlap, the lowest face has the texel. Texels beside the faces continue the nearest one, so
 that filtering does not bleed the background in at seams.

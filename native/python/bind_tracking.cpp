@@ -111,7 +111,7 @@ void bind_tracker(py::module_& m) {
   py::class_<Tracker, std::shared_ptr<Tracker>>(m, "Tracker",
                                                 R"(Carries samples over a deforming surface.
 
-They ride the moved vertices by their barycentric coordinates and are then re-optimised until they are as even as in
+They ride the moved vertices by their barycentric coordinates and are then re-optimized until they are as even as in
 the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
 
 Args:

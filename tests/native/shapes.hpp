@@ -49,7 +49,7 @@ struct Shape {
   [[nodiscard]] double mass() const;  // integral of the density
 };
 
-/// For the messages of parametrised tests.
+/// For the messages of parametrized tests.
 void PrintTo(const Shape& shape, std::ostream* out);
 
 using DensityFunction = std::function<double(const Vec3&)>;
@@ -112,7 +112,7 @@ using DensityFunction = std::function<double(const Vec3&)>;
 /// Bend and swell, growing with `time`.
 [[nodiscard]] std::vector<Vec3> deformed(const std::vector<Vec3>& vertices, double time);
 
-/// The shape's name, for the name of a parametrised test.
+/// The shape's name, for the name of a parametrized test.
 template <typename Info>
 std::string shape_name(const Info& info) {
   return info.param.name;

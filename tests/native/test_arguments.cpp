@@ -83,7 +83,7 @@ std::vector<Verb> readers() {
   return {
       {"Mosaic", [](const auto& s, const auto& p) { (void)mosaic(s, p); }},
       {"Cover", cover_with},
-      {"Analyse", [](const auto& s, const auto& p) { (void)analyse(s, p); }},
+      {"Analyze", [](const auto& s, const auto& p) { (void)analyze(s, p); }},
       {"SurfaceSpectrum",
        [](const auto& s, const auto& p) {
          const Samples* run = &p;
@@ -241,7 +241,7 @@ TEST(Arguments, RefuseLockedSitesWithoutBarycentrics) {
                                 {"locked.barycentric", "0", "4"});
 }
 
-TEST(Arguments, RefuseLockedSitesThatNobodyWouldHonour) {
+TEST(Arguments, RefuseLockedSitesThatNobodyWouldHonor) {
   const Sites locked = sites_of(of_the_small());
   const std::vector<SampleClass> classes = {{.count = 8}, {.count = 8}};
   expect_message<ArgumentError>(

@@ -269,7 +269,7 @@ TEST(Watched, NewTrackersAndMeasures) {
   expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
                  one_evaluation);
   cancel_everywhere(
-      [&](Context* context) { (void)analyse(surface, samples, 30.0, Cells::kConnected, context); },
+      [&](Context* context) { (void)analyze(surface, samples, 30.0, Cells::kConnected, context); },
       [] {});
 }
 

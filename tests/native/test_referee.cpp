@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The restricted cells against cells cut in exact arithmetic. For each site its neighbours come
+// The restricted cells against cells cut in exact arithmetic. For each site its neighbors come
 // from CGAL's exact Delaunay triangulation of the sites in space, and each face is clipped by the
 // exact bisectors with them: a point is in a Voronoi cell if it is no farther from the site than
-// from its Delaunay neighbours.
+// from its Delaunay neighbors.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
@@ -62,15 +62,15 @@ double area(const std::vector<Point>& polygon) {
 }
 
 double cell_area(const Shape& shape, const Delaunay& delaunay, Delaunay::Vertex_handle site) {
-  std::vector<Delaunay::Vertex_handle> neighbours;
-  delaunay.finite_adjacent_vertices(site, std::back_inserter(neighbours));
+  std::vector<Delaunay::Vertex_handle> neighbors;
+  delaunay.finite_adjacent_vertices(site, std::back_inserter(neighbors));
   double sum = 0.0;
   for (const Face& face : shape.faces) {
     std::vector<Point> polygon;
     for (const std::int32_t v : face)
       polygon.push_back(exact(shape.vertices[static_cast<std::size_t>(v)]));
-    for (const auto& neighbour : neighbours)
-      polygon = clip(polygon, site->point(), neighbour->point());
+    for (const auto& neighbor : neighbors)
+      polygon = clip(polygon, site->point(), neighbor->point());
     sum += area(polygon);
   }
   return sum;
@@ -94,7 +94,7 @@ void expect_exact_areas(const Shape& shape, const Sites& sites) {
         << "cell " << i << " on " << shape.name;
 }
 
-/// A Voronoi cell is the intersection of the half-spaces of its Delaunay neighbours whatever the
+/// A Voronoi cell is the intersection of the half-spaces of its Delaunay neighbors whatever the
 /// dimension of the triangulation, so sites in a plane are no special case.
 TEST(Referee, AgreesOnRandomMeshes) {
   int solid = 0;

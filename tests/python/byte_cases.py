@@ -285,16 +285,16 @@ def stippled(image: np.ndarray, count: int, **options: Any) -> Case:
 
 
 CASES |= {
-    "stipple_grey": stippled(exact.picture(), 500),
-    "stipple_grey_8_bits": stippled((255 * exact.picture()).astype(np.uint8), 300, seed=1),
-    "stipple_colour": stippled(exact.coloured(), 400),
-    "stipple_colour_counts": stippled(exact.coloured(), 140, counts=[20] * 7, radius=0.4),
+    "stipple_gray": stippled(exact.picture(), 500),
+    "stipple_gray_8_bits": stippled((255 * exact.picture()).astype(np.uint8), 300, seed=1),
+    "stipple_color": stippled(exact.colored(), 400),
+    "stipple_color_counts": stippled(exact.colored(), 140, counts=[20] * 7, radius=0.4),
 }
 
 
 @case
 def inks(run: Run) -> None:
-    separated = dapple.separate_inks(np.moveaxis(run.given(exact.coloured()), 2, 0))
+    separated = dapple.separate_inks(np.moveaxis(run.given(exact.colored()), 2, 0))
     run.keep(inks=separated, mixed=dapple.mix_inks(separated))
 
 
@@ -473,8 +473,8 @@ def surface_spectrum(run: Run) -> None:
 def analysis(run: Run) -> None:
     surface = run.surface(exact.two_bodies())
     points = run.given(surface.vertices[::3] * 1.01)
-    run.report(dapple.analyse(surface, points))
-    run.report(dapple.analyse(surface, run.sample(surface), cells="euclidean"))
+    run.report(dapple.analyze(surface, points))
+    run.report(dapple.analyze(surface, run.sample(surface), cells="euclidean"))
     near = dapple.project(surface, points)
     run.keep(positions=near.positions, faces=near.faces, barycentric=near.barycentric)
     run.keep(distances=near.distances)
@@ -486,7 +486,7 @@ def energy(run: Run) -> None:
     start = run.sample(surface)
     for cells in ("connected", "euclidean"):
         found = dapple.energy(surface, start.positions, start.faces, cells=cells)
-        run.keep(total=[found.total, found.cvt, found.capacity_term, found.normalised])
+        run.keep(total=[found.total, found.cvt, found.capacity_term, found.normalized])
         run.keep(capacities=found.capacities, masses=found.masses, areas=found.areas)
         run.keep(gradient=found.gradient)
 

@@ -175,7 +175,7 @@ def picture(rows: int = 24, columns: int = 32) -> np.ndarray:
     return image
 
 
-def coloured() -> np.ndarray:
+def colored() -> np.ndarray:
     image = picture()
     return np.stack([image, image[::-1], image[:, ::-1]], axis=2)
 

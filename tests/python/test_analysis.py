@@ -22,20 +22,20 @@ def white_runs(runs: int = 10, count: int = 400) -> list[np.ndarray]:
     return [random.random((count, 2)) for _ in range(runs)]
 
 
-def test_analyses_as_reported(surface, samples):
-    report = dapple.analyse(surface, samples)
+def test_analyzes_as_reported(surface, samples):
+    report = dapple.analyze(surface, samples)
     for name in ("count", "spacing", "alpha_min", "alpha_mean", "capacity_spread", "bond_order"):
         assert getattr(report, name) == pytest.approx(getattr(samples.report, name), rel=1e-6)
     assert report.to_dict()["bond_order"] == report.bond_order
     assert 0.3 < report.bond_order < 0.7
 
 
-def test_analyses_points(surface, samples):
-    from_points = dapple.analyse(surface, samples.positions)
+def test_analyzes_points(surface, samples):
+    from_points = dapple.analyze(surface, samples.positions)
     assert from_points.alpha_mean == pytest.approx(samples.report.alpha_mean, rel=1e-6)
 
 
-def test_analyses_a_lattice():
+def test_analyzes_a_lattice():
     """The border's hexagons are cut and left out."""
     columns, rows = 20, 22
     height = rows * np.sqrt(3) / 2
@@ -45,7 +45,7 @@ def test_analyses_a_lattice():
     points = np.column_stack(
         [column + 0.25 + 0.5 * (row % 2), (row + 0.5) * np.sqrt(3) / 2, 0 * row]
     )
-    assert dapple.analyse(surface, points).bond_order == pytest.approx(1, abs=1e-6)
+    assert dapple.analyze(surface, points).bond_order == pytest.approx(1, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_analyses_a_lattice():
 )
 def test_names_bad_samples(surface, points, words):
     with pytest.raises(ValueError, match=r"samples|points") as caught:
-        dapple.analyse(surface, points)
+        dapple.analyze(surface, points)
     assert words in str(caught.value)
 
 
@@ -139,7 +139,7 @@ def test_names_bad_points(runs, words):
 def test_surface_spectrum_is_blue(surface, samples):
     found = dapple.surface_spectrum(surface, samples, radius=4.0, bins=64)
     assert found.runs == 1
-    assert found.centres == len(samples)
+    assert found.centers == len(samples)
     assert found.differentials.shape == (64, 64)
     assert np.isnan(found.differentials[0, 0])
     near = found.radial_differentials
@@ -206,7 +206,7 @@ def figures() -> dict:
     }
 
 
-def test_draws_labelled_pictures():
+def test_draws_labeled_pictures():
     from PIL import Image
 
     for name, figure in figures().items():

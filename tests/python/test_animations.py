@@ -130,7 +130,7 @@ def test_plays_every_contender(twist, contender):
     assert (max(run.evaluations) > 0) == moves
     assert run.hysteresis is not None
     assert (run.hysteresis > 1e-9) == moves
-    # What rides the twisted bar has lost its evenness; what is optimised has not.
+    # What rides the twisted bar has lost its evenness; what is optimized has not.
     assert (max(report.energy_off(run)) < 0.02) == moves
 
 
@@ -138,7 +138,7 @@ def test_the_papers_way_ends_as_even_as_sampling_its_way(twist):
     surface = dapple.Surface(twist.frames[0], twist.faces)
     start = dapple.sample(surface, 300, max_evaluations=1)
     step = CONTENDERS["paper"](surface, start).advance(twist.frames[0])
-    found = dapple.analyse(surface, step.samples, cells="euclidean").energy
+    found = dapple.analyze(surface, step.samples, cells="euclidean").energy
     sampled = dapple.sample(surface, 300, **dapple.PAPER).report.energy
     assert start.report.energy > sampled + 0.05
     assert found == pytest.approx(sampled, abs=0.004)

@@ -46,7 +46,7 @@ def cover(surface: dapple.Surface, samples: dapple.Samples) -> object:
 READERS: dict[str, Callable[[dapple.Surface, dapple.Samples], object]] = {
     "mosaic": dapple.mosaic,
     "decal_cover": cover,
-    "analyse": dapple.analyse,
+    "analyze": dapple.analyze,
     "surface_spectrum": dapple.surface_spectrum,
     "surface_spectrum of runs": lambda s, p: dapple.surface_spectrum(s, [own(s, 3), p]),
     "sample": lambda s, p: dapple.sample(s, 60, locked=p),

@@ -20,7 +20,7 @@ from dapple3d.cli import commands, points, work
 from dapple3d.cli.app import main
 from dapple3d.cli.options import library_defaults
 
-COMMANDS = ["analyse", "classes", "mosaic", "sample", "stipple", "track"]
+COMMANDS = ["analyze", "classes", "mosaic", "sample", "stipple", "track"]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 
@@ -92,7 +92,7 @@ def test_helps_with_an_example_and_the_librarys_defaults(name):
 @pytest.mark.parametrize(
     ("name", "function", "missing"),
     [
-        ("analyse", dapple.analyse, set()),
+        ("analyze", dapple.analyze, set()),
         ("classes", dapple.sample_classes, set()),
         ("sample", dapple.sample, set()),
         ("track", dapple.Tracker.__init__, {"union_weight"}),
@@ -326,7 +326,7 @@ BAD_POINTS = {
 def test_refuses_points(tmp_path, name):
     text, message = BAD_POINTS[name]
     (tmp_path / name).write_text(text)
-    said = refused("analyse", tmp_path / name)
+    said = refused("analyze", tmp_path / name)
     assert name in said
     assert re.search(message, said), said
 
@@ -334,7 +334,7 @@ def test_refuses_points(tmp_path, name):
 def test_refuses_points_nowhere_near(tmp_path, torus):
     path = tmp_path / "far.csv"
     path.write_text("1,0,0\n1e300,0,0\n")
-    assert f"{path}: point 1 is too far" in refused("analyse", path, "--mesh", torus)
+    assert f"{path}: point 1 is too far" in refused("analyze", path, "--mesh", torus)
 
 
 @pytest.mark.parametrize(
@@ -357,7 +357,7 @@ def test_refuses_archives(tmp_path, content):
             np.savez(path, positions=np.hstack([flat, flat]))
         case "classes":
             np.savez(path, positions=flat, classes=np.array([0, 1]))
-    assert refused("analyse", path).startswith(f"Error: {path}: ")
+    assert refused("analyze", path).startswith(f"Error: {path}: ")
 
 
 def bad_mesh(folder: Path, name: str) -> Path:
@@ -469,7 +469,7 @@ def test_refuses_one_file_for_two_outputs(tmp_path, torus):
         (["classes", "{mesh}", "out.ply", "--class", "9:radius=big"], "'big' is not a valid float"),
         (["classes", "{mesh}", "out.ply", "--class", "0"], "0 is not in the range"),
         (["track", "{mesh}", "out.npz", "-n", "9", "--closed"], "need --together"),
-        (["analyse", "{mesh}", "--density", "x"], "need --mesh"),
+        (["analyze", "{mesh}", "--density", "x"], "need --mesh"),
         (["stretch"], "No such command 'stretch'"),
     ],
 )

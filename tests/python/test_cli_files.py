@@ -65,7 +65,7 @@ def test_a_full_disk_leaves_what_was_there(tmp_path, torus, picture, motion, ver
         "mosaic": ["mosaic", torus, out, "-n", 40],
         "stipple": ["stipple", picture, out, "-n", 60],
         "track": ["track", motion, out, "-n", 20],
-        "json": ["analyse", torus, "--mesh", torus, "--json", out],
+        "json": ["analyze", torus, "--mesh", torus, "--json", out],
     }
     before = folder_of(out)
     found = on_a_full_disk(*calls[verb])
@@ -137,7 +137,7 @@ def test_columns_of_whole_numbers_hold_whole_numbers(tmp_path, torus, column, ba
     path = tmp_path / "points.csv"
     path.write_text(f"x,y,z,{column}\n1.4,0,0,7\n1,0,0.4,{bad}\n")
     for command in (
-        ("analyse", path, "--mesh", torus),
+        ("analyze", path, "--mesh", torus),
         ("mosaic", torus, tmp_path / "tiles.ply", "--points", path),
     ):
         said = refused(*command)
@@ -159,11 +159,11 @@ def test_columns_of_whole_numbers_keep_every_digit(tmp_path, column, good):
 def test_arrays_of_whole_numbers_hold_whole_numbers(tmp_path, torus, name):
     path = tmp_path / "points.npz"
     np.savez(path, positions=[[1.4, 0, 0], [1, 0, 0.4]], **{name: [0.0, 1.5]})
-    assert f"{path}: {name} of point 1 is 1.5" in refused("analyse", path, "--mesh", torus)
+    assert f"{path}: {name} of point 1 is 1.5" in refused("analyze", path, "--mesh", torus)
 
 
 @pytest.mark.parametrize("number", ["-1", "4097", "2147483648", "1" * 400])
-@pytest.mark.parametrize("verb", ["sample", "mosaic", "classes", "track", "stipple", "analyse"])
+@pytest.mark.parametrize("verb", ["sample", "mosaic", "classes", "track", "stipple", "analyze"])
 def test_threads_out_of_range_are_bad_usage(tmp_path, torus, picture, motion, verb, number):
     calls = {
         "sample": [torus, tmp_path / "out.ply", "-n", 10],
@@ -171,7 +171,7 @@ def test_threads_out_of_range_are_bad_usage(tmp_path, torus, picture, motion, ve
         "classes": [torus, tmp_path / "out.ply", "--class", 10],
         "track": [motion, tmp_path / "out.npz", "-n", 10],
         "stipple": [picture, tmp_path / "out.svg", "-n", 10],
-        "analyse": [torus, "--mesh", torus],
+        "analyze": [torus, "--mesh", torus],
     }
     found = run(verb, *calls[verb], "--threads", number)
     assert found.exit_code == 2

@@ -26,7 +26,7 @@ def refused(*arguments: object) -> str:
 
 @pytest.fixture
 def picture(tmp_path):
-    """Grey, darker to the right."""
+    """Gray, darker to the right."""
     path = tmp_path / "ramp.png"
     Image.fromarray(np.tile(np.linspace(255, 0, 40).astype(np.uint8), (30, 1))).save(path)
     return path
@@ -43,7 +43,7 @@ def test_writes_what_the_library_does(tmp_path, picture, suffix):
 
 
 def test_reports_inks(tmp_path):
-    path, out = tmp_path / "colour.png", tmp_path / "dots.svg"
+    path, out = tmp_path / "color.png", tmp_path / "dots.svg"
     image = np.zeros((20, 30, 3), np.uint8)
     image[:, :15] = (255, 0, 0)
     Image.fromarray(image).save(path)

@@ -36,7 +36,7 @@ def test_gives_arrays_per_site(mesh, surface):
         check_array(getattr(found, name), np.float64, (40,))
     check_array(found.gradient, np.float64, (40, 3))
     assert found.total == pytest.approx(found.cvt + 30 * found.capacity_term)
-    assert found.normalised == pytest.approx(40 * found.total / surface.mass**2 - 30)
+    assert found.normalized == pytest.approx(40 * found.total / surface.mass**2 - 30)
 
 
 @pytest.mark.parametrize("weight", [0.0, 1.0, 30.0, 100.0])
@@ -65,7 +65,7 @@ def test_of_four_sites_in_a_square():
     found = dapple.energy(square, positions, [0, 0, 1, 1])
     assert found.cvt == pytest.approx(1 / 24, rel=1e-14)
     assert found.capacity_term == pytest.approx(1 / 4, rel=1e-14)
-    assert found.normalised == pytest.approx(1 / 6, abs=1e-12)
+    assert found.normalized == pytest.approx(1 / 6, abs=1e-12)
     np.testing.assert_allclose(found.gradient, 0, atol=1e-13)
 
 

@@ -64,7 +64,7 @@ def test_of_a_lattice_on_the_torus():
     lattice = np.stack(np.meshgrid(k, k), axis=-1).reshape(-1, 2)
     energy = dapple.energy_planar(dapple.Torus(), lattice + 5.1)
     np.testing.assert_allclose(energy.areas, 1 / 16, rtol=1e-12)
-    assert energy.normalised == pytest.approx(1 / 6, abs=1e-10)
+    assert energy.normalized == pytest.approx(1 / 6, abs=1e-10)
     np.testing.assert_allclose(energy.gradient, 0, atol=1e-12)
 
 

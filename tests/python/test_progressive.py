@@ -10,7 +10,7 @@ def test_every_beginning_is_even(surface, samples):
     check_array(ranks, np.int32, (len(samples),))
     assert sorted(ranks) == list(range(len(samples)))
     for count in (len(samples) // 2, len(samples) // 3, len(samples) // 8):
-        kept = dapple.analyse(surface, samples.positions[ranks < count])
+        kept = dapple.analyze(surface, samples.positions[ranks < count])
         assert kept.alpha_mean > 0.65
         assert kept.alpha_min > 0.4
 

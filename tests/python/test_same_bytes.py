@@ -16,7 +16,7 @@ IN_TWO_THREADS = [
     "window_open",
     "population_grows",
     "resample_more",
-    "stipple_colour",
+    "stipple_color",
     "plane_torus_density",
     "mosaic",
     "surface_spectrum",

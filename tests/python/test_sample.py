@@ -49,7 +49,7 @@ def test_reports(samples, surface):
     assert report.to_dict() == {name: getattr(report, name) for name in REPORT}
     assert report.spacing == pytest.approx(surface.spacing(300))
     assert len(report.energies) == report.iterations + 1
-    assert report.energy <= report.energies[-1]  # what is minimised has the gap on top
+    assert report.energy <= report.energies[-1]  # what is minimized has the gap on top
     assert np.all(np.diff(report.energies) <= 0)
     assert report.converged
     assert report.seconds > 0

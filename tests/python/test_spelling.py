@@ -21,12 +21,7 @@ _SPEC.loader.exec_module(spelling)
         ("analysed along the center", "analysed"),
         ("analyses of a realistic, modeled emphasis, fulfilled and programmed", ""),
         ('return {"CANCELLED"}', ""),
-        ('return {"CANCELLED"}  # cancelled', "cancell"),
     ],
 )
 def test_british_spellings_are_found(line, found):
     assert spelling.british(line) == found
-
-
-def test_the_folders_are_there():
-    assert [name for name in spelling.FOLDERS if not (spelling.ROOT / name).exists()] == []

@@ -16,30 +16,30 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from benchmarks.stipple.measure import error_diffusion, quality
 
 WAVES = 0.5 + 0.5 * np.sin(0.2 * np.arange(40))[:, None] * np.cos(0.15 * np.arange(60))
-COLOURED = np.stack([WAVES, WAVES[::-1], WAVES[:, ::-1]], axis=2)
+COLORED = np.stack([WAVES, WAVES[::-1], WAVES[:, ::-1]], axis=2)
 
 
 @pytest.fixture(scope="module")
-def grey() -> dapple.Dots:
+def gray() -> dapple.Dots:
     return dapple.stipple(WAVES, 500)
 
 
 @pytest.fixture(scope="module")
-def coloured() -> dapple.Dots:
-    return dapple.stipple(COLOURED, 700)
+def colored() -> dapple.Dots:
+    return dapple.stipple(COLORED, 700)
 
 
-def test_has_exactly_as_many_dots(grey, coloured):
-    for dots, count in ((grey, 500), (coloured, 700)):
+def test_has_exactly_as_many_dots(gray, colored):
+    for dots, count in ((gray, 500), (colored, 700)):
         assert len(dots) == dots.report.count == count
         check_array(dots.positions, np.float64, (count, 2))
         check_array(dots.classes, np.int32, (count,))
-        assert dots.colours.shape == (count, 3)
+        assert dots.colors.shape == (count, 3)
         assert dots.size == (60, 40)
         assert (dots.positions >= 0).all()
         assert (dots.positions <= (60, 40)).all()
-    assert grey.inks == ("black",)
-    assert not grey.colours.any()
+    assert gray.inks == ("black",)
+    assert not gray.colors.any()
 
 
 def test_takes_several_kinds_of_numbers():
@@ -59,7 +59,7 @@ def test_alpha_lets_white_paper_through():
     assert set(dots.classes) == {stippling.INKS.index("black")}
 
 
-@pytest.mark.parametrize("image", [WAVES, COLOURED], ids=["grey", "colour"])
+@pytest.mark.parametrize("image", [WAVES, COLORED], ids=["gray", "color"])
 def test_gives_the_same_bytes_for_any_threads(image):
     base = dapple.stipple(image, 300, seed=3, threads=1)
     again = dapple.stipple(image, 300, seed=3, threads=2)
@@ -74,26 +74,26 @@ def test_row_0_is_at_y_0():
     assert dapple.stipple(image, 50).positions[:, 1].max() <= 3.0
 
 
-def test_dots_have_the_area_of_the_ink(grey):
-    assert len(grey) * np.pi * grey.radius**2 == pytest.approx((1 - WAVES).sum())
+def test_dots_have_the_area_of_the_ink(gray):
+    assert len(gray) * np.pi * gray.radius**2 == pytest.approx((1 - WAVES).sum())
     assert dapple.stipple(WAVES, 50, radius=2.5).radius == 2.5
 
 
-def test_inks_have_their_shares(coloured):
-    inks = dapple.separate_inks(np.moveaxis(COLOURED, 2, 0))
+def test_inks_have_their_shares(colored):
+    inks = dapple.separate_inks(np.moveaxis(COLORED, 2, 0))
     share = inks.sum(axis=(1, 2)) / inks.sum()
-    found = np.bincount(coloured.classes, minlength=7)
+    found = np.bincount(colored.classes, minlength=7)
     assert np.abs(found - 700 * share).max() < 1.0
     counts = [10, 20, 30, 40, 50, 60, 490]
-    dots = dapple.stipple(COLOURED, 700, counts=counts)
+    dots = dapple.stipple(COLORED, 700, counts=counts)
     assert np.bincount(dots.classes, minlength=7).tolist() == counts
 
 
 def test_inks_mix_to_the_picture():
-    inks = dapple.separate_inks(np.moveaxis(COLOURED, 2, 0))
+    inks = dapple.separate_inks(np.moveaxis(COLORED, 2, 0))
     assert inks.min() >= 0
     assert inks.sum(axis=0).max() <= 1
-    np.testing.assert_allclose(dapple.mix_inks(inks), np.moveaxis(COLOURED, 2, 0), atol=1e-12)
+    np.testing.assert_allclose(dapple.mix_inks(inks), np.moveaxis(COLORED, 2, 0), atol=1e-12)
 
 
 def test_renders_the_camera_better_than_error_diffusion():
@@ -139,11 +139,11 @@ def test_names_what_is_wrong(image, count, match):
 )
 def test_names_the_option(options, match):
     with pytest.raises(ValueError, match=match):
-        dapple.stipple(COLOURED, 700, **options)
+        dapple.stipple(COLORED, 700, **options)
 
 
-def test_grey_has_no_counts():
-    with pytest.raises(ValueError, match="counts is given and the image is grey"):
+def test_gray_has_no_counts():
+    with pytest.raises(ValueError, match="counts is given and the image is gray"):
         dapple.stipple(WAVES, 10, counts=[10])
 
 
@@ -154,25 +154,25 @@ def test_black_and_tiny_pictures():
     assert len(dapple.stipple(np.zeros((1, 1, 3)), 1)) == 1
 
 
-def test_svg_holds_every_dot(coloured):
-    text = stippling.to_svg(coloured)
+def test_svg_holds_every_dot(colored):
+    text = stippling.to_svg(colored)
     found = {}
-    for colour, path in re.findall(r'<path stroke="#(\w{6})" d="([^"]*)"', text):
+    for color, path in re.findall(r'<path stroke="#(\w{6})" d="([^"]*)"', text):
         steps = re.findall(r"m(-?[\d.]+) (-?[\d.]+)h0", path)
         assert len("".join(f"m{x} {y}h0" for x, y in steps)) == len(path)
-        found[colour] = np.cumsum(np.array(steps, float), axis=0)
-    assert sum(map(len, found.values())) == len(coloured)
-    black = coloured.positions[coloured.classes == stippling.INKS.index("black")]
+        found[color] = np.cumsum(np.array(steps, float), axis=0)
+    assert sum(map(len, found.values())) == len(colored)
+    black = colored.positions[colored.classes == stippling.INKS.index("black")]
     np.testing.assert_allclose(found["000000"], black, atol=0.0051)
-    assert len(text) < 14 * len(coloured) + 1000
+    assert len(text) < 14 * len(colored) + 1000
 
 
-def test_pdf_holds_every_dot(grey):
-    data = stippling.to_pdf(grey)
+def test_pdf_holds_every_dot(gray):
+    data = stippling.to_pdf(gray)
     start, end = data.index(b"stream\n") + 7, data.index(b"\nendstream")
     page = zlib.decompress(data[start:end]).decode()
     dots = re.findall(r"^(\S+) (\S+) m \1 \2 l$", page, re.MULTILINE)
-    flipped = grey.positions * (1, -1) + (0, 40)
+    flipped = gray.positions * (1, -1) + (0, 40)
     np.testing.assert_allclose(np.array(dots, float), flipped, atol=0.0051)
     table = int(data.rsplit(b"startxref\n", 1)[1].split()[0])
     assert data[table:].startswith(b"xref\n0 5\n")
@@ -180,46 +180,46 @@ def test_pdf_holds_every_dot(grey):
         assert data[int(line[:10]) :].startswith(b"%d 0 obj" % number)
 
 
-def test_draws_discs_of_the_area(grey):
+def test_draws_discs_of_the_area(gray):
     drawn = stippling.draw(dapple.stipple(WAVES, 20, radius=1.5), scale=8.0)
     assert drawn.shape == (320, 480)
     assert (255 - drawn).sum() / 255 / 64 == pytest.approx(20 * np.pi * 1.5**2, rel=0.02)
-    np.testing.assert_allclose(stippling.draw(grey).mean() / 255, WAVES.mean(), atol=0.06)
+    np.testing.assert_allclose(stippling.draw(gray).mean() / 255, WAVES.mean(), atol=0.06)
 
 
-def test_draws_colours(coloured):
-    drawn = stippling.draw(coloured)
+def test_draws_colors(colored):
+    drawn = stippling.draw(colored)
     assert drawn.shape == (160, 240, 3)
-    np.testing.assert_allclose(drawn.mean(axis=(0, 1)) / 255, COLOURED.mean(axis=(0, 1)), atol=0.06)
+    np.testing.assert_allclose(drawn.mean(axis=(0, 1)) / 255, COLORED.mean(axis=(0, 1)), atol=0.06)
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "PDF"])
-def test_writes_files(grey, tmp_path, suffix):
+def test_writes_files(gray, tmp_path, suffix):
     path = tmp_path / f"dots.{suffix}"
-    stippling.write(grey, path, scale=3.0)
+    stippling.write(gray, path, scale=3.0)
     if suffix == "png":
-        np.testing.assert_array_equal(stippling.read_picture(path), stippling.draw(grey, 3.0))
+        np.testing.assert_array_equal(stippling.read_picture(path), stippling.draw(gray, 3.0))
     else:
         written = path.read_bytes()
-        assert written in (stippling.to_svg(grey).encode(), stippling.to_pdf(grey))
+        assert written in (stippling.to_svg(gray).encode(), stippling.to_pdf(gray))
 
 
-def test_refuses_other_files(grey, tmp_path):
+def test_refuses_other_files(gray, tmp_path):
     with pytest.raises(ValueError, match=r"suffix is '.gif': it must be one of .png, .svg, .pdf"):
-        stippling.write(grey, tmp_path / "dots.gif")
+        stippling.write(gray, tmp_path / "dots.gif")
     with pytest.raises(ValueError, match="scale is 0"):
-        stippling.draw(grey, 0.0)
+        stippling.draw(gray, 0.0)
 
 
-def test_reads_grey_colour_and_deep_pictures(tmp_path):
+def test_reads_gray_color_and_deep_pictures(tmp_path):
     image = pytest.importorskip("PIL.Image")
-    grey = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
-    colour = np.stack([grey, grey, grey + 1, np.full_like(grey, 255)], axis=2)
+    gray = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
+    color = np.stack([gray, gray, gray + 1, np.full_like(gray, 255)], axis=2)
     for name, pixels, expected in (
-        ("grey", grey, grey),
-        ("same", np.repeat(grey[..., None], 3, axis=2), grey),
-        ("colour", colour[..., :3], colour),
-        ("deep", grey.astype(np.uint16) * 257, grey),
+        ("gray", gray, gray),
+        ("same", np.repeat(gray[..., None], 3, axis=2), gray),
+        ("color", color[..., :3], color),
+        ("deep", gray.astype(np.uint16) * 257, gray),
     ):
         path = tmp_path / f"{name}.png"
         image.fromarray(pixels).save(path)

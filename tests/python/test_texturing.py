@@ -9,8 +9,8 @@ from dapple3d import texturing
 RED, GREEN = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)
 
 
-def flat(colour, size=4):
-    return np.full((size, size, 4), colour)
+def flat(color, size=4):
+    return np.full((size, size, 4), color)
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@
 
 namespace dapple {
 
-/// How even a set of sites is. Neighbours are sites whose cells touch.
+/// How even a set of sites is. Neighbors are sites whose cells touch.
 struct Evenness {
   double alpha_min =
-      0.0;  ///< normalised Poisson-disk radius: nearest neighbour / local hexagonal spacing
+      0.0;  ///< normalized Poisson-disk radius: nearest neighbor / local hexagonal spacing
   double alpha_mean = 0.0;       ///< the same ratio, averaged over the sites
   double capacity_spread = 0.0;  ///< standard deviation / mean of the capacities
 };
@@ -25,10 +25,10 @@ struct Evenness {
                                                 const RestrictedVoronoi& diagram);
 
 /// Bond-orientational order psi6 (Halperin and Nelson 1978): the mean over the sites of
-/// |mean over the neighbours of exp(6 i theta)|, where theta is the angle of the neighbour's
+/// |mean over the neighbors of exp(6 i theta)|, where theta is the angle of the neighbor's
 /// direction in the plane of the site's normal. About 0.36 for white noise, 0.42 for dart throwing,
 /// 1 for a hexagonal lattice. Sites with an entry in `left_out` do not count (their hexagon is cut
-/// by a border), nor do sites with fewer than three neighbours; 0 if none counts.
+/// by a border), nor do sites with fewer than three neighbors; 0 if none counts.
 /// \param normals  unit, per site
 /// \param left_out per site, or empty
 [[nodiscard]] double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,

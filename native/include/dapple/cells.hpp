@@ -6,9 +6,9 @@
 
 namespace dapple {
 
-/// The common boundary of a cell i with the cell of one neighbour j.
+/// The common boundary of a cell i with the cell of one neighbor j.
 struct CellBoundary {
-  std::int32_t neighbour;  ///< j
+  std::int32_t neighbor;  ///< j
   /// a_ij = integral over the boundary of phi (x - x_i) / |x_j - x_i|_t ds, where |v|_t is the
   /// length of v in the plane of the face (paper, Theorem 2). It is the part of d|V_i|/dx_i due to
   /// j, and -d|V_j|/dx_i.

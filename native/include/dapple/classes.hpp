@@ -7,7 +7,7 @@
 
 namespace dapple {
 
-/// Several classes at once, each of exactly its count, even by itself and all together: minimises
+/// Several classes at once, each of exactly its count, even by itself and all together: minimizes
 /// mu N E*(union) + sum over the classes of E*(class), where E* = n E / |S|_phi^2 of each set's own
 /// number and density, N is the number of classes that are not empty, and the density of the union
 /// is sum_c n_c phi_c / |S|_phi_c (paper, section 4.3, made fit for classes of different

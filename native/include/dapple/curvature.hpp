@@ -9,9 +9,9 @@ namespace dapple {
 /// How strongly the surface bends at each vertex: sqrt((k1^2 + k2^2) / 2) of the principal
 /// curvatures (Koenderink and van Doorn 1992), in 1 / unit; 1 / r on a sphere, 0 where no face with
 /// area is. Curvature tensors of the faces follow from the normals at their corners (Rusinkiewicz
-/// 2004) and are averaged around the vertices. Neighbours that are turned against each other are
+/// 2004) and are averaged around the vertices. Neighbors that are turned against each other are
 /// turned the same way first; a border takes over what lies next to it.
-/// \param smoothing rounds of averaging normals, then tensors, over neighbours; 0..100
+/// \param smoothing rounds of averaging normals, then tensors, over neighbors; 0..100
 /// \return one value per vertex, in the caller's order
 /// \throw ArgumentError for smoothing out of range; Cancelled
 [[nodiscard]] std::vector<double> curvedness(const Surface& surface, int smoothing = 2,

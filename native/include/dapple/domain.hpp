@@ -8,7 +8,7 @@
 
 namespace dapple {
 
-/// Where sites live, as the energy and the optimiser see it: a surface, the plane or the torus.
+/// Where sites live, as the energy and the optimizer see it: a surface, the plane or the torus.
 /// Implementations are immutable; every member may be called from several threads at once.
 class Domain {
  public:
@@ -28,8 +28,8 @@ class Domain {
   [[nodiscard]] virtual double area() const = 0;
   /// Integral of the density. Like the cells' integrals, it is of the density times density_unit().
   [[nodiscard]] virtual double mass() const = 0;
-  /// A power of two, 1 unless the density is extremely far from 1: keeps squares of integrals in the
-  /// range of numbers.
+  /// A power of two, 1 unless the density is extremely far from 1: keeps squares of integrals in
+  /// the range of numbers.
   [[nodiscard]] virtual double density_unit() const { return 1.0; }
   [[nodiscard]] virtual bool uniform() const = 0;
 
@@ -45,7 +45,7 @@ class Domain {
   /// Sites of the domain as sites of that surface.
   [[nodiscard]] virtual Sites to_drawn(const Sites& sites) const { return sites; }
 
-  /// Distance between neighbours if n points were packed hexagonally.
+  /// Distance between neighbors if n points were packed hexagonally.
   [[nodiscard]] double spacing(std::size_t count) const;
 
   /// \throw ArgumentError naming the first site that is not of the domain

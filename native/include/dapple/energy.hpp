@@ -10,7 +10,7 @@ struct Energy {
   double total = 0.0;
   double cvt = 0.0;            ///< sum of the integrals of phi^2 |x - x_i|^2
   double capacity_term = 0.0;  ///< sum of the squared capacities, without the weight
-  double normalised =
+  double normalized =
       0.0;  ///< e = n E / |S|_phi^2 - lambda: free of n, size and units; 0.16037 for hexagons
   std::vector<Vec3> gradient;  ///< per site, in space (not yet tangential)
   RestrictedVoronoi diagram;

@@ -8,7 +8,7 @@
 namespace dapple {
 
 struct MosaicOptions {
-  /// Width of the gap between neighbouring tiles, in the surface's units, measured in space across
+  /// Width of the gap between neighboring tiles, in the surface's units, measured in space across
   /// the plane half-way between their sites. Where the surface ends there is no gap.
   double grout = 0.0;
   std::vector<double> insets = {};  ///< per sample: how much farther its tile draws back; or empty
@@ -37,7 +37,7 @@ struct Mosaic {
 /// The restricted Voronoi cells of samples as tiles (paper, section 5.3 and Fig. 16a).
 ///
 /// A tile is the part of its cell that is farther than half the grout (and its inset) from each
-/// plane half-way to a neighbour; straight joints of constant width and exact on flat parts. A
+/// plane half-way to a neighbor; straight joints of constant width and exact on flat parts. A
 /// border of a connected cell that lies in no such plane, since the straight way goes through a
 /// wall, stays without grout.
 /// \throw ArgumentError for an option below 0 or not finite, insets of another length than the

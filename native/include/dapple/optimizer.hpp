@@ -10,7 +10,7 @@ struct OptimizerResult {
   Sites sites;    ///< with barycentric coordinates
   Energy energy;  ///< at the sites
   std::vector<double>
-      energies;  ///< what was minimised, normalised, at the start and after each iteration
+      energies;  ///< what was minimized, normalized, at the start and after each iteration
   int evaluations = 0;
   int iterations = 0;
   /// Whether the energy, its decreases or the restoration met what ends the minimization; false if
@@ -18,8 +18,8 @@ struct OptimizerResult {
   bool converged = false;
 };
 
-/// Minimise the energy over sites in a domain, on the tangential gradient, with projection after
-/// each step (paper, Algorithm 2) and Armijo backtracking. What is minimised never rises from one
+/// Minimize the energy over sites in a domain, on the tangential gradient, with projection after
+/// each step (paper, Algorithm 2) and Armijo backtracking. What is minimized never rises from one
 /// iteration to the next.
 ///
 /// The trust region: H0 = 2 delta diag(m) + 2 lambda J^T J + the gap's part; while the longest step

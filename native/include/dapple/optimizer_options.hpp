@@ -13,10 +13,10 @@ enum class Method {
   kLineSearch,   ///< plain L-BFGS, as in the paper
 };
 
-/// What a deforming surface is to be brought back to, instead of minimising on (trust region only).
+/// What a deforming surface is to be brought back to, instead of minimizing on (trust region only).
 ///
-/// Every step towards the minimum of E_cvt lowers it for good, and a long animation would turn blue
-/// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimised is
+/// Every step toward the minimum of E_cvt lowers it for good, and a long animation would turn blue
+/// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimized is
 /// s E_cvt + lambda E_cap and the gap, where s follows how far E_cvt is above that of the first
 /// frame: 0 while it is within a dead band.
 struct Restoration {
@@ -32,7 +32,7 @@ struct Restoration {
 struct OptimizerOptions {
   Method method = Method::kTrustRegion;
   double capacity_weight = 30.0;  ///< lambda >= 0
-  double gap_weight = 3.0;   ///< kappa >= 0: keeps neighbours apart; 0 is the paper's plain energy
+  double gap_weight = 3.0;   ///< kappa >= 0: keeps neighbors apart; 0 is the paper's plain energy
   double gap_radius = 0.72;  ///< distance below which the gap acts, in local spacings
   double tolerance = 5e-5;   ///< stop when the energy's relative decrease is not above it ...
   int patience = 2;  ///< ... this many times in a row: one small step alone is no convergence
@@ -44,9 +44,9 @@ struct OptimizerOptions {
                                                 ///< and in the surface's
   double stickiness = 0.0;  ///< gamma >= 0: weight of sum m_k |x_k - start_k|^2, where m_k is the
                             ///< cell's integral of phi^2 at the start; 1 is that of E_cvt
-  double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalised
+  double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalized
                                                                     ///< energy is not above it
-  std::optional<Restoration> restore = std::nullopt;                ///< minimise only so far
+  std::optional<Restoration> restore = std::nullopt;                ///< minimize only so far
 };
 
 }  // namespace dapple

@@ -29,7 +29,7 @@ class FlatDomain : public Domain {
   /// Its density; null if it is 1.
   [[nodiscard]] const Image* density() const { return density_.get(); }
 
-  /// Where an optimisation begins. \throw Cancelled
+  /// Where an optimization begins. \throw Cancelled
   [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
                             Context* context) const;
 
@@ -41,14 +41,14 @@ class FlatDomain : public Domain {
 };
 
 /// A rectangle, a polygon with holes, or an image over a rectangle. Cells come from CGAL's Delaunay
-/// triangulation of the sites, which knows the neighbours of each, and are cut out of the triangles
+/// triangulation of the sites, which knows the neighbors of each, and are cut out of the triangles
 /// that make up the domain.
 class PlanarDomain final : public FlatDomain {
  public:
   /// [0, width] x [0, height]. \throw ArgumentError unless both are finite and > 0
   [[nodiscard]] static PlanarDomain rectangle(double width, double height);
 
-  /// The same with a density: the image's values at the centres of its pixels, linear on triangles
+  /// The same with a density: the image's values at the centers of its pixels, linear on triangles
   /// between them, constant over the half pixel along the border.
   /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
   [[nodiscard]] static PlanarDomain image(double width, double height, const Image& density);
@@ -94,13 +94,13 @@ class PlanarDomain final : public FlatDomain {
 /// sites and their eight nearest images.
 ///
 /// Any point of the plane stands for its place in the square, and the gradient belongs to the point
-/// as it is: while optimising, positions are not wrapped, so that differences of positions are
+/// as it is: while optimizing, positions are not wrapped, so that differences of positions are
 /// steps. A site is its position alone; its face only says where the density is looked up.
 class TorusDomain final : public FlatDomain {
  public:
   TorusDomain();  ///< density 1
 
-  /// The image's values at the centres of its pixels, linear on triangles between them, going on
+  /// The image's values at the centers of its pixels, linear on triangles between them, going on
   /// periodically.
   /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
   explicit TorusDomain(const Image& density);

@@ -15,9 +15,9 @@ struct Projection {
 
 /// Finds the closest point of a surface for many points at once.
 ///
-/// Embree culls in single precision, on a centred and scaled copy and with a margin; candidates are
-/// compared in double precision and ties go to the lowest (caller's) face index, so the answer does
-/// not depend on Embree's tree.
+/// Embree culls in single precision, on a centered and scaled copy and with a margin; candidates
+/// are compared in double precision and ties go to the lowest (caller's) face index, so the answer
+/// does not depend on Embree's tree.
 class Projector {
  public:
   /// \param support_only leave out faces without density (or area): nothing is to end there

@@ -42,7 +42,7 @@ struct Refined {
 
 /// Cut faces until the criterion marks no edge any more, by longest-edge bisection (Rivara 1984):
 /// with an edge of a face its longest is halved too, so that no angle becomes smaller than half the
-/// smallest of the original face. Neighbours stay conforming at any edge, however many faces meet
+/// smallest of the original face. Neighbors stay conforming at any edge, however many faces meet
 /// there: where one side wants it halved, all sides are.
 /// \param criterion  asked once for each piece with area, from several threads; must not depend on
 ///                   the order of the questions
@@ -52,7 +52,7 @@ struct Refined {
                              std::size_t max_faces, Context* context = nullptr);
 
 /// Cut faces, also those without area, until no edge of a piece is longer than its face allows;
-/// neighbours are cut with it.
+/// neighbors are cut with it.
 /// \param longest  > 0, infinite to leave a face as it is: one per face, or one for all
 /// \throw ArgumentError naming the first that is not > 0; if the lengths differ; as refine()
 [[nodiscard]] Refined refine_edges(const Surface& surface, std::span<const double> longest,

@@ -16,7 +16,7 @@ struct ImageOptions {
 };
 
 /// Lay a picture over the surface as its density: (0, 0) is the outer corner of its first pixel,
-/// (1, 1) that of its last; between the centres of pixels it is bilinear. Faces are cut until the
+/// (1, 1) that of its last; between the centers of pixels it is bilinear. Faces are cut until the
 /// density, linear on each, is within the tolerance of the picture or their edges are short enough;
 /// a density that the surface already has is multiplied.
 /// \param uv  one row per face, within 1e6 of 0; where it jumps between faces the density may jump

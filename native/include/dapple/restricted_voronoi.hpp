@@ -8,7 +8,7 @@
 namespace dapple {
 
 /// Compute all cells, one at a time and in parallel: from the face that holds the site, flood over
-/// the mesh, clipping each face by the bisectors with the site's neighbours in order of distance
+/// the mesh, clipping each face by the bisectors with the site's neighbors in order of distance
 /// until the next one is farther than twice the farthest corner of what is left (the security
 /// radius). Faces that the floods leave uncovered are then given away by the rule of `cells`, so
 /// that every unit of area belongs to exactly one site.

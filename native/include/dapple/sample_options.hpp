@@ -6,7 +6,7 @@
 
 namespace dapple {
 
-/// Where the optimisation begins.
+/// Where the optimization begins.
 enum class Start {
   kPoisson,  ///< Poisson-disk set: fewer iterations, larger gaps
   kRandom,   ///< white noise, as in the paper

@@ -12,9 +12,9 @@ struct Quality {
   double spacing = 0.0;  ///< hexagonal packing distance, in the surface's units
   Evenness evenness;
   double bond_order = 0.0;  ///< psi6, see bond_order(); cells at borders are left out
-  double energy = 0.0;      ///< normalised, see Energy::normalised
+  double energy = 0.0;      ///< normalized, see Energy::normalized
   /// What of the capacity spread comes of each component having a whole number of samples: no
-  /// optimisation can lower it. 0 on one component.
+  /// optimization can lower it. 0 on one component.
   double whole_count_spread = 0.0;
 };
 
@@ -31,7 +31,7 @@ struct Report : Quality {
   bool converged = true;
   double seconds = 0.0;  ///< wall time
   std::vector<double>
-      energies;  ///< what was minimised, normalised, at the start and after each iteration
+      energies;  ///< what was minimized, normalized, at the start and after each iteration
   double slide_mean = 0.0;  ///< tracker, resample: distance from where they were, in spacings
   double slide_median = 0.0;
   double slide_max = 0.0;
@@ -55,7 +55,7 @@ struct Samples {
 /// \throw ArgumentError naming the first face out of range, barycentric coordinate that is not
 /// finite or below 0, row
 ///        that does not sum to 1 (within 1e-4: they may have been stored in single precision; they
-///        are normalised)
+///        are normalized)
 [[nodiscard]] Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
                                    std::span<const Vec3> barycentric,
                                    std::span<const std::int32_t> ids = {},
@@ -65,7 +65,7 @@ struct Samples {
 /// evenness, bond order and energy; what tells of the making stays at its default.
 /// \param surface the surface they lie on
 /// \throw Cancelled
-[[nodiscard]] Report analyse(const Surface& surface, const Samples& samples,
+[[nodiscard]] Report analyze(const Surface& surface, const Samples& samples,
                              double capacity_weight = 30.0, Cells cells = Cells::kConnected,
                              Context* context = nullptr);
 

@@ -34,7 +34,7 @@ struct Spectrum {
                                 const SpectrumOptions& options = {}, Context* context = nullptr);
 
 struct SurfaceSpectrumOptions {
-  double radius = 5.0;  ///< of the neighbourhood that is looked at, in spacings
+  double radius = 5.0;  ///< of the neighborhood that is looked at, in spacings
   int bins = 128;       ///< of the differentials on either axis; even
   int threads = 0;      ///< 0: as many as the machine has
 };
@@ -53,7 +53,7 @@ struct SurfaceSpectrumOptions {
 /// curved surfaces directions are only as comparable as these frames are.
 struct SurfaceSpectrum {
   std::size_t runs = 0;
-  std::size_t centres = 0;  ///< samples farther than the radius from any border, over all runs
+  std::size_t centers = 0;  ///< samples farther than the radius from any border, over all runs
   double radius = 0.0;      ///< in spacings
   int bins = 0;
   /// bins^2 values over [-radius, radius]^2, row by row from the lowest y: how many differentials
@@ -63,7 +63,7 @@ struct SurfaceSpectrum {
   RadialStatistics radial_differentials;  ///< over the annuli as wide as a bin, in spacings
   int half_width = 0;
   /// (2 half_width + 1)^2 powers as in Spectrum, but in steps of `frequency_step`:
-  /// 1 + the Fourier transform of (pair correlation - 1), faded out towards the radius by
+  /// 1 + the Fourier transform of (pair correlation - 1), faded out toward the radius by
   /// cos^2(pi r / (2 radius)); white noise is 1, f = 0 is left at what the transform gives.
   std::vector<double> power;
   /// Over annuli as wide as a step. Estimates at near frequencies depend on each other, so white

@@ -6,12 +6,12 @@
 
 namespace dapple {
 
-/// The inks that a colour picture is separated into, in this order; a stipple of one is the class.
+/// The inks that a color picture is separated into, in this order; a stipple of one is the class.
 enum class Ink { kRed, kGreen, kBlue, kCyan, kMagenta, kYellow, kBlack };
 inline constexpr std::size_t kInks = 7;
 
 /// Red, green and blue of a picture, each in [0, 1] and of one shape.
-using ColourImage = std::array<Image, 3>;
+using ColorImage = std::array<Image, 3>;
 
 /// How much of each pixel each ink covers, in [0, 1]; 1 - the sum is paper.
 ///
@@ -21,10 +21,10 @@ using ColourImage = std::array<Image, 3>;
 /// cover max(c, m, y).
 /// \throw ArgumentError naming the channel and its first value that is not in [0, 1], or a channel
 /// of another shape
-[[nodiscard]] std::array<Image, kInks> separate(const ColourImage& picture);
+[[nodiscard]] std::array<Image, kInks> separate(const ColorImage& picture);
 
-/// The colour that coverages mix to side by side: the inverse of separate().
-[[nodiscard]] ColourImage mix(const std::array<Image, kInks>& inks);
+/// The color that coverages mix to side by side: the inverse of separate().
+[[nodiscard]] ColorImage mix(const std::array<Image, kInks>& inks);
 
 struct StippleOptions {
   std::uint64_t seed = 0;
@@ -48,8 +48,8 @@ struct Stipples {
 };
 
 /// Exactly `count` dots that render coverages of one or several inks: error diffusion, then the
-/// planar optimisation on a density that is constant on each pixel (paper, sections 5.1 and 5.2).
-/// \param inks coverages >= 0, of one shape; a grey picture is one ink, 1 - grey
+/// planar optimization on a density that is constant on each pixel (paper, sections 5.1 and 5.2).
+/// \param inks coverages >= 0, of one shape; a gray picture is one ink, 1 - gray
 /// \throw ArgumentError for a count of 0, options out of range, a picture that is not of one shape,
 /// has a value that is negative or not finite (the first is named), or no ink at all; Cancelled
 [[nodiscard]] Stipples stipple(std::span<const Image> inks, std::size_t count,

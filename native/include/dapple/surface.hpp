@@ -88,7 +88,7 @@ class Surface {
   [[nodiscard]] std::vector<Vec3> normals(std::span<const std::int32_t> faces,
                                           std::span<const Vec3> weights) const;
 
-  /// Distance between neighbours if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
+  /// Distance between neighbors if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
   [[nodiscard]] double spacing(std::size_t count) const;
 
   /// For the library's own algorithms, whose headers are not installed.

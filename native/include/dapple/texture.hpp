@@ -17,7 +17,7 @@ struct Texels {
   [[nodiscard]] std::size_t size() const { return faces.size(); }
 };
 
-/// Find the face under the centre of each texel. Where texture coordinates overlap, the lowest
+/// Find the face under the center of each texel. Where texture coordinates overlap, the lowest
 /// face has it. Texels beside the faces, up to `margin` texels away, continue the nearest one, so
 /// that filtering does not bleed the background in at seams; what lies outside [0, 1] x [0, 1] is
 /// left out.

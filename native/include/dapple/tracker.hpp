@@ -12,9 +12,9 @@ namespace dapple {
 class FrameSolver;
 
 /// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
-/// coordinates and are then re-optimised, each keeping its index and id (paper, section 5.4).
+/// coordinates and are then re-optimized, each keeping its index and id (paper, section 5.4).
 ///
-/// A frame is restored to the evenness of the first one, not minimised on: minimising on every
+/// A frame is restored to the evenness of the first one, not minimized on: minimizing on every
 /// frame would turn the samples into a hexagonal pattern, and samples that need not move should
 /// not.
 class Tracker {

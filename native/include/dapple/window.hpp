@@ -14,7 +14,7 @@ struct WindowOptions {
 
 /// Samples on all frames of a motion at once, smooth both ways in time.
 ///
-/// After a pass of a Tracker, sweeps go forwards and backwards over the frames, each minimised with
+/// After a pass of a Tracker, sweeps go forwards and backwards over the frames, each minimized with
 /// the others fixed: block coordinate descent on the sum over the frames of what a Tracker
 /// restores, and of gamma sum_k m_k |x_k(t) - carried x_k(t-1)|^2. So a sample is drawn to the
 /// middle between where the surface carries it from the frame before and from the one after. The

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blue noise on surfaces by variational optimisation.
+"""Blue noise on surfaces by variational optimization.
 
 >>> surface = dapple.Surface(vertices, faces)
 >>> samples = dapple.sample(surface, 2000, seed=0)
@@ -35,7 +35,7 @@ from ._native import (
     Torus,
     Tracker,
     __version__,
-    analyse,
+    analyze,
     curvature_density,
     curvedness,
     decal_cover,
@@ -106,7 +106,7 @@ __all__ = [
     "Torus",
     "Tracker",
     "__version__",
-    "analyse",
+    "analyze",
     "curvature_density",
     "curvedness",
     "decal_cover",

@@ -28,7 +28,7 @@ BRIGHTEST = 3.0  # times white noise: the peaks of blue noise stay just below
 
 
 def points(positions: ArrayLike | Samples, *, title: str = "") -> "Figure":
-    """Draw points of the plane, or samples seen along z, coloured by class.
+    """Draw points of the plane, or samples seen along z, colored by class.
 
     Args:
         positions: (n, 2) or (n, 3) float64, or Samples.
@@ -44,9 +44,9 @@ def points(positions: ArrayLike | Samples, *, title: str = "") -> "Figure":
         raise ValueError(f"positions has the shape {array.shape}: (n, 2) or (n, 3) is needed")
     figure, axes = _figure(SQUARE, title)
     many = classes is not None and len(np.unique(classes)) > 1
-    colours: dict[str, Any] = {"c": classes, "cmap": "tab10"} if many else {"color": INK}
+    colors: dict[str, Any] = {"c": classes, "cmap": "tab10"} if many else {"color": INK}
     size = float(np.clip(4000.0 / max(len(array), 1), 0.5, 30.0))
-    axes[0].scatter(array[:, 0], array[:, 1], s=size, linewidths=0, **colours)
+    axes[0].scatter(array[:, 0], array[:, 1], s=size, linewidths=0, **colors)
     axes[0].set(aspect="equal", xlabel="x", ylabel="y")
     return figure
 

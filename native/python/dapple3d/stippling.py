@@ -23,7 +23,7 @@ from ._native import Context, Report, separate_inks, stipple_inks
 from .writing import replacing
 
 __all__ = [
-    "COLOURS",
+    "COLORS",
     "INKS",
     "SUFFIXES",
     "Dots",
@@ -38,9 +38,9 @@ __all__ = [
 ]
 
 INKS: Final = ("red", "green", "blue", "cyan", "magenta", "yellow", "black")
-"""The classes of a colour picture, in order; a grey one has black alone."""
+"""The classes of a color picture, in order; a gray one has black alone."""
 
-COLOURS: Final[dict[str, tuple[int, int, int]]] = {
+COLORS: Final[dict[str, tuple[int, int, int]]] = {
     "red": (255, 0, 0),
     "green": (0, 255, 0),
     "blue": (0, 0, 255),
@@ -82,9 +82,9 @@ class Dots:
         return len(self.positions)
 
     @property
-    def colours(self) -> NDArray[np.uint8]:
+    def colors(self) -> NDArray[np.uint8]:
         """(n, 3) uint8: red, green and blue of each dot."""
-        return np.array([COLOURS[name] for name in self.inks], np.uint8)[self.classes]
+        return np.array([COLORS[name] for name in self.inks], np.uint8)[self.classes]
 
 
 def stipple(
@@ -104,16 +104,16 @@ def stipple(
 ) -> Dots:
     """Render a picture with exactly count dots; dark places get many.
 
-    Error diffusion, then the planar optimisation with density 1 - grey (Chen et al. 2012, section
-    5.1). A colour picture is separated into seven inks, which are optimised as classes (section
+    Error diffusion, then the planar optimization with density 1 - gray (Chen et al. 2012, section
+    5.1). A color picture is separated into seven inks, which are optimized as classes (section
     5.2).
 
     Args:
-        image: (rows, columns) grey, or (rows, columns, 3 or 4) red, green, blue and alpha, over
+        image: (rows, columns) gray, or (rows, columns, 3 or 4) red, green, blue and alpha, over
             white; unsigned integers of the full range, or numbers in [0, 1].
         count: number of dots, >= 1.
         counts: of each of INKS, with the sum count; None: in proportion to the area that each ink
-            covers, by largest remainders. For colour only.
+            covers, by largest remainders. For color only.
         radius: of each dot, in pixels; 0: sqrt(ink / (pi count)), where ink is the area that is to
             be covered, so that the tone is right wherever dots do not overlap. 1.1 times as much
             leaves no gap where all is black.
@@ -126,13 +126,13 @@ def stipple(
         Cancelled: through the context.
     """
     picture = _as_picture(image)
-    grey = picture.ndim == 2
-    if grey and counts is not None:
-        raise ValueError("counts is given and the image is grey: it has one ink, black")
+    gray = picture.ndim == 2
+    if gray and counts is not None:
+        raise ValueError("counts is given and the image is gray: it has one ink, black")
     if picture.size == 0:
         raise ValueError(f"image has the shape {picture.shape}: it has no pixel")
     found = stipple_inks(
-        (1.0 - picture)[None] if grey else separate_inks(np.moveaxis(picture, 2, 0)),
+        (1.0 - picture)[None] if gray else separate_inks(np.moveaxis(picture, 2, 0)),
         count,
         counts=[] if counts is None else list(counts),
         radius=radius,
@@ -149,14 +149,14 @@ def stipple(
         found.positions,
         found.classes,
         found.radius,
-        ("black",) if grey else INKS,
+        ("black",) if gray else INKS,
         (picture.shape[1], picture.shape[0]),
         found.report,
     )
 
 
 def _as_picture(image: ArrayLike) -> NDArray[np.float64]:
-    """Numbers in [0, 1], grey or red, green, blue."""
+    """Numbers in [0, 1], gray or red, green, blue."""
     array = np.asarray(image)
     if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)):
         raise ValueError(
@@ -178,7 +178,7 @@ def _as_picture(image: ArrayLike) -> NDArray[np.float64]:
 
 
 def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
-    """Read a picture: (rows, columns) if it is grey, else (rows, columns, 4), all uint8.
+    """Read a picture: (rows, columns) if it is gray, else (rows, columns, 4), all uint8.
 
     Args:
         path: any format that Pillow knows; deeper ones are reduced to 8 bits.
@@ -194,11 +194,11 @@ def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
             return np.asarray(picture.convert("L"))
         if picture.mode.startswith(("I", "F")):  # 16 bits
             return (np.asarray(picture, np.float64) / 257.0 + 0.5).astype(np.uint8)
-        colour = np.asarray(picture.convert("RGBA"))
-    alike = np.array_equal(colour[..., 0], colour[..., 1]) and np.array_equal(
-        colour[..., 1], colour[..., 2]
+        color = np.asarray(picture.convert("RGBA"))
+    alike = np.array_equal(color[..., 0], color[..., 1]) and np.array_equal(
+        color[..., 1], color[..., 2]
     )
-    return colour[..., 0] if alike and (colour[..., 3] == 255).all() else colour
+    return color[..., 0] if alike and (color[..., 3] == 255).all() else color
 
 
 def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:
@@ -209,7 +209,7 @@ def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:
         scale: pixels to draw for each of the picture's, > 0; best if radius * scale is 1 or more.
 
     Returns:
-        (rows, columns) uint8 for grey, (rows, columns, 3) for colour.
+        (rows, columns) uint8 for gray, (rows, columns, 3) for color.
     """
     if not scale > 0.0:
         raise ValueError(f"scale is {scale:g}: it must be > 0")
@@ -218,7 +218,7 @@ def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:
     for index, name in enumerate(dots.inks):
         places = dots.positions[dots.classes == index] * scale
         cover = _cover(places, dots.radius * scale, width, height)[..., None]
-        paper += cover * (np.array(COLOURS[name]) / 255.0 - paper)
+        paper += cover * (np.array(COLORS[name]) / 255.0 - paper)
     drawn = (255.0 * paper + 0.5).astype(np.uint8)
     return drawn if len(dots.inks) > 1 else drawn[..., 0]
 
@@ -255,8 +255,8 @@ def to_svg(dots: Dots) -> str:
     for name, places in _by_ink(dots):
         steps = np.diff(places, axis=0, prepend=np.zeros((1, 2), np.int64))
         path = "".join(f"m{_decimal(x)} {_decimal(y)}h0" for x, y in steps.tolist())
-        colour = "#{:02x}{:02x}{:02x}".format(*COLOURS[name])
-        parts.append(f'<path stroke="{colour}" d="{path}"/>\n')
+        color = "#{:02x}{:02x}{:02x}".format(*COLORS[name])
+        parts.append(f'<path stroke="{color}" d="{path}"/>\n')
     parts.append("</g>\n</svg>\n")
     return "".join(parts)
 
@@ -269,7 +269,7 @@ def to_pdf(dots: Dots) -> bytes:
     width, height = dots.size
     lines = [f"1 J {2.0 * dots.radius:.6g} w"]
     for name, places in _by_ink(dots):
-        lines.append("{:g} {:g} {:g} RG".format(*(level / 255 for level in COLOURS[name])))
+        lines.append("{:g} {:g} {:g} RG".format(*(level / 255 for level in COLORS[name])))
         for x, y in places.tolist():
             place = f"{_decimal(x)} {_decimal(PLACES * height - y)}"
             lines.append(f"{place} m {place} l")
@@ -288,7 +288,7 @@ def to_pdf(dots: Dots) -> bytes:
 
 
 def _pdf_file(objects: list[bytes]) -> bytes:
-    """Objects 1, 2, ... behind each other and the table of their starts; 1 is the catalogue."""
+    """Objects 1, 2, ... behind each other and the table of their starts; 1 is the catalog."""
     body = b"%PDF-1.4\n"
     starts = []
     for number, content in enumerate(objects, 1):

@@ -187,7 +187,7 @@ def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray
 
 
 def _bilinear(pixels: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, 4) of an image at places (n, 2) in [-1, 1], between the centres of its pixels."""
+    """(n, 4) of an image at places (n, 2) in [-1, 1], between the centers of its pixels."""
     size = np.array(pixels.shape[1::-1])
     at = np.clip((places + 1) / 2 * size - 0.5, 0, size - 1)
     low = np.minimum(at.astype(np.int64), np.maximum(size - 2, 0))
@@ -199,13 +199,13 @@ def _bilinear(pixels: NDArray[np.float64], places: NDArray[np.float64]) -> NDArr
     return result
 
 
-def _premultiplied(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.concatenate([colours[..., :3] * colours[..., 3:], colours[..., 3:]], axis=-1)
+def _premultiplied(colors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate([colors[..., :3] * colors[..., 3:], colors[..., 3:]], axis=-1)
 
 
-def _straight(colours: NDArray[np.float64]) -> NDArray[np.float64]:
-    alpha = colours[..., 3:]
-    return np.concatenate([colours[..., :3] / np.where(alpha > 0, alpha, 1), alpha], axis=-1)
+def _straight(colors: NDArray[np.float64]) -> NDArray[np.float64]:
+    alpha = colors[..., 3:]
+    return np.concatenate([colors[..., :3] / np.where(alpha > 0, alpha, 1), alpha], axis=-1)
 
 
 def _over(front: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray[np.float64]:

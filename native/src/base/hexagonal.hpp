@@ -6,7 +6,7 @@
 
 namespace dapple {
 
-/// Distance between neighbours of a hexagonal lattice that has `area` for each site.
+/// Distance between neighbors of a hexagonal lattice that has `area` for each site.
 inline double hexagonal_spacing(double area) { return std::sqrt(2.0 * area / std::numbers::sqrt3); }
 
 }  // namespace dapple

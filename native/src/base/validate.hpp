@@ -16,7 +16,7 @@ inline std::string entry(const char* name, std::size_t index) {
   return std::string(name) + "[" + std::to_string(index) + "]";
 }
 
-/// A number with enough digits to recognise it.
+/// A number with enough digits to recognize it.
 [[nodiscard]] std::string number(double value);
 
 /// \throw Error naming the first point with a coordinate that is not finite

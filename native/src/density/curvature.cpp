@@ -24,7 +24,7 @@ constexpr double kFlat = 1e-9;   // curvedness times size: below that it is roun
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// 1 or -1 per ordered face, so that times their sign neighbours face the same way.
+/// 1 or -1 per ordered face, so that times their sign neighbors face the same way.
 std::vector<double> orient(const Surface& surface, const Context* context) {
   std::vector<double> signs(surface.face_count(), 0.0);
   std::vector<std::int32_t> pending;
@@ -51,7 +51,7 @@ std::vector<double> orient(const Surface& surface, const Context* context) {
   return signs;
 }
 
-/// Sums over the neighbourhood of a vertex: of weight times tensor, and of weight.
+/// Sums over the neighborhood of a vertex: of weight times tensor, and of weight.
 struct WeightedTensor {
   Mat3 sum = Mat3::Zero();
   double weight = 0.0;

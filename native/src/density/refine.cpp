@@ -49,7 +49,7 @@ std::vector<std::int32_t> welded_vertices(std::span<const Face> faces, std::span
   return result;
 }
 
-/// Triangles that know their edges, and edges their halves: neighbours find the same midpoints, or
+/// Triangles that know their edges, and edges their halves: neighbors find the same midpoints, or
 /// where their vertices are not the same, midpoints at the same place.
 class CutMesh {
  public:

@@ -18,7 +18,7 @@ constexpr double kPatch = 32.0;       // pixels: larger pieces are not looked at
 constexpr double kLinear = 1e-12;     // of the maximum: a second difference that is rounding
 constexpr double kLatticeStep = 0.5;  // pixels
 
-/// A triangle on the picture, in pixels; (0, 0) is the centre of the first.
+/// A triangle on the picture, in pixels; (0, 0) is the center of the first.
 using PixelTriangle = std::array<Vec2, 3>;
 
 double longest_edge(const PixelTriangle& t) {
@@ -42,7 +42,7 @@ class Picture {
     return uv.cwiseProduct(size_) - Vec2::Constant(0.5);
   }
 
-  /// Bilinear between the centres of pixels.
+  /// Bilinear between the centers of pixels.
   [[nodiscard]] double operator()(const Vec2& at) const {
     const double x = std::floor(at.x()), y = std::floor(at.y());
     const double s = at.x() - x, t = at.y() - y;

@@ -10,7 +10,7 @@ namespace dapple {
 namespace {
 
 constexpr double kFilled = 0.8;     // of the progress: only the margin is missing
-constexpr double kOnEdge = -1e-12;  // barycentric coordinate of a texel's centre on an edge
+constexpr double kOnEdge = -1e-12;  // barycentric coordinate of a texel's center on an edge
 
 void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
            std::size_t columns, int margin) {
@@ -22,7 +22,7 @@ void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
   check_at_least("margin", margin, 0.0);
 }
 
-/// A face on the picture, in texels: the centre of texel (row, column) is (column, row) + 0.5.
+/// A face on the picture, in texels: the center of texel (row, column) is (column, row) + 0.5.
 class TexelTriangle {
  public:
   TexelTriangle(const FaceUv& uv, std::size_t rows, std::size_t columns) {
@@ -51,7 +51,7 @@ class TexelTriangle {
   bool flat_ = false;
 };
 
-/// The first and one past the last texel whose centre can lie in [low, high].
+/// The first and one past the last texel whose center can lie in [low, high].
 std::pair<std::size_t, std::size_t> range(double low, double high, std::size_t size) {
   const double end = static_cast<double>(size);
   return {static_cast<std::size_t>(std::clamp(std::floor(low - 0.5), 0.0, end)),

@@ -16,7 +16,7 @@ std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_wei
     Vec3 capacity = Vec3::Zero();
     for (const CellBoundary& side : diagram.boundary(i))
       capacity +=
-          (cell.capacity - diagram.cells[static_cast<std::size_t>(side.neighbour)].capacity) *
+          (cell.capacity - diagram.cells[static_cast<std::size_t>(side.neighbor)].capacity) *
           side.flux;
     result[i] = -2.0 * cell.first + 2.0 * capacity_weight * capacity;
   }
@@ -33,7 +33,7 @@ Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) 
   }
   energy.total = energy.cvt + capacity_weight * energy.capacity_term;
   const auto count = static_cast<double>(energy.diagram.cells.size());
-  energy.normalised = count / mass * energy.total / mass - capacity_weight;
+  energy.normalized = count / mass * energy.total / mass - capacity_weight;
   energy.gradient = gradient(energy.diagram, capacity_weight);
   return energy;
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <map>
 
 namespace dapple {
@@ -37,18 +37,18 @@ class Crowd {
         for (int dy = -images_; dy <= images_; ++dy)
           points_.push_back(canonical(sites.positions[static_cast<std::size_t>(k)]) +
                             period_ * Vec3(dx, dy, 0.0));
-    tree_ = std::make_unique<Neighbours>(points_);
+    tree_ = std::make_unique<Neighbors>(points_);
   }
 
   /// Call visit(site, offset from it to the point) for all within the distance.
   template <typename Visit>
-  void for_each_within(const Vec3& point, double distance, std::vector<Neighbour>& found,
+  void for_each_within(const Vec3& point, double distance, std::vector<Neighbor>& found,
                        const Visit& visit) const {
     const Vec3 from = canonical(point);
     tree_->within(from, distance, found);
     const int along = 2 * images_ + 1;
     const std::size_t copies = static_cast<std::size_t>(along) * static_cast<std::size_t>(along);
-    for (const Neighbour& n : found) {
+    for (const Neighbor& n : found) {
       const auto k = static_cast<std::size_t>(n.index);
       visit(members_[k / copies], from - points_[k]);
     }
@@ -67,7 +67,7 @@ class Crowd {
   int images_;  // to each side
   double period_;
   std::vector<Vec3> points_;
-  std::unique_ptr<Neighbours> tree_;
+  std::unique_ptr<Neighbors> tree_;
 };
 
 }  // namespace
@@ -79,7 +79,7 @@ Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& ra
   if (weight == 0.0 || radii.empty()) return gap;
   for (std::size_t i = 0; i < diagram.cells.size(); ++i)
     for (const CellBoundary& side : diagram.boundary(i)) {
-      const auto j = static_cast<std::size_t>(side.neighbour);
+      const auto j = static_cast<std::size_t>(side.neighbor);
       if (j < i) continue;  // each pair once: rounding aside, both cells list their common boundary
       add_pair(gap, i, j, -side.offset, 0.5 * (radii[i] + radii[j]), weight);
     }
@@ -91,7 +91,7 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
   std::vector<bool> shortened(radii.size(), false);
   for (std::size_t i = 0; i < radii.size(); ++i)
     for (const CellBoundary& side : diagram.boundary(i)) {
-      const auto j = static_cast<std::size_t>(side.neighbour);
+      const auto j = static_cast<std::size_t>(side.neighbor);
       if (j < i) continue;
       const Vec3 d = -side.offset;
       const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
@@ -112,7 +112,7 @@ Gap evaluate_things(const Sites& sites, const Vectors& normals, const std::vecto
   std::map<double, Crowd> crowds;
   for (auto& [radius, members] : by_radius)
     crowds.try_emplace(radius, sites, std::move(members), period);
-  std::vector<Neighbour> found;
+  std::vector<Neighbor> found;
   for (const auto& [large, from] : crowds)
     for (const auto& [small, to] : crowds) {
       if (small > large) break;

@@ -59,14 +59,14 @@ void GaussNewtonPart::transpose() {
   starts_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i)
     for (const CellBoundary& side : diagram_.boundary(i))
-      ++starts_[static_cast<std::size_t>(side.neighbour) + 1];
+      ++starts_[static_cast<std::size_t>(side.neighbor) + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
   inflows_.resize(starts_.back());
   std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
   for (std::size_t i = 0; i < count; ++i)
     for (const CellBoundary& side : diagram_.boundary(i))
-      inflows_[next[static_cast<std::size_t>(side.neighbour)]++] = {static_cast<std::int32_t>(i),
-                                                                    side.flux};
+      inflows_[next[static_cast<std::size_t>(side.neighbor)]++] = {static_cast<std::int32_t>(i),
+                                                                   side.flux};
 }
 
 std::size_t GaussNewtonPart::site(std::size_t member) const {
@@ -88,7 +88,7 @@ Vectors GaussNewtonPart::product(const Vectors& v, double delta) const {
     for (std::size_t i = begin; i < end; ++i) {
       Vec3 sum = change[i] * own_[i];
       for (const CellBoundary& side : diagram_.boundary(i))
-        sum -= change[static_cast<std::size_t>(side.neighbour)] * side.flux;
+        sum -= change[static_cast<std::size_t>(side.neighbor)] * side.flux;
       result[i] = 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_) * v[i] +
                   2.0 * capacity_weight_ * sum;
     }

@@ -28,7 +28,7 @@ constexpr double kHoldMost = 0.05;  // share of the sites that a jump may be bla
 // What a step rises above its slope falls to a quarter when the step is halved, at a crease to
 // half; where more than this is left, the energy jumps, as it does where orphans change owners.
 constexpr double kJump = 0.6;
-constexpr int kPulls = 8;      // towards the start, of a site that was projected out of reach
+constexpr int kPulls = 8;      // toward the start, of a site that was projected out of reach
 constexpr double kPull = 0.8;  // share of its way that is left after each; the last leaves none
 
 // The trust region's delta: how it answers to the outcome of a step.
@@ -157,7 +157,7 @@ class Minimizer {
 
   void begin_restoration() {
     if (!aim_) return;
-    const double above = normalised_cvt(objective_, state_) - (aim_->cvt + aim_->dead_band);
+    const double above = normalized_cvt(objective_, state_) - (aim_->cvt + aim_->dead_band);
     weigh_cvt(objective_, state_, aim_->share * std::clamp(above / aim_->band, 0.0, 1.0));
     delta_ = least_delta_ = aim_->share;
   }
@@ -174,7 +174,7 @@ class Minimizer {
 
   [[nodiscard]] bool settled() const {
     if (restoring() && restored()) return true;
-    return normalised_energy(objective_, state_) <= options_.target_energy ||
+    return normalized_energy(objective_, state_) <= options_.target_energy ||
            small_decreases_ >= options_.patience ||
            failures_ >= (restoring() ? kFewFailures : kFailures);
   }
@@ -182,7 +182,7 @@ class Minimizer {
   /// Whether it ended where it should: settled() also ends where no step is found.
   [[nodiscard]] bool at_minimum() const {
     if (restoring() && restored()) return true;
-    if (normalised_energy(objective_, state_) <= options_.target_energy) return true;
+    if (normalized_energy(objective_, state_) <= options_.target_energy) return true;
     if (small_decreases_ >= options_.patience) return missed_ <= options_.tolerance && !stuck();
     return failures_ > 0 && missed_ <= kRounding;
   }
@@ -267,7 +267,7 @@ class Minimizer {
     note_energy();
   }
 
-  /// Move sites without a cell to where there is room, if that lowers what is minimised.
+  /// Move sites without a cell to where there is room, if that lowers what is minimized.
   void rescue() {
     if (result_.evaluations >= options_.max_evaluations || rescues_ >= kRescues) return;
     const Rescue found = find_rescue(objective_, state_);
@@ -417,7 +417,7 @@ class Minimizer {
       left -= rise[order[n]];
       held[order[n]] = true;
       for (const CellBoundary& side : state_.diagram().boundary(order[n]))
-        held[static_cast<std::size_t>(side.neighbour)] = true;
+        held[static_cast<std::size_t>(side.neighbor)] = true;
     }
     for (std::size_t k = 0; k < held.size(); ++k)
       if (held[k]) direction[k] *= kHold;
@@ -450,7 +450,7 @@ class Minimizer {
   }
 
   /// Project, no site farther than its reach. The projection can carry one that was held back
-  /// farther again (around a bend, to another sheet): it is pulled towards its home until it does
+  /// farther again (around a bend, to another sheet): it is pulled toward its home until it does
   /// not.
   [[nodiscard]] Sites project_within_reach(Vectors moved,
                                            std::span<const std::int32_t> hints) const {

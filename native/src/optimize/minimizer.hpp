@@ -8,7 +8,7 @@
 
 namespace dapple {
 
-/// Where a minimisation ended.
+/// Where a minimization ended.
 struct Minimum {
   State state;
   std::vector<double> energies;  ///< see OptimizerResult

@@ -159,14 +159,14 @@ std::vector<double> energy_shares(const Objective& objective, const State& state
   return shares;
 }
 
-double normalised_energy(const Objective& objective, const State& state) {
+double normalized_energy(const Objective& objective, const State& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
-    sum += objective.terms[t].weight * state.parts[t].energy.normalised;
+    sum += objective.terms[t].weight * state.parts[t].energy.normalized;
   return sum / objective.total_weight();
 }
 
-double normalised_cvt(const Objective& objective, const State& state) {
+double normalized_cvt(const Objective& objective, const State& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt;
@@ -174,7 +174,7 @@ double normalised_cvt(const Objective& objective, const State& state) {
 }
 
 double capacity_spread(const Objective& objective, const State& state) {
-  const double rest = normalised_energy(objective, state) - normalised_cvt(objective, state);
+  const double rest = normalized_energy(objective, state) - normalized_cvt(objective, state);
   return objective.capacity_weight > 0.0
              ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)
              : 0.0;

@@ -11,12 +11,12 @@ namespace dapple {
 struct Term {
   const Domain* domain;                    ///< with the density of the set
   std::vector<std::int32_t> members = {};  ///< of all sites; empty: every site
-  double weight = 1.0;                     ///< of its normalised energy in the sum
+  double weight = 1.0;                     ///< of its normalized energy in the sum
   double gap_radius = 0.0;                 ///< distance below which its gap acts, in local spacings
   double gap_weight = 0.0;                 ///< kappa
 };
 
-/// What is minimised: sum over the terms of weight * n / |S|_phi^2 * (E + E_gap), each over its own
+/// What is minimized: sum over the terms of weight * n / |S|_phi^2 * (E + E_gap), each over its own
 /// sites and density, and the gap between things.
 struct Objective {
   double capacity_weight = 0.0;  ///< lambda
@@ -33,7 +33,7 @@ struct Objective {
 
   [[nodiscard]] const Domain& domain() const { return *terms[0].domain; }
   [[nodiscard]] double total_weight() const;
-  /// To normalised units: n / |S|_phi^2, times the term's weight.
+  /// To normalized units: n / |S|_phi^2, times the term's weight.
   [[nodiscard]] double scale(std::size_t term, std::size_t sites) const;
 
   /// The nearest points where each site may be.
@@ -81,11 +81,11 @@ void set_radii(const Objective& objective, State& state,
 /// Per site what its cells and pairs add to the total, capacities counted from their means.
 [[nodiscard]] std::vector<double> energy_shares(const Objective& objective, const State& state);
 
-/// The terms' normalised energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
-[[nodiscard]] double normalised_energy(const Objective& objective, const State& state);
+/// The terms' normalized energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
+[[nodiscard]] double normalized_energy(const Objective& objective, const State& state);
 
 /// Of them the part n E_cvt / |S|_phi^2.
-[[nodiscard]] double normalised_cvt(const Objective& objective, const State& state);
+[[nodiscard]] double normalized_cvt(const Objective& objective, const State& state);
 
 /// Standard deviation / mean of the capacities: the rest is lambda times its square.
 [[nodiscard]] double capacity_spread(const Objective& objective, const State& state);

@@ -2,7 +2,7 @@
 #include "optimize/rescue.hpp"
 
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <numbers>
 #include <set>
 
@@ -18,8 +18,8 @@ class Rescuer {
   Rescue run() {
     split();
     if (empty_.empty() || held_.empty()) return {};
-    const Neighbours tree(held_positions_);
-    std::vector<Neighbour> found;
+    const Neighbors tree(held_positions_);
+    std::vector<Neighbor> found;
     Rescue rescue;
     for (const std::size_t site : empty_) {
       tree.nearest(state_.sites.positions[site], 1, found);
@@ -52,7 +52,7 @@ class Rescuer {
   [[nodiscard]] std::size_t roomiest(std::size_t start) const {
     std::size_t best = start;
     for (const CellBoundary& side : state_.diagram().boundary(start)) {
-      const auto j = static_cast<std::size_t>(side.neighbour);
+      const auto j = static_cast<std::size_t>(side.neighbor);
       const bool free = !taken_.contains(j);
       if (free && (taken_.contains(best) || cell(j).capacity > cell(best).capacity)) best = j;
     }

@@ -8,8 +8,8 @@ namespace dapple {
 /// New places for sites that have no capacity: they coincide with another, met one in a corner, or
 /// left the density's support. They have no gradient, so no step would ever free them.
 ///
-/// Each goes halfway from the site with the largest cell nearby (that of its nearest neighbour with
-/// a cell, or one beside it) to that one's farthest neighbour, or into the open where there is
+/// Each goes halfway from the site with the largest cell nearby (that of its nearest neighbor with
+/// a cell, or one beside it) to that one's farthest neighbor, or into the open where there is
 /// none. Two never go to the same place. \return indices of the sites and their new, not yet
 /// projected positions and hints; empty if every site has a cell
 struct Rescue {

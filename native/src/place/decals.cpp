@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/decals.hpp>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <numbers>
 
 #include "base/parallel.hpp"
@@ -39,11 +39,11 @@ class Decals {
   };
 
   /// The decal on a point of the surface with that normal.
-  [[nodiscard]] Hit at(const Vec3& point, const Vec3& normal, std::vector<Neighbour>& found) const {
+  [[nodiscard]] Hit at(const Vec3& point, const Vec3& normal, std::vector<Neighbor>& found) const {
     Hit best;
     double least = std::numeric_limits<double>::infinity();
     index_.within(point, kCorner * largest_, found);
-    for (const Neighbour& near : found) {
+    for (const Neighbor& near : found) {
       const auto k = static_cast<std::size_t>(near.index);
       const double distance = std::sqrt(near.squared_distance) / radii_[k];
       if (!(distance < least) || samples_.normals[k].dot(normal) <= 0.0) continue;
@@ -68,7 +68,7 @@ class Decals {
 
   const Samples& samples_;
   std::span<const double> radii_;
-  Neighbours index_;
+  Neighbors index_;
   std::vector<Vec3> tangents_;
   double largest_ = 0.0;
 };
@@ -105,7 +105,7 @@ DecalCover cover(const Surface& surface, const Samples& samples, std::span<const
   Tally tally(context, texels.size());
   parallel_chunks(texels.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     tally.check();
-    std::vector<Neighbour> found;
+    std::vector<Neighbor> found;
     for (std::size_t k = begin; k < end; ++k) {
       if (texels.faces[k] < 0) continue;
       const auto hit = decals.at(

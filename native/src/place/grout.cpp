@@ -6,9 +6,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kBeyond = 1e-9;  // of the distance to a neighbour: rounding of the cell's corners
+constexpr double kBeyond = 1e-9;  // of the distance to a neighbor: rounding of the cell's corners
 
-std::vector<std::int32_t> neighbours_of(std::span<const CellPolygon> cell) {
+std::vector<std::int32_t> neighbors_of(std::span<const CellPolygon> cell) {
   std::vector<std::int32_t> result;
   for (const CellPolygon& piece : cell)
     for (const std::int32_t edge : piece.edges)
@@ -26,11 +26,11 @@ void start(Polygon& polygon, const CellPolygon& piece, const Vec3& site) {
 }
 
 /// Cut by the plane of points nearer to the site than to the one at `to`, moved by `width`.
-void cut(Polygon& polygon, const Vec3& to, std::int32_t neighbour, double width) {
+void cut(Polygon& polygon, const Vec3& to, std::int32_t neighbor, double width) {
   const double distance = to.norm();
   const Vec3 normal = to / distance;
   if (polygon.measure(normal, 0.5 * distance).high > kBeyond * distance) return;
-  if (polygon.measure(normal, 0.5 * distance - width).high > 0.0) polygon.cut(neighbour);
+  if (polygon.measure(normal, 0.5 * distance - width).high > 0.0) polygon.cut(neighbor);
 }
 
 CellPolygon to_piece(const Polygon& polygon, const CellPolygon& like, const Vec3& site) {
@@ -47,13 +47,13 @@ CellPolygon to_piece(const Polygon& polygon, const CellPolygon& like, const Vec3
 std::vector<CellPolygon> without_grout(std::span<const CellPolygon> cell,
                                        std::span<const Vec3> sites, double width) {
   if (width == 0.0) return {cell.begin(), cell.end()};
-  const std::vector<std::int32_t> neighbours = neighbours_of(cell);
+  const std::vector<std::int32_t> neighbors = neighbors_of(cell);
   std::vector<CellPolygon> result;
   Polygon polygon;
   for (const CellPolygon& piece : cell) {
     const Vec3& site = sites[static_cast<std::size_t>(piece.site)];
     start(polygon, piece, site);
-    for (const std::int32_t j : neighbours)
+    for (const std::int32_t j : neighbors)
       if (!polygon.empty()) cut(polygon, sites[static_cast<std::size_t>(j)] - site, j, width);
     if (polygon.corners().size() >= 3) result.push_back(to_piece(polygon, piece, site));
   }

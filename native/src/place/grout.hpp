@@ -5,9 +5,9 @@
 
 namespace dapple {
 
-/// What is left of a cell when the planes half-way to its neighbours move `width` towards its site.
+/// What is left of a cell when the planes half-way to its neighbors move `width` toward its site.
 ///
-/// A neighbour counts on the pieces that end at its plane or before; where cells are connected, one
+/// A neighbor counts on the pieces that end at its plane or before; where cells are connected, one
 /// that shares a border elsewhere can have the piece on its own side without owning it.
 /// \param cell  all pieces of one cell
 /// \param sites positions of all sites

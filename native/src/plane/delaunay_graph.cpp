@@ -138,7 +138,7 @@ Vec3 shift_of(std::int32_t tile) {
   return {double(column), double(row), 0.0};
 }
 
-/// The neighbours of sites in the unit square from a plane triangulation of the square and the
+/// The neighbors of sites in the unit square from a plane triangulation of the square and the
 /// eight images around it: more there need not be, since a site's own images hold its cell within
 /// half a period of it.
 void add_arcs_of_images(std::span<const Vec3> x, std::span<const std::int32_t> sites,

@@ -167,7 +167,7 @@ class Diffusion {
   std::span<const std::size_t> counts_;
   Random random_;
   std::vector<bool> filled_;
-  std::vector<double> homeless_;  // lacks that no neighbour could take
+  std::vector<double> homeless_;  // lacks that no neighbor could take
   Diffused dots_;
 };
 

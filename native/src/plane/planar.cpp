@@ -65,21 +65,21 @@ Surface box_surface(const Vec2& low, const Vec2& high) {
   return Surface(vertices, faces);
 }
 
-/// The centres of pixels first .. last of `count` to a length of 1.
-std::vector<double> centres(int first, int last, int count) {
+/// The centers of pixels first .. last of `count` to a length of 1.
+std::vector<double> centers(int first, int last, int count) {
   std::vector<double> result;
   for (int k = first; k <= last; ++k) result.push_back((k + 0.5) / count);
   return result;
 }
 
-/// The image going on periodically, over the centres of pixels from `first` to `last`.
+/// The image going on periodically, over the centers of pixels from `first` to `last`.
 Surface periodic_surface(const Image& image, const Eigen::Array2i& first,
                          const Eigen::Array2i& last) {
   const auto columns = static_cast<int>(image.columns), rows = static_cast<int>(image.rows);
   const auto wrapped = [](int k, int count) {
     return static_cast<std::size_t>((k % count + count) % count);
   };
-  return grid_surface(centres(first.x(), last.x(), columns), centres(first.y(), last.y(), rows),
+  return grid_surface(centers(first.x(), last.x(), columns), centers(first.y(), last.y(), rows),
                       [&](std::size_t column, std::size_t row) {
                         const std::size_t c =
                             wrapped(static_cast<int>(column) + first.x(), columns);

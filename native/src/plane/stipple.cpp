@@ -212,11 +212,11 @@ Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOp
   return result;
 }
 
-// ---- colour ----
+// ---- color ----
 
-std::array<Image, kInks> separate(const ColourImage& picture) {
+std::array<Image, kInks> separate(const ColorImage& picture) {
   constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
-  // Of the three process colours, the ink that two make and the one that is left alone.
+  // Of the three process colors, the ink that two make and the one that is left alone.
   constexpr std::array<Ink, 3> kWithout = {Ink::kRed, Ink::kGreen, Ink::kBlue};
   constexpr std::array<Ink, 3> kAlone = {Ink::kCyan, Ink::kMagenta, Ink::kYellow};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -245,11 +245,11 @@ std::array<Image, kInks> separate(const ColourImage& picture) {
   return inks;
 }
 
-ColourImage mix(const std::array<Image, kInks>& inks) {
+ColorImage mix(const std::array<Image, kInks>& inks) {
   // What each ink takes from red, green and blue light.
   constexpr std::array<std::array<double, 3>, kInks> kTakes = {
       {{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};
-  ColourImage picture;
+  ColorImage picture;
   for (std::size_t k = 0; k < 3; ++k) {
     picture[k] = {inks[0].rows, inks[0].columns, std::vector<double>(inks[0].values.size(), 1.0)};
     for (std::size_t c = 0; c < kInks; ++c)

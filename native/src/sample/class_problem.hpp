@@ -26,13 +26,13 @@ struct ClassProblem {
 /// The class of each site, class by class.
 [[nodiscard]] std::vector<std::int32_t> class_of_sites(const ClassProblem& problem);
 
-/// What is minimised for sites of the given classes.
+/// What is minimized for sites of the given classes.
 /// \param locked per site; empty: none
 [[nodiscard]] Objective make_objective(const ClassProblem& problem,
                                        std::vector<std::int32_t> classes,
                                        const ClassOptions& options, std::vector<bool> locked = {});
 
-/// Where an optimisation begins, class by class.
+/// Where an optimization begins, class by class.
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
                                Context* context);
 
@@ -42,11 +42,11 @@ struct ClassMinimum {
   Minimum minimum;
 };
 
-/// Minimise from the start; where things still overlap, ever harder against that.
+/// Minimize from the start; where things still overlap, ever harder against that.
 [[nodiscard]] ClassMinimum solve(Objective objective, const Sites& start,
                                  const OptimizerOptions& options, Context* context);
 
-/// Start and minimise, in one stage or two.
+/// Start and minimize, in one stage or two.
 /// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
 [[nodiscard]] ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options,
                                  Context* context);

@@ -13,7 +13,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kEvaluated = 0.9;  // of the progress of analysing: the cells are known
+constexpr double kEvaluated = 0.9;  // of the progress of analyzing: the cells are known
 
 /// Which term is about this class; all sites' if they are all of it. -1 for an empty class.
 std::int32_t term_of(const Objective& objective, std::size_t c) {
@@ -68,7 +68,7 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
       .spacing = domain.spacing(sites.size()),
       .evenness = measure_evenness(energy.diagram),
       .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
-      .energy = energy.normalised,
+      .energy = energy.normalized,
       .whole_count_spread = whole_count_spread(domain.drawn_on(), domain.to_drawn(sites))};
 }
 
@@ -123,7 +123,7 @@ void measure_slide(Report& report, std::span<const Vec3> now, std::span<const Ve
   report.slide_max = slides.back();
 }
 
-Report analyse(const Surface& surface, const Samples& samples, double capacity_weight, Cells cells,
+Report analyze(const Surface& surface, const Samples& samples, double capacity_weight, Cells cells,
                Context* context) {
   if (context) context->check();
   check_samples(surface, samples);

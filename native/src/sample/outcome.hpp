@@ -12,7 +12,7 @@ namespace dapple {
 [[nodiscard]] Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
                               std::span<const Vec3> normals);
 
-/// What the minimiser found, all together and class by class.
+/// What the minimizer found, all together and class by class.
 /// \param class_count number of classes, empty ones too
 /// \param normals     of the surface, per site
 [[nodiscard]] Report to_report(const Objective& objective, const Minimum& found,

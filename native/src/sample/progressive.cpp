@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/progressive.hpp>
 #include <numeric>
 #include <queue>
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kGrain = 512;
 constexpr double kSpaced = 0.15;  // of the progress: the points' spacings are known
 constexpr double kLinked = 0.6;   // of that of a level: its points are linked
-constexpr std::size_t kRing = 6;  // neighbours in a hexagonal lattice
+constexpr std::size_t kRing = 6;  // neighbors in a hexagonal lattice
 
 using Indices = std::vector<std::int32_t>;
 
@@ -34,16 +34,16 @@ class Layer {
   Layer(std::span<const Vec3> all, Indices members, Context* context)
       : all_(all), members_(std::move(members)) {
     const std::vector<Vec3> places = places_of(members_);
-    const Neighbours tree(places);
+    const Neighbors tree(places);
     spacing_.resize(members_.size());
     Tally tally(context, members_.size());
     parallel_chunks(members_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       tally.check();
-      std::vector<Neighbour> ring;
+      std::vector<Neighbor> ring;
       for (std::size_t k = begin; k < end; ++k) {
         tree.nearest(places[k], kRing + 1, ring);  // the first is the point itself
         double sum = 0.0;
-        for (const Neighbour& one : ring) sum += std::sqrt(one.squared_distance);
+        for (const Neighbor& one : ring) sum += std::sqrt(one.squared_distance);
         spacing_[k] = sum / static_cast<double>(std::max<std::size_t>(ring.size(), 2) - 1);
       }
       tally.add(end - begin);
@@ -61,16 +61,16 @@ class Layer {
     Indices who;
     for (const std::size_t k : kept) who.push_back(members_[k]);
     const std::vector<Vec3> places = places_of(who);
-    const Neighbours tree(places);
+    const Neighbors tree(places);
     std::vector<std::vector<Link>> found(kept.size());
     Tally tally(context, kept.size());
     parallel_chunks(kept.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       tally.check();
-      std::vector<Neighbour> near;
+      std::vector<Neighbor> near;
       for (std::size_t k = begin; k < end; ++k) {
         const double radius = spacing_[kept[k]] / std::sqrt(left);
         tree.within(places[k], radius, near);
-        for (const Neighbour& one : near)
+        for (const Neighbor& one : near)
           if (at(one.index) != k)
             found[k].push_back(
                 {who[at(one.index)], closeness(std::sqrt(one.squared_distance) / radius)});
@@ -158,7 +158,7 @@ class Elimination {
   }
 
   Indices run(Context* context) && {
-    // Radii grow with the gaps, so neighbours are looked up anew whenever half are gone.
+    // Radii grow with the gaps, so neighbors are looked up anew whenever half are gone.
     while (left_ > 0) {
       const std::size_t first = left_, target = left_ / 2;
       Stretch level(context, progress_at(first), progress_at(target));

@@ -38,7 +38,7 @@ std::ptrdiff_t reluctantly(double x, std::ptrdiff_t change) {
 }
 
 /// Whole numbers near real ones of the same sum. Where whole numbers cannot be right, what is there
-/// stays: they are rounded towards 0 unless the sum or a neighbor's gain demands more.
+/// stays: they are rounded toward 0 unless the sum or a neighbor's gain demands more.
 std::vector<std::ptrdiff_t> whole_changes(const std::vector<double>& wanted) {
   std::vector<std::ptrdiff_t> result;
   std::set<std::pair<double, std::size_t>> rest;
@@ -232,8 +232,8 @@ class Round {
   void hand_out(std::size_t site, double worth, int sign, Queue& waiting) {
     std::vector<std::size_t> near;
     for (const CellBoundary& side : diagram_.boundary(site))
-      if (passed_.alive[static_cast<std::size_t>(side.neighbour)])
-        near.push_back(static_cast<std::size_t>(side.neighbour));
+      if (passed_.alive[static_cast<std::size_t>(side.neighbor)])
+        near.push_back(static_cast<std::size_t>(side.neighbor));
     for (const std::size_t n : near) {
       const bool waits = waiting.erase({sign * fill_[n], n}) > 0;
       fill_[n] += worth / static_cast<double>(near.size());
@@ -327,7 +327,7 @@ class Round {
       const std::vector<std::size_t> inner(near.begin(), near.end());
       for (const std::size_t s : inner)
         for (const CellBoundary& side : diagram_.boundary(s))
-          near.insert(static_cast<std::size_t>(side.neighbour));
+          near.insert(static_cast<std::size_t>(side.neighbor));
     }
     std::vector<Vec3> result;
     for (const std::size_t s : near) {

@@ -13,7 +13,7 @@
 namespace dapple {
 namespace {
 
-constexpr double kSlack = 5e-4;  // of the normalised energy: as even to the eye, as in the tracker
+constexpr double kSlack = 5e-4;  // of the normalized energy: as even to the eye, as in the tracker
 
 // Of the progress: before the optimization, after a start from nothing ...
 constexpr double kStarted = 0.3;

@@ -8,11 +8,11 @@
 namespace dapple {
 namespace {
 
-constexpr double kRounding = 1e-14;  // of weights that already are normalised
+constexpr double kRounding = 1e-14;  // of weights that already are normalized
 
 /// Without negative coordinates and with sum 1. What is so to rounding stays as it is: binding
 /// again changes nothing.
-Vec3 normalised(const Vec3& row) {
+Vec3 normalized(const Vec3& row) {
   const Vec3 weights = row.cwiseMax(0.0);
   const double sum = weights.sum();
   return std::abs(sum - 1.0) <= kRounding ? weights : Vec3(weights / sum);
@@ -40,7 +40,7 @@ Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces
 
   Samples samples;
   samples.faces.assign(faces.begin(), faces.end());
-  for (const Vec3& row : barycentric) samples.barycentric.push_back(normalised(row));
+  for (const Vec3& row : barycentric) samples.barycentric.push_back(normalized(row));
   for (std::size_t k = 0; k < count; ++k)
     samples.positions.push_back(surface.point(faces[k], samples.barycentric[k]));
   samples.normals = surface.normals(samples.faces, samples.barycentric);

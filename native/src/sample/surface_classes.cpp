@@ -2,8 +2,8 @@
 #include "sample/surface_classes.hpp"
 
 #include "base/validate.hpp"
-#include "surface/validate_surface.hpp"
 #include "surface/ordered_surface.hpp"
+#include "surface/validate_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -19,7 +19,8 @@ Surface union_surface(const Surface& surface, std::span<const SampleClass> class
     const Surface& own = surface_of(surface, member);
     const double weight = static_cast<double>(member.count) / own.mass();
     for (std::size_t f = 0; f < surface.face_count(); ++f) {
-      const Vec3 densities = own.ordered().densities(own.ordered().ordered_face(static_cast<std::int32_t>(f)));
+      const Vec3 densities =
+          own.ordered().densities(own.ordered().ordered_face(static_cast<std::int32_t>(f)));
       for (std::size_t k = 0; k < 3; ++k)
         values[3 * f + k] += weight * densities[static_cast<Eigen::Index>(k)];
     }

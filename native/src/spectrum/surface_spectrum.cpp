@@ -3,7 +3,7 @@
 
 #include <atomic>
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/spectrum.hpp>
 #include <numbers>
 #include <optional>
@@ -93,22 +93,22 @@ class Differentials {
       spacings_.push_back(local_spacing(k));
       frames_.emplace_back(samples.normals[k]);
     }
-    find_centres(context);
+    find_centers(context);
   }
 
-  [[nodiscard]] std::size_t centres() const { return centres_; }
+  [[nodiscard]] std::size_t centers() const { return centers_; }
 
-  /// Differentials for a centre and a bin in white noise.
+  /// Differentials for a center and a bin in white noise.
   [[nodiscard]] double expected() const {
     const auto count = static_cast<double>(samples_.size());
     return kSites * (count - 1.0) / count * width_ * width_;
   }
 
   /// Count those of the pairs whose larger spacing is sample i's (the lower index's if equal).
-  void count_pairs(std::size_t i, std::vector<Neighbour>& found, Counts& counts) const {
+  void count_pairs(std::size_t i, std::vector<Neighbor>& found, Counts& counts) const {
     if (!std::isfinite(spacings_[i])) return;
     find_near(i, found);
-    for (const Neighbour& near : found) {
+    for (const Neighbor& near : found) {
       const auto j = static_cast<std::size_t>(near.index);
       if (spacings_[j] < spacings_[i] || (spacings_[j] == spacings_[i] && i < j))
         count_pair(i, j, counts);
@@ -124,11 +124,11 @@ class Differentials {
     return uniform * std::sqrt(surface_.mass() / surface_.area() / density);
   }
 
-  void find_centres(const Context* context) {
+  void find_centers(const Context* context) {
     const double step = kBorderStep * surface_.spacing(samples_.size());
     const std::vector<Vec3> border = border_points(surface_, step);
-    const Neighbours tree(border);
-    std::vector<Neighbour> nearest;
+    const Neighbors tree(border);
+    std::vector<Neighbor> nearest;
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       if (context && k % kGrain == 0) context->check();
       bool inside = std::isfinite(spacings_[k]);
@@ -136,13 +136,13 @@ class Differentials {
         tree.nearest(samples_.positions[k], 1, nearest);
         inside = std::sqrt(nearest[0].squared_distance) > reach_ * spacings_[k] + 0.5 * step;
       }
-      is_centre_.push_back(inside);
-      centres_ += inside ? 1 : 0;
+      is_center_.push_back(inside);
+      centers_ += inside ? 1 : 0;
     }
   }
 
   /// All samples within reach of sample i, and perhaps more.
-  void find_near(std::size_t i, std::vector<Neighbour>& found) const {
+  void find_near(std::size_t i, std::vector<Neighbor>& found) const {
     const double limit = reach_ * spacings_[i];
     auto count = 16 + static_cast<std::size_t>(1.3 * std::numbers::pi * kSites * reach_ * reach_);
     do {
@@ -162,8 +162,8 @@ class Differentials {
     const auto length = geodesic(distance, unit * n_i.dot(v), unit * n_j.dot(v));
     if (!length) return;
     const double scaled = *length / (0.5 * (spacings_[i] + spacings_[j]));
-    if (is_centre_[i]) count(frames_[i].project(v, scaled), counts);
-    if (is_centre_[j]) count(frames_[j].project(-v, scaled), counts);
+    if (is_center_[i]) count(frames_[i].project(v, scaled), counts);
+    if (is_center_[j]) count(frames_[j].project(-v, scaled), counts);
   }
 
   void count(const Vec2& differential, Counts& counts) const {
@@ -175,15 +175,15 @@ class Differentials {
 
   const Surface& surface_;
   const Samples& samples_;
-  Neighbours tree_;
+  Neighbors tree_;
   double radius_;
   double width_;
   double reach_;  // a bin farther than the radius, so that all bins are complete up to there
   int bins_;
   std::vector<double> spacings_;  // infinite where the density is 0
   std::vector<Frame> frames_;
-  std::vector<bool> is_centre_;
-  std::size_t centres_ = 0;
+  std::vector<bool> is_center_;
+  std::size_t centers_ = 0;
 };
 
 void check_options(const SurfaceSpectrumOptions& options) {
@@ -220,19 +220,19 @@ class Gathering {
     std::atomic<std::size_t> done = 0;
     parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       if (context_) context_->check();
-      std::vector<Neighbour> found;
+      std::vector<Neighbor> found;
       Counts& mine = counts.local();
       for (std::size_t i = begin; i < end; ++i) run.count_pairs(i, found, mine);
       advance(done += end - begin, samples.size());
     });
     for (const Counts& part : counts)
       for (std::size_t k = 0; k < total_.size(); ++k) total_[k] += part[k];
-    centres_ += run.centres();
-    expected_ += static_cast<double>(run.centres()) * run.expected();
+    centers_ += run.centers();
+    expected_ += static_cast<double>(run.centers()) * run.expected();
     ++added_;
   }
 
-  [[nodiscard]] std::size_t centres() const { return centres_; }
+  [[nodiscard]] std::size_t centers() const { return centers_; }
 
   /// Found / expected, equal at d and -d.
   [[nodiscard]] std::vector<double> ratios() const {
@@ -255,7 +255,7 @@ class Gathering {
   Context* context_;
   Counts total_;
   std::size_t added_ = 0;
-  std::size_t centres_ = 0;
+  std::size_t centers_ = 0;
   double expected_ = 0.0;
 };
 
@@ -280,7 +280,7 @@ RadialStatistics radial_differentials(const std::vector<double>& ratios, const B
   return annuli.statistics(0.5, bins.width);
 }
 
-/// What to transform: ratio - 1, faded out towards the radius (a sharp end would ring).
+/// What to transform: ratio - 1, faded out toward the radius (a sharp end would ring).
 Eigen::MatrixXd faded(const std::vector<double>& ratios, const Bins& bins, double radius) {
   Eigen::MatrixXd result(bins.count, bins.count);
   auto ratio = ratios.begin();
@@ -331,7 +331,7 @@ void blank_corners(std::vector<double>& ratios, const Bins& bins, double radius)
 void finish(SurfaceSpectrum& result, Context* context) {
   const Bins bins{result.bins, 2.0 * result.radius / result.bins};
   result.radial_differentials = radial_differentials(result.differentials, bins);
-  const double step = 0.5 / result.radius;  // what the neighbourhood resolves
+  const double step = 0.5 / result.radius;  // what the neighborhood resolves
   const double unit = std::sqrt(kSites);    // spacing * sqrt(n / A)
   result.frequency_step = step / unit;
   result.half_width =
@@ -354,12 +354,12 @@ SurfaceSpectrum surface_spectrum(const Surface& surface, std::span<const Samples
   with_threads(options.threads, [&] {
     for (const Samples* samples : runs) gathering.add(surface, *samples);
   });
-  if (gathering.centres() == 0)
+  if (gathering.centers() == 0)
     throw ArgumentError("radius is " + number(options.radius) +
                         " spacings: no sample is as far from the border");
   SurfaceSpectrum result;
   result.runs = runs.size();
-  result.centres = gathering.centres();
+  result.centers = gathering.centers();
   result.radius = options.radius;
   result.bins = options.bins;
   result.differentials = gathering.ratios();

@@ -66,11 +66,11 @@ class DartGrid {
   /// Whether a member lies nearer to the dart than `reach(member, its radius)`.
   template <typename Reach>
   [[nodiscard]] bool refuses(const Dart& dart, const Reach& reach) const {
-    const Address centre = address(dart.position);
+    const Address center = address(dart.position);
     for (std::int64_t dx = -1; dx <= 1; ++dx)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dz = flat() ? 0 : -1; dz <= (flat() ? 0 : 1); ++dz)
-          if (refuses_in(bucket({centre[0] + dx, centre[1] + dy, centre[2] + dz}), dart, reach))
+          if (refuses_in(bucket({center[0] + dx, center[1] + dy, center[2] + dz}), dart, reach))
             return true;
     return false;
   }

@@ -97,8 +97,8 @@ class Walk {
 
 /// The edge of a face (its half-edge) beyond which a point lies, seen along the face's normal; none
 /// if it lies over the face.
-std::optional<std::int32_t> edge_towards(const Surface& surface, std::int32_t face,
-                                         const Vec3& point) {
+std::optional<std::int32_t> edge_toward(const Surface& surface, std::int32_t face,
+                                        const Vec3& point) {
   const Face& corners = surface.ordered().corners(face);
   const Vec3& normal = surface.ordered().geometry(face).normal;
   std::optional<std::int32_t> best;
@@ -118,7 +118,7 @@ std::optional<std::int32_t> edge_towards(const Surface& surface, std::int32_t fa
 /// not even on one that lies at the same place.
 bool leads_to(const Surface& surface, std::int32_t from, std::int32_t hit, const Vec3& point) {
   for (int step = 0; step < kStraight && from != hit; ++step) {
-    const std::optional<std::int32_t> edge = edge_towards(surface, from, point);
+    const std::optional<std::int32_t> edge = edge_toward(surface, from, point);
     if (!edge) return false;
     const std::int32_t across = surface.ordered().next_around(*edge);
     if (across == *edge || surface.ordered().next_around(across) != *edge) return false;

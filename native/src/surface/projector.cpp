@@ -49,7 +49,7 @@ class Handle {
 struct Projector::Scene {
   Scene(const Surface& s, bool support_only);
 
-  [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - centre) / scale; }
+  [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
   [[nodiscard]] Vec3 within_reach(const Vec3& p) const;
   void attach_triangles();
   void check() const;
@@ -58,7 +58,7 @@ struct Projector::Scene {
   std::vector<std::int32_t> faces;  // ordered faces that Embree knows, by its index
   Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
   Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get())};
-  Vec3 centre;
+  Vec3 center;
   double scale;
   double factor;  // a power of two, about 1 / scale: squares of what is scaled by it are safe
 };
@@ -152,7 +152,7 @@ Projector::Scene::Scene(const Surface& s, bool support_only) : surface(s) {
     low = low.cwiseMin(surface.ordered().vertex(static_cast<std::int32_t>(k)));
     high = high.cwiseMax(surface.ordered().vertex(static_cast<std::int32_t>(k)));
   }
-  centre = 0.5 * (low + high);
+  center = 0.5 * (low + high);
   scale = 0.5 * (high - low).maxCoeff();  // > 0: a surface has area
   factor = std::ldexp(1.0, -std::ilogb(scale));
   attach_triangles();
@@ -162,9 +162,9 @@ Projector::Scene::Scene(const Surface& s, bool support_only) : surface(s) {
 
 /// A point so far away that it has no place in single precision gives way to one in its direction.
 Vec3 Projector::Scene::within_reach(const Vec3& p) const {
-  const Vec3 way = p - centre;
+  const Vec3 way = p - center;
   const double most = way.cwiseAbs().maxCoeff();
-  return most <= kFar * scale ? p : Vec3(centre + kFar * scale * (way / most));
+  return most <= kFar * scale ? p : Vec3(center + kFar * scale * (way / most));
 }
 
 /// \throw std::bad_alloc, std::runtime_error for what Embree could not do

@@ -30,7 +30,7 @@ bool count_edges(const Surface& surface, Topology& result) {
   return consistent;
 }
 
-/// False if a face does not fit: a complex edge or vertex, or neighbours turned against each other.
+/// False if a face does not fit: a complex edge or vertex, or neighbors turned against each other.
 bool build(const Surface& surface, HalfEdgeMesh& mesh) {
   std::vector<HalfEdgeMesh::VertexHandle> handles(surface.vertex_count());
   const auto handle = [&](std::int32_t v) {

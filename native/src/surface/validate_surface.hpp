@@ -14,7 +14,7 @@ namespace dapple {
 /// the arrays' lengths differ (there may be no barycentric coordinates)
 void check_sites(const Surface& surface, const Sites& sites);
 
-/// Faces with barycentric coordinates, which need not be normalised to the last digit.
+/// Faces with barycentric coordinates, which need not be normalized to the last digit.
 /// \param owner what they are of, for the message
 /// \throw ArgumentError naming the first face out of range, row that is not finite, below 0 or
 /// does not sum to 1 (all within 1e-4); if the lengths differ

@@ -310,7 +310,7 @@ class Welder {
   std::span<const Face> faces_;
   std::vector<std::int32_t>& next_around_;
   Context* context_;
-  std::vector<std::int32_t> welded_;  // towards the lowest vertex of each set
+  std::vector<std::int32_t> welded_;  // toward the lowest vertex of each set
   std::vector<bool> border_;          // per vertex
   std::vector<std::int32_t> places_;  // per vertex; empty without any border
 };

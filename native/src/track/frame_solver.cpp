@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-// A frame this little above the first one's normalised energy is as even to the eye: nothing needs
+// A frame this little above the first one's normalized energy is as even to the eye: nothing needs
 // to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
 constexpr double kSlack = 5e-4;
 
@@ -37,7 +37,7 @@ std::vector<SampleClass> deformed(std::vector<SampleClass> classes,
   return classes;
 }
 
-/// What is minimised on one frame, over domains that it owns.
+/// What is minimized on one frame, over domains that it owns.
 struct Frame {
   Frame(const Surface& surface, std::span<const SampleClass> classes,
         const std::vector<std::int32_t>& class_of, const TrackerOptions& options)
@@ -101,8 +101,8 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   const Frame frame(surface, classes_, class_of_, options_);
   const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
   const State state = evaluate(frame.objective, first_, no_gaps, context);
-  target_energy_ = normalised_energy(frame.objective, state);
-  restoration_.cvt = normalised_cvt(frame.objective, state);
+  target_energy_ = normalized_energy(frame.objective, state);
+  restoration_.cvt = normalized_cvt(frame.objective, state);
   restoration_.first_spread = capacity_spread(frame.objective, state);
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
   memory_ = PatternMemory(state.diagram());

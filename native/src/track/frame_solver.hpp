@@ -23,7 +23,7 @@ class FrameSolver {
   FrameSolver(const Surface& surface, const Samples& samples, const TrackerOptions& options,
               std::vector<SampleClass> classes, const Context* context);
 
-  /// Moves back towards the first frame's pattern; see PatternMemory.
+  /// Moves back toward the first frame's pattern; see PatternMemory.
   /// \param before the sites on the last frame
   /// \param now those, carried to this one
   [[nodiscard]] Vectors recall(const Surface& surface, const Sites& before, const Sites& now) const;

@@ -12,9 +12,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kRebuilt = 0.5;   // misfit, in distances to neighbours, from where memory ends
-constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbours
-constexpr std::size_t kLeast = 4;  // neighbours: three determine an affine map, without a misfit
+constexpr double kRebuilt = 0.5;   // misfit, in distances to neighbors, from where memory ends
+constexpr double kPace = 3.0;      // longest move, in changes of the distances to the neighbors
+constexpr std::size_t kLeast = 4;  // neighbors: three determine an affine map, without a misfit
 constexpr double kInLine = 1e-12;  // determinant of offsets that have no width, of their square
 constexpr std::size_t kGrain = 256;
 
@@ -52,8 +52,8 @@ Eigen::Matrix2Xd offsets(std::size_t middle, std::span<const std::int32_t> ring,
 
 PatternMemory::PatternMemory(const RestrictedVoronoi& first) {
   for (std::size_t i = 0; i < first.cells.size(); ++i) {
-    for (const CellBoundary& side : first.boundary(i)) neighbours_.push_back(side.neighbour);
-    starts_.push_back(neighbours_.size());
+    for (const CellBoundary& side : first.boundary(i)) neighbors_.push_back(side.neighbor);
+    starts_.push_back(neighbors_.size());
   }
 }
 
@@ -66,14 +66,14 @@ PatternMemory PatternMemory::exchanged(std::span<const std::int32_t> origin) con
     if (o >= 0)
       for (const std::int32_t j : of(static_cast<std::size_t>(o)))
         if (present[static_cast<std::size_t>(j)] >= 0)
-          result.neighbours_.push_back(present[static_cast<std::size_t>(j)]);
-    result.starts_.push_back(result.neighbours_.size());
+          result.neighbors_.push_back(present[static_cast<std::size_t>(j)]);
+    result.starts_.push_back(result.neighbors_.size());
   }
   return result;
 }
 
 std::span<const std::int32_t> PatternMemory::of(std::size_t site) const {
-  return std::span(neighbours_).subspan(starts_[site], starts_[site + 1] - starts_[site]);
+  return std::span(neighbors_).subspan(starts_[site], starts_[site + 1] - starts_[site]);
 }
 
 Vectors PatternMemory::recall(const Places& first, const Vectors& before, const Places& now,
@@ -93,8 +93,8 @@ Vec3 PatternMemory::recall_one(std::size_t i, const Places& first, const Vectors
   const Fit fit = fit_affine(offsets(i, ring, first.positions, tangent_basis(first.normals[i])),
                              offsets(i, ring, now.positions, now_basis));
   double then = 0.0, today = 0.0, change = 0.0;  // sums of distances, and of what they change by
-  for (const std::int32_t neighbour : ring) {
-    const auto j = static_cast<std::size_t>(neighbour);
+  for (const std::int32_t neighbor : ring) {
+    const auto j = static_cast<std::size_t>(neighbor);
     const double length = (now.positions[j] - now.positions[i]).norm();
     then += (first.positions[j] - first.positions[i]).norm();
     today += length;

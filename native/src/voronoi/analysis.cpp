@@ -3,7 +3,7 @@
 #include <cmath>
 #include <complex>
 #include <dapple/analysis.hpp>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <limits>
 #include <optional>
 
@@ -28,11 +28,11 @@ double spread(const RestrictedVoronoi& diagram, double mean) {
   return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
 }
 
-/// Neighbours over less of this than their distance touch at a corner, to rounding.
+/// Neighbors over less of this than their distance touch at a corner, to rounding.
 constexpr double kCorner = 1e-9;
-constexpr std::size_t kFewestNeighbours = 3;  // around a closed cell of straight sides
+constexpr std::size_t kFewestNeighbors = 3;  // around a closed cell of straight sides
 
-/// |mean of exp(6 i theta)| over the neighbours of a site; none if it has too few.
+/// |mean of exp(6 i theta)| over the neighbors of a site; none if it has too few.
 std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t site,
                                const Vec3& normal) {
   const Vec3 u = normal.unitOrthogonal();
@@ -44,11 +44,11 @@ std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t sit
     sum += std::polar(1.0, 6.0 * std::atan2(side.offset.dot(v), side.offset.dot(u)));
     ++count;
   }
-  if (count < kFewestNeighbours) return std::nullopt;
+  if (count < kFewestNeighbors) return std::nullopt;
   return std::abs(sum) / static_cast<double>(count);
 }
 
-/// The neighbour whose cell follows along a ray, and how far along the ray.
+/// The neighbor whose cell follows along a ray, and how far along the ray.
 struct Exit {
   std::int32_t site = -1;
   double at = 1.0;
@@ -61,7 +61,7 @@ Exit leave_cell(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& 
     const double speed = step.dot(side.offset);
     if (speed <= 0.0) continue;
     const double at = (0.5 * side.offset.squaredNorm() - from.dot(side.offset)) / speed;
-    if (at < exit.at) exit = {side.neighbour, at};
+    if (at < exit.at) exit = {side.neighbor, at};
   }
   return exit;
 }
@@ -79,7 +79,7 @@ class ComponentSites {
       part.positions.push_back(sites.positions[k]);
     }
     for (Part& part : parts_)
-      if (!part.sites.empty()) part.tree = std::make_unique<Neighbours>(part.positions);
+      if (!part.sites.empty()) part.tree = std::make_unique<Neighbors>(part.positions);
   }
 
   /// The nearest site of a component, or of all where it has none.
@@ -94,11 +94,11 @@ class ComponentSites {
   struct Part {
     std::vector<std::int32_t> sites;
     std::vector<Vec3> positions;
-    std::unique_ptr<Neighbours> tree;
+    std::unique_ptr<Neighbors> tree;
   };
-  Neighbours all_;
+  Neighbors all_;
   std::vector<Part> parts_;
-  std::vector<Neighbour> found_;
+  std::vector<Neighbor> found_;
 };
 
 }  // namespace
@@ -118,7 +118,7 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
     const double area = cell.mass > 0.0 ? capacity * cell.capacity / cell.mass : 0.0;
     const double alpha = area > 0.0 ? nearest_touching(diagram, i) / hexagonal_spacing(area) : 0.0;
-    if (!std::isfinite(alpha)) continue;  // no neighbour: alone on its component
+    if (!std::isfinite(alpha)) continue;  // no neighbor: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;
     ++counted;

@@ -8,7 +8,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFirstNeighbours = 12;  // enough for most cells; more are fetched on demand
+constexpr std::size_t kFirstNeighbors = 12;  // enough for most cells; more are fetched on demand
 // So many are more than cells have whose faces are near: then it pays to find out which matter.
 constexpr std::size_t kMany = 50;
 
@@ -22,7 +22,7 @@ void Bisectors::reset(std::int32_t site) {
   if (index_->has_graph())
     take_links();
   else
-    fetch(kFirstNeighbours + 1);
+    fetch(kFirstNeighbors + 1);
 }
 
 // All sites may be at one place: any lower one settles that this is not the owner.
@@ -37,7 +37,7 @@ std::int32_t Bisectors::owner() {
     return best;
   }
   while (true) {
-    for (const Neighbour& found : found_) look_at(found.index, found.squared_distance);
+    for (const Neighbor& found : found_) look_at(found.index, found.squared_distance);
     if (best != site_ || fetched_ == index_->population() || found_.back().squared_distance > 0.0)
       return best;
     fetch(2 * fetched_);
@@ -61,7 +61,7 @@ void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 /// Most faces are decided by the nearest few of many rivals: the others need not be sorted.
 void Bisectors::take_rivals() {
   const auto first = rivals_.begin() + static_cast<std::ptrdiff_t>(next_rival_);
-  const std::size_t count = std::min(kFirstNeighbours, rivals_.size() - next_rival_);
+  const std::size_t count = std::min(kFirstNeighbors, rivals_.size() - next_rival_);
   const auto last = first + static_cast<std::ptrdiff_t>(count);
   if (last != rivals_.end()) std::nth_element(first, last, rivals_.end());
   std::sort(first, last);
@@ -75,7 +75,7 @@ void Bisectors::fetch(std::size_t count) {
   index_->nearest(sites_->position(site_), count, found_);
   fetched_ = found_.size();
   bisectors_.clear();
-  for (const Neighbour& found : found_)
+  for (const Neighbor& found : found_)
     if (found.index != site_) add(found.index);
   sort();
   settle();
@@ -128,7 +128,7 @@ std::int32_t Bisectors::first_at_place_of(std::int32_t site) {
   };
   for (std::size_t count = 2;; count *= 2) {
     index_->nearest(sites_->position(site), count, found_);
-    for (const Neighbour& found : found_)
+    for (const Neighbor& found : found_)
       if (found.squared_distance == 0.0) site = std::min(site, found.index, lower);
     if (found_.size() < count || found_.back().squared_distance > 0.0) return site;
   }

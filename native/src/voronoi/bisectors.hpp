@@ -6,7 +6,7 @@
 
 namespace dapple {
 
-/// The half-space of points nearer to the site than to a neighbour: x . normal <= offset, x
+/// The half-space of points nearer to the site than to a neighbor: x . normal <= offset, x
 /// relative to the site.
 struct Bisector {
   Vec3 normal;  ///< x_j - x_i
@@ -73,7 +73,7 @@ class Bisectors {
   std::int32_t site_ = 0;
   std::size_t fetched_ = 0;
   std::size_t settled_ = 0;
-  std::vector<Neighbour> found_;
+  std::vector<Neighbor> found_;
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;

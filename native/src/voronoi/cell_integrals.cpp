@@ -51,7 +51,7 @@ void CellIntegrals::flush_boundary(const OrderedSites& sites, std::vector<CellBo
     const Bisector& bisector = flood_->bisector(static_cast<std::int32_t>(k));
     const std::int32_t j = sites.original(bisector.site);
     const auto known = std::find_if(out.begin(), out.end(), [&](const CellBoundary& side) {
-      return side.neighbour == j && side.offset == bisector.normal;
+      return side.neighbor == j && side.offset == bisector.normal;
     });
     if (known == out.end()) {
       out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length, boundary_[k].way});

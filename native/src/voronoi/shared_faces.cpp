@@ -33,7 +33,7 @@ class Spreading {
         known_(orphans.size()) {
     for (std::size_t k = 0; k < orphans.size(); ++k)
       orphan_of_[static_cast<std::size_t>(orphans[k])] = static_cast<std::int32_t>(k);
-    const std::vector<bool> looked_at = orphans_and_neighbours();
+    const std::vector<bool> looked_at = orphans_and_neighbors();
     for (const Coverage& piece : pieces) {
       const auto face = static_cast<std::size_t>(piece.face);
       if (!looked_at[face]) continue;
@@ -69,17 +69,17 @@ class Spreading {
       SiteSet& current = owners_[static_cast<std::size_t>(orphans_[active[k]])];
       if (owners[k] == current) continue;
       current = std::move(owners[k]);
-      add_neighbours(orphans_[active[k]], next);
+      add_neighbors(orphans_[active[k]], next);
     }
     std::sort(next.begin(), next.end());
     next.erase(std::unique(next.begin(), next.end()), next.end());
     return next;
   }
 
-  /// The owners of an orphan after its neighbours' owners have competed for it too.
+  /// The owners of an orphan after its neighbors' owners have competed for it too.
   SiteSet hear(std::size_t k) {
     SiteSet told;
-    for_each_neighbour(orphans_[k], [&](std::int32_t face) {
+    for_each_neighbor(orphans_[k], [&](std::int32_t face) {
       const SiteSet& owners = owners_of(face);
       told.insert(told.end(), owners.begin(), owners.end());
     });
@@ -103,25 +103,25 @@ class Spreading {
     return result;
   }
 
-  void add_neighbours(std::int32_t face, std::vector<std::size_t>& next) const {
-    for_each_neighbour(face, [&](std::int32_t neighbour) {
-      const std::int32_t orphan = orphan_of_[static_cast<std::size_t>(neighbour)];
+  void add_neighbors(std::int32_t face, std::vector<std::size_t>& next) const {
+    for_each_neighbor(face, [&](std::int32_t neighbor) {
+      const std::int32_t orphan = orphan_of_[static_cast<std::size_t>(neighbor)];
       if (orphan != kNone) next.push_back(static_cast<std::size_t>(orphan));
     });
   }
 
-  [[nodiscard]] std::vector<bool> orphans_and_neighbours() const {
+  [[nodiscard]] std::vector<bool> orphans_and_neighbors() const {
     std::vector<bool> result(surface_.face_count(), false);
     for (const std::int32_t face : orphans_) {
       result[static_cast<std::size_t>(face)] = true;
-      for_each_neighbour(
+      for_each_neighbor(
           face, [&](std::int32_t other) { result[static_cast<std::size_t>(other)] = true; });
     }
     return result;
   }
 
   template <typename Visit>
-  void for_each_neighbour(std::int32_t face, const Visit& visit) const {
+  void for_each_neighbor(std::int32_t face, const Visit& visit) const {
     for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
       for (std::int32_t g = surface_.ordered().next_around(h); g != h;
            g = surface_.ordered().next_around(g))
@@ -136,7 +136,7 @@ class Spreading {
   std::span<const std::int32_t> orphans_;
   const Divide& divide_;
   std::vector<std::int32_t> orphan_of_;  // per face: its place among the orphans, or kNone
-  std::vector<SiteSet> owners_;          // per face, of orphans and their neighbours
+  std::vector<SiteSet> owners_;          // per face, of orphans and their neighbors
   std::vector<SiteSet> sure_;            // per orphan: those whose floods found an area of it
   std::vector<SiteSet> known_;           // per orphan: all that have ever competed for it
 };

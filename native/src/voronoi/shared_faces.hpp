@@ -31,7 +31,7 @@ using Divide = std::function<std::vector<std::int32_t>(
 /// Give every orphan to sites that it is connected to along the surface.
 ///
 /// A face's candidates start as the sites that reached it. Layer by layer an orphan hears of the
-/// owners of its neighbours and keeps those that own something of it, until nothing changes: what
+/// owners of its neighbors and keeps those that own something of it, until nothing changes: what
 /// is owned spreads over the orphans from the faces around them. A site that owns nothing against
 /// some never owns anything against more, so only owners and newcomers ever compete; one that its
 /// flood found an area for is nearest there of all sites, and owns it against any.

@@ -27,7 +27,7 @@ struct SiteGraph {
 };
 
 /// The cells of the sites on a flat surface, or for a periodic graph on any flat surface that
-/// covers the cells: as restricted_voronoi(surface, sites), with the neighbours known
+/// covers the cells: as restricted_voronoi(surface, sites), with the neighbors known
 /// and the integrals of the density times Surface::density_unit().
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                                    const SiteGraph& graph, const Context* context,

@@ -73,22 +73,22 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
   }
 }
 
-void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const {
+void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& found) const {
   found.clear();
   if (!tree_) return;
   tree_->nearest(point, count, found);
   if (!kept_.empty())
-    for (Neighbour& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
+    for (Neighbor& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
 }
 
 std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
   if (graph_) return walk(point, from);
-  std::vector<Neighbour> found;
+  std::vector<Neighbor> found;
   nearest(point, 1, found);
   return found[0].index;
 }
 
-// In a Delaunay triangulation every site but the nearest has a neighbour that is nearer.
+// In a Delaunay triangulation every site but the nearest has a neighbor that is nearer.
 std::int32_t SiteIndex::walk(const Vec3& point, std::int32_t site) const {
   double best = squared_distance(point, site);
   for (bool moved = true; moved;) {

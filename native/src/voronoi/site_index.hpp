@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <optional>
 
 #include "voronoi/site_graph.hpp"
@@ -35,7 +35,7 @@ class SiteIndex {
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
   /// Only without a graph: the `count` sites nearest to a point, nearest first. Of a crowd of sites
   /// at one place on one face only the first (of the caller's order) is there.
-  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& found) const;
+  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& found) const;
   /// How many there are to be found.
   [[nodiscard]] std::size_t population() const {
     return kept_.empty() ? sites_->size() : kept_.size();
@@ -66,7 +66,7 @@ class SiteIndex {
 
   const OrderedSites* sites_;
   const SiteGraph* graph_;
-  std::optional<Neighbours> tree_;  // without a graph
+  std::optional<Neighbors> tree_;  // without a graph
   // Where there are crowds: a tree would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site
   std::vector<std::int32_t> kept_;     // the sites in the tree

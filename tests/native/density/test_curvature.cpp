@@ -141,7 +141,7 @@ TEST(CurvatureDensity, IsOneOnAPlane) {
   for (const double value : curvature_density(tilted.surface())) EXPECT_EQ(value, 1.0);
 }
 
-TEST(CurvatureDensity, GrowsTowardsTheEdgesOfABox) {
+TEST(CurvatureDensity, GrowsTowardTheEdgesOfABox) {
   const Shape shape = box(24);
   const std::vector<double> density = curvature_density(shape.surface());
   for (std::size_t v = 0; v < density.size(); ++v) {

@@ -28,7 +28,7 @@ EdgeMarks longer_than(double limit, const Piece& piece) {
 }
 
 /// Edges shorter the nearer they are to a point.
-Criterion finer_towards(const Vec3& point, double size) {
+Criterion finer_toward(const Vec3& point, double size) {
   return [=](const Piece& piece) {
     const Vec3 middle = (piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3.0;
     return longer_than(std::max(0.02 * size, 0.3 * (middle - point).norm()), piece);
@@ -91,7 +91,7 @@ class RefineOf : public testing::TestWithParam<Shape> {
  protected:
   [[nodiscard]] Refined refined() const {
     const Surface surface = GetParam().surface();
-    return refine(surface, finer_towards(focus(surface), std::sqrt(surface.area())), kPlenty);
+    return refine(surface, finer_toward(focus(surface), std::sqrt(surface.area())), kPlenty);
   }
 
   static Vec3 focus(const Surface& surface) {
@@ -107,7 +107,7 @@ TEST_P(RefineOf, CutsUntilNothingIsMarked) {
   const Surface& surface = fine.surface;
   EXPECT_TRUE(fine.resolved);
   EXPECT_GT(surface.face_count(), fine.original.face_count());
-  const Criterion criterion = finer_towards(focus(fine.original), std::sqrt(fine.original.area()));
+  const Criterion criterion = finer_toward(focus(fine.original), std::sqrt(fine.original.area()));
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f) {
     const auto [a, b, c] = surface.ordered().corners(f);
     if (surface.ordered().geometry(f).moments.area > 0.0) {
@@ -128,7 +128,7 @@ TEST_P(RefineOf, KeepsShapeAndDensity) {
   expect_bound(fine, fine.original, fine.surface);
 }
 
-/// A vertex in the middle of a neighbour's edge would make borders of both.
+/// A vertex in the middle of a neighbor's edge would make borders of both.
 TEST_P(RefineOf, StaysConforming) {
   const Refined fine = refined();
   EXPECT_NEAR(edge_length(fine.surface, 1), edge_length(fine.original, 1), 1e-9);
@@ -220,8 +220,8 @@ TEST_P(RefineOf, TwiceIsOneRefinement) {
   const double size = std::sqrt(first.original.area());
   const Refined second =
       refine(first.surface,
-             finer_towards(first.surface.ordered().vertex(first.surface.ordered().corners(0)[1]),
-                           0.5 * size),
+             finer_toward(first.surface.ordered().vertex(first.surface.ordered().corners(0)[1]),
+                          0.5 * size),
              kPlenty);
   const Refined both = first.then(second);
   expect_bound(both, first.original, second.surface);

@@ -44,7 +44,7 @@ std::vector<FaceUv> flat_uv(const Shape& shape) {
   return uv;
 }
 
-/// Bilinear between the centres of pixels, beyond them the nearest; written down once more.
+/// Bilinear between the centers of pixels, beyond them the nearest; written down once more.
 double bilinear(const Image& image, double u, double v) {
   const auto along = [](double t, std::size_t count) {
     return std::clamp(t * static_cast<double>(count) - 0.5, 0.0, static_cast<double>(count) - 1.0);
@@ -166,7 +166,7 @@ TEST(RefineImage, KeepsOffABlackHalf) {
   const Image image = picture(64, 64, [](double u, double) { return u < 0.5 ? 0.0 : 1.0; });
   const Refined refined = on_square(5, image);
   const Samples samples = to_original(refined, sample(refined.surface, 500));
-  // The last black pixel's centre lies half a pixel before the middle; a face reaches one farther.
+  // The last black pixel's center lies half a pixel before the middle; a face reaches one farther.
   for (const Vec3& p : samples.positions) EXPECT_GE(p.x(), 0.5 - 1.5 / 64);
   EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
   check_on_surface(refined.original, sites_of(samples), samples.barycentric);

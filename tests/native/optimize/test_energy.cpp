@@ -158,7 +158,7 @@ TEST(Energy, OfOneSiteInASquare) {
   EXPECT_NEAR(energy.cvt, 1.0 / 6.0, 1e-15);
   EXPECT_NEAR(energy.capacity_term, 1.0, 1e-15);
   EXPECT_NEAR(energy.total, 30.0 + 1.0 / 6.0, 1e-13);
-  EXPECT_NEAR(energy.normalised, 1.0 / 6.0, 1e-13);
+  EXPECT_NEAR(energy.normalized, 1.0 / 6.0, 1e-13);
   EXPECT_LE(energy.gradient[0].norm(), 1e-14);
 }
 
@@ -176,7 +176,7 @@ TEST(Energy, OfFourSitesInASquare) {
   const Energy energy = evaluate_energy(unit_square(), sites, kLambda);
   EXPECT_NEAR(energy.cvt, 1.0 / 24.0, 1e-15);
   EXPECT_NEAR(energy.capacity_term, 0.25, 1e-15);
-  EXPECT_NEAR(energy.normalised, 1.0 / 6.0, 1e-13);
+  EXPECT_NEAR(energy.normalized, 1.0 / 6.0, 1e-13);
   EXPECT_LE(largest_component(energy.gradient), 1e-14);
 }
 
@@ -263,29 +263,29 @@ INSTANTIATE_TEST_SUITE_P(Frames, EnergyInUnits,
                                          Frame{1, 1e6, 1e-7}, Frame{1e-6, 1, 1e-7},
                                          Frame{1e6, 1e6, 1e-12}));
 
-TEST_P(EnergyInUnits, NormalisesToTheSameValue) {
+TEST_P(EnergyInUnits, NormalizesToTheSameValue) {
   const auto [scale, shift, tolerance] = GetParam();
   const Shape shape = with_density(blob(2), ramp);
   Random random(51);
   Sites sites = random_sites(shape, 50, random, true);
-  const double base = evaluate_energy(shape.surface(), sites, kLambda).normalised;
+  const double base = evaluate_energy(shape.surface(), sites, kLambda).normalized;
   const auto map = [scale = scale, shift = shift](const Vec3& p) {
     return Vec3(scale * p + Vec3(shift, shift, -shift));
   };
   for (Vec3& p : sites.positions) p = map(p);
   const Surface surface = mapped(shape, map).surface();
-  EXPECT_NEAR(evaluate_energy(surface, sites, kLambda).normalised, base,
+  EXPECT_NEAR(evaluate_energy(surface, sites, kLambda).normalized, base,
               tolerance * std::abs(base));
 }
 
-TEST(Energy, NormalisesToTheSameValueForAScaledDensity) {
+TEST(Energy, NormalizesToTheSameValueForAScaledDensity) {
   const Shape shape = with_density(blob(2), ramp);
   Shape heavy = shape;
   for (double& value : heavy.density) value *= 1e4;
   Random random(52);
   const Sites sites = random_sites(shape, 50, random);
-  EXPECT_NEAR(evaluate_energy(heavy.surface(), sites, kLambda).normalised,
-              evaluate_energy(shape.surface(), sites, kLambda).normalised, 1e-12);
+  EXPECT_NEAR(evaluate_energy(heavy.surface(), sites, kLambda).normalized,
+              evaluate_energy(shape.surface(), sites, kLambda).normalized, 1e-12);
 }
 
 TEST(Energy, IsTheSameWithDensityOneAsWithout) {

@@ -49,7 +49,7 @@ Eigen::MatrixXd jacobian(const Term& term, const RestrictedVoronoi& diagram, std
     for (const CellBoundary& side : diagram.boundary(static_cast<std::size_t>(i))) {
       const auto column = static_cast<Eigen::Index>(3 * site_of(term, i));
       result.block<1, 3>(i, column) += side.flux.transpose();
-      result.block<1, 3>(side.neighbour, column) -= side.flux.transpose();
+      result.block<1, 3>(side.neighbor, column) -= side.flux.transpose();
     }
   return result;
 }

@@ -20,7 +20,7 @@ OptimizerResult optimized(const Surface& surface, std::size_t count,
   return optimize(SurfaceDomain(surface), poisson_start(surface, count, seed), options);
 }
 
-/// The ways to minimise, by name.
+/// The ways to minimize, by name.
 const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
   static const std::vector<std::pair<std::string, OptimizerOptions>> all = {
       {"trust region with a gap", {.tolerance = 1e-5}},
@@ -48,15 +48,15 @@ TEST_P(OptimizerOn, NeverRaisesTheEnergy) {
       }
 }
 
-/// Without the gap, what is minimised is the energy itself; with it, there is something on top.
-TEST_P(OptimizerOn, ListsWhatItMinimises) {
+/// Without the gap, what is minimized is the energy itself; with it, there is something on top.
+TEST_P(OptimizerOn, ListsWhatItMinimizes) {
   const Surface surface = GetParam().surface();
   for (const auto& [name, options] : ways()) {
     const OptimizerResult found = optimized(surface, 60, options);
     if (options.gap_weight == 0.0)
-      EXPECT_NEAR(found.energies.back(), found.energy.normalised, 1e-12) << name;
+      EXPECT_NEAR(found.energies.back(), found.energy.normalized, 1e-12) << name;
     else
-      EXPECT_GE(found.energies.back(), found.energy.normalised - 1e-12) << name;
+      EXPECT_GE(found.energies.back(), found.energy.normalized - 1e-12) << name;
   }
 }
 
@@ -79,12 +79,12 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
   for (const auto& [name, options] : ways()) {
     const OptimizerResult found =
         optimize(SurfaceDomain(surface), random_start(surface, 400, 1), options);
-    std::cout << name << ": e " << found.energies.front() << " -> " << found.energy.normalised
+    std::cout << name << ": e " << found.energies.front() << " -> " << found.energy.normalized
               << " in " << found.evaluations << " evaluations\n";
     EXPECT_TRUE(found.converged) << name;
     EXPECT_GT(found.energies.front(), 1.0) << name;
-    EXPECT_LT(found.energy.normalised, 0.18) << name;
-    EXPECT_GT(found.energy.normalised, 0.16037) << name << ": nothing beats hexagons";
+    EXPECT_LT(found.energy.normalized, 0.18) << name;
+    EXPECT_GT(found.energy.normalized, 0.16037) << name << ": nothing beats hexagons";
   }
 }
 
@@ -94,11 +94,11 @@ TEST(Optimizer, TakesFewerEvaluationsInATrustRegion) {
   const OptimizerResult plain =
       optimized(surface, 1000, {.method = Method::kLineSearch, .gap_weight = 0.0});
   const OptimizerResult preconditioned = optimized(surface, 1000, {.gap_weight = 0.0});
-  std::cout << plain.evaluations << " evaluations by line search, e " << plain.energy.normalised
+  std::cout << plain.evaluations << " evaluations by line search, e " << plain.energy.normalized
             << "; " << preconditioned.evaluations << " in a trust region, e "
-            << preconditioned.energy.normalised << '\n';
+            << preconditioned.energy.normalized << '\n';
   EXPECT_LT(preconditioned.evaluations, plain.evaluations);
-  EXPECT_LT(preconditioned.energy.normalised, plain.energy.normalised + 0.001);
+  EXPECT_LT(preconditioned.energy.normalized, plain.energy.normalized + 0.001);
 }
 
 TEST(Optimizer, StopsAtOneEvaluationWithTheStart) {
@@ -130,7 +130,7 @@ TEST(Optimizer, ConvergesFurtherWithASmallerTolerance) {
       optimized(surface, 300, {.tolerance = 1e-7, .max_evaluations = 2000});
   EXPECT_TRUE(coarse.converged);
   EXPECT_TRUE(fine.converged);
-  EXPECT_LT(fine.energy.normalised, coarse.energy.normalised);
+  EXPECT_LT(fine.energy.normalized, coarse.energy.normalized);
   EXPECT_GT(fine.evaluations, coarse.evaluations);
 }
 
@@ -170,7 +170,7 @@ TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   int small = 0;
   for (std::size_t k = 1; k < found.energies.size(); ++k) {
     EXPECT_LT(small, 2) << "went on after iteration " << k - 1;
-    const double total = found.energies[k] + options.capacity_weight;  // of what is minimised
+    const double total = found.energies[k] + options.capacity_weight;  // of what is minimized
     small = (found.energies[k - 1] - found.energies[k]) / total > options.tolerance ? 0 : small + 1;
   }
 }
@@ -181,7 +181,7 @@ TEST(Optimizer, StopsOnceTheTargetIsReached) {
   const double target = 0.5 * (all.energies.front() + all.energies.back());
   const OptimizerResult found = optimized(surface, 300, {.target_energy = target});
   EXPECT_TRUE(found.converged);
-  EXPECT_LE(found.energy.normalised, target);
+  EXPECT_LE(found.energy.normalized, target);
   ASSERT_GT(found.energies.size(), 1u);
   EXPECT_LT(found.evaluations, all.evaluations) << "it went on";
 }

@@ -186,7 +186,7 @@ TEST_P(MosaicOn, BuildsClosedBodiesWithoutShortEdges) {
   check_loops(flat);
 }
 
-TEST(Mosaic, LeavesTheGroutBetweenNeighboursAndNoneAtTheBorder) {
+TEST(Mosaic, LeavesTheGroutBetweenNeighborsAndNoneAtTheBorder) {
   for (const int cells : {1, 3, 8}) {
     const Surface surface = grid(cells).surface();
     MosaicOptions options;

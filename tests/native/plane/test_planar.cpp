@@ -183,7 +183,7 @@ TEST(PlanarDomain, MeasuresItsArea) {
 
 TEST(PlanarDomain, HasTheImagesMass) {
   EXPECT_NEAR(PlanarDomain::image(3, 2, {1, 1, {2.5}}).mass(), 15.0, 1e-13);
-  // Linear between the centres at 0.25 and 0.75, constant beyond them.
+  // Linear between the centers at 0.25 and 0.75, constant beyond them.
   EXPECT_NEAR(PlanarDomain::image(1, 1, {1, 2, {0.0, 1.0}}).mass(), 0.5, 1e-14);
 }
 
@@ -258,7 +258,7 @@ void expect_tiled(const TorusDomain& torus, const Image* image, const Points& po
     for (const CellBoundary& side : found.boundary(k)) {
       flux += side.flux;
       length += side.length;
-      const Vec2 there = points[std::size_t(side.neighbour)];
+      const Vec2 there = points[std::size_t(side.neighbor)];
       const Vec2 turns = points[k] + side.offset.head<2>() - there;
       EXPECT_LE((turns - turns.array().round().matrix()).norm(), 1e-12);
     }

@@ -272,12 +272,12 @@ TEST(Stipple, NamesWhatIsWrong) {
   fails({filled(4, 5, 1.0)}, 10, {.counts = {5, 5}}, {"counts", "inks"});
 }
 
-// ---- colour ----
+// ---- color ----
 
 TEST(StippleInks, MixToThePictureTheyCameFrom) {
-  const ColourImage picture = {noise(20, 20, 1), noise(20, 20, 2), noise(20, 20, 3)};
+  const ColorImage picture = {noise(20, 20, 1), noise(20, 20, 2), noise(20, 20, 3)};
   const std::array<Image, kInks> inks = separate(picture);
-  const ColourImage mixed = mix(inks);
+  const ColorImage mixed = mix(inks);
   for (std::size_t p = 0; p < 400; ++p) {
     double all = 0.0;
     int present = 0;
@@ -293,11 +293,11 @@ TEST(StippleInks, MixToThePictureTheyCameFrom) {
   }
 }
 
-TEST(StippleInks, ArePureForPureColours) {
+TEST(StippleInks, ArePureForPureColors) {
   // One pixel of each ink, then white.
-  const ColourImage picture = {Image{1, 8, {1, 0, 0, 0, 1, 1, 0, 1}},
-                               Image{1, 8, {0, 1, 0, 1, 0, 1, 0, 1}},
-                               Image{1, 8, {0, 0, 1, 1, 1, 0, 0, 1}}};
+  const ColorImage picture = {Image{1, 8, {1, 0, 0, 0, 1, 1, 0, 1}},
+                              Image{1, 8, {0, 1, 0, 1, 0, 1, 0, 1}},
+                              Image{1, 8, {0, 0, 1, 1, 1, 0, 0, 1}}};
   const std::array<Image, kInks> inks = separate(picture);
   for (std::size_t p = 0; p < 8; ++p)
     for (std::size_t c = 0; c < kInks; ++c)
@@ -305,7 +305,7 @@ TEST(StippleInks, ArePureForPureColours) {
 }
 
 TEST(StippleInks, NameWhatIsWrong) {
-  ColourImage picture = {noise(4, 4, 1), noise(4, 4, 2), noise(4, 4, 3)};
+  ColorImage picture = {noise(4, 4, 1), noise(4, 4, 2), noise(4, 4, 3)};
   picture[1].values[6] = 1.5;
   expect_message<ArgumentError>([&] { (void)separate(picture); }, {"green[6]", "1.5", "[0, 1]"});
   picture[1] = noise(4, 5, 2);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/progressive.hpp>
 #include <dapple/sampler.hpp>
 #include <limits>
@@ -30,9 +30,9 @@ struct Distances {
 
 /// To the nearest other point, over the spacing of a hexagonal lattice on that area.
 Distances relative_distances(const std::vector<Vec3>& points, double area) {
-  const Neighbours tree(points);
+  const Neighbors tree(points);
   const double best = std::sqrt(2.0 * area / (std::sqrt(3.0) * static_cast<double>(points.size())));
-  std::vector<Neighbour> near;
+  std::vector<Neighbor> near;
   Distances found{std::numeric_limits<double>::infinity(), 0.0};
   for (const Vec3& point : points) {
     tree.nearest(point, 2, near);

@@ -159,7 +159,7 @@ TEST(SamplerBands, OnTheFandisk) {
 }
 
 /// The gap adds what capacities alone do not give, a smallest distance.
-TEST(Sampler, KeepsNeighboursApartWithTheGap) {
+TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   const Surface surface = torus(60, 30).surface();
   double with = 0.0, without = 0.0;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -231,7 +231,7 @@ TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
     EXPECT_NEAR(samples.report.evenness.capacity_spread, expected.report.evenness.capacity_spread,
                 2e-3)
         << scale;
-    EXPECT_NEAR(analyse(surface, expected).energy, expected.report.energy, 1e-12) << scale;
+    EXPECT_NEAR(analyze(surface, expected).energy, expected.report.energy, 1e-12) << scale;
     EXPECT_NEAR(surface.mass() / scale, scaled(1.0).mass(), 1e-12 * scaled(1.0).mass());
   }
   // A power of two changes no digit of the values, and none of the samples.
@@ -265,7 +265,7 @@ TEST(Sampler, GivesCapacitiesInTheCallersUnit) {
     double sum = 0.0;
     for (const Moments& cell : diagram.cells) sum += cell.capacity;
     EXPECT_NEAR(sum / shape.mass(), 1.0, 1e-10) << scale;
-    EXPECT_NEAR(evaluate_energy(surface, sites_of(samples), 30.0).normalised, samples.report.energy,
+    EXPECT_NEAR(evaluate_energy(surface, sites_of(samples), 30.0).normalized, samples.report.energy,
                 0.1);
   }
 }

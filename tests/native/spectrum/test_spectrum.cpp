@@ -286,14 +286,14 @@ Sheet hexagon_sheet(int columns, int rows) {
 double relative_deviation(const SurfaceSpectrum& found, double r) {
   const double width = 2.0 * found.radius / found.bins;
   const double pairs = kPi * r * width * 2.0 / std::numbers::sqrt3;
-  return 1.0 / std::sqrt(pairs * static_cast<double>(found.centres));
+  return 1.0 / std::sqrt(pairs * static_cast<double>(found.centers));
 }
 
 TEST(SurfaceSpectrum, OfWhiteNoiseInThePlaneIsOne) {
   const Shape shape = grid(1);
   const SurfaceSpectrum found = spectrum_on(shape, noise_on(shape, 20, 2000), {.bins = 64});
   EXPECT_EQ(found.runs, 20u);
-  EXPECT_GT(found.centres, 20u * 2000u / 2u);
+  EXPECT_GT(found.centers, 20u * 2000u / 2u);
   const RadialStatistics& radial = found.radial_differentials;
   ASSERT_EQ(radial.mean.size(), 32u);
   for (std::size_t k = 0; k < radial.mean.size(); ++k)
@@ -307,7 +307,7 @@ TEST(SurfaceSpectrum, MeasuresAlongTheSphere) {
   const Shape shape = icosphere(5);
   const SurfaceSpectrum found =
       spectrum_on(shape, noise_on(shape, 6, 1500), {.radius = 6.0, .bins = 32});
-  EXPECT_EQ(found.centres, 6u * 1500u);
+  EXPECT_EQ(found.centers, 6u * 1500u);
   const double spacing = shape.surface().spacing(1500);
   for (std::size_t k = 0; k < found.radial_differentials.mean.size(); ++k) {
     const double t = found.radial_differentials.radius[k] * spacing;
@@ -392,7 +392,7 @@ TEST(SurfaceSpectrum, KeepsToItsSheet) {
   const Samples both = bind_samples(leaf.surface(), faces, weights);
   const SurfaceSpectrum one = spectrum_on(front.shape, {front.samples}, {.radius = 3.3});
   const SurfaceSpectrum two = spectrum_on(leaf, {both}, {.radius = 3.3});
-  EXPECT_EQ(two.centres, 2 * one.centres);
+  EXPECT_EQ(two.centers, 2 * one.centers);
   for (std::size_t k = 0; k < one.radial_differentials.mean.size(); ++k)
     EXPECT_NEAR(two.radial_differentials.mean[k], one.radial_differentials.mean[k],
                 0.01 * one.radial_differentials.mean[k]);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <dapple/errors.hpp>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <dapple/poisson_start.hpp>
 
 #include "invariants.hpp"
@@ -14,8 +14,8 @@ namespace {
 
 /// Least distance between two sites, in spacings.
 double least_gap(const Surface& surface, const Sites& sites) {
-  const Neighbours tree(sites.positions);
-  std::vector<Neighbour> found;
+  const Neighbors tree(sites.positions);
+  std::vector<Neighbor> found;
   double squared = std::numeric_limits<double>::infinity();
   for (const Vec3& p : sites.positions) {
     tree.nearest(p, 2, found);

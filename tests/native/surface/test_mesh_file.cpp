@@ -226,7 +226,7 @@ TEST_F(MeshFile, ReadsTextStl) {
 TEST_F(MeshFile, ReadsWhatOthersPutBesideTheCoordinates) {
   const std::vector<Face> expected = {{0, 1, 2}, {0, 2, 3}};
   const std::string corners[4] = {"0 0 0", "1 0 0", "1 1 0", "0 1 0"};
-  std::string coff = "COFF # colours\n\n4 1 0\n", obj = "mtllib a.mtl\r\no thing\r\n";
+  std::string coff = "COFF # colors\n\n4 1 0\n", obj = "mtllib a.mtl\r\no thing\r\n";
   for (const std::string& corner : corners) {
     coff += corner + " 255 0 0 255\n";
     obj += "v " + corner + " 0.5 0.5 0.5\r\nvt 0 0\r\nvn 0 0 1\r\n";

@@ -98,7 +98,7 @@ TEST(BondOrder, IsReported) {
   const Samples samples = sample(surface, 1500);
   EXPECT_GT(samples.report.bond_order, 0.40);
   EXPECT_LT(samples.report.bond_order, 0.60);
-  const Report again = analyse(surface, samples);
+  const Report again = analyze(surface, samples);
   EXPECT_EQ(again.count, 1500u);
   EXPECT_EQ(again.spacing, samples.report.spacing);
   EXPECT_NEAR(again.bond_order, samples.report.bond_order, 1e-6);

@@ -55,11 +55,11 @@ void expect_same_boundaries(const Shape& shape, const Surface& surface, const Si
     BruteCell left = expected[i];
     for (const CellBoundary& boundary : found.boundary(i)) {
       const Vec3 known =
-          left.flux.count(boundary.neighbour) ? left.flux[boundary.neighbour] : Vec3::Zero();
+          left.flux.count(boundary.neighbor) ? left.flux[boundary.neighbor] : Vec3::Zero();
       EXPECT_LE((boundary.flux - known).norm(), 1e-9 * flux)
-          << i << " against " << boundary.neighbour;
-      EXPECT_NEAR(boundary.length, left.length[boundary.neighbour], 1e-9 * size);
-      left.flux.erase(boundary.neighbour);
+          << i << " against " << boundary.neighbor;
+      EXPECT_NEAR(boundary.length, left.length[boundary.neighbor], 1e-9 * size);
+      left.flux.erase(boundary.neighbor);
     }
     for (const auto& [j, missed] : left.flux)
       EXPECT_LE(missed.norm(), 1e-9 * flux) << i << " against " << j;
@@ -235,7 +235,7 @@ TEST(RestrictedVoronoi, AgreesWithBruteForceWhereASmallPartHasAllSites) {
   expect_same_cells(ball, ball.surface(), crowded_sites(ball.surface(), on_cap));
 }
 
-TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbour) {
+TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbor) {
   const Shape shape = grid(4);
   const Surface surface = shape.surface();
   const Projection others =
@@ -255,7 +255,7 @@ TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbour) {
       sites.faces.insert(sites.faces.end(), others.faces.begin(), others.faces.end());
       const RestrictedVoronoi diagram = restricted_voronoi(surface, sites);
       EXPECT_EQ(diagram.cells[1].area, 0.0);
-      for (const CellBoundary& side : diagram.boundaries) EXPECT_NE(side.neighbour, 1);
+      for (const CellBoundary& side : diagram.boundaries) EXPECT_NE(side.neighbor, 1);
     }
 }
 
@@ -417,9 +417,9 @@ TEST(RestrictedVoronoi, HasSymmetricBoundaryLengths) {
   for (std::size_t i = 0; i < 100; ++i)
     for (const CellBoundary& one : found.boundary(i)) {
       double back = 0.0;
-      for (const CellBoundary& other : found.boundary(static_cast<std::size_t>(one.neighbour)))
-        if (other.neighbour == static_cast<std::int32_t>(i)) back += other.length;
-      EXPECT_NEAR(one.length, back, 1e-11) << i << " and " << one.neighbour;
+      for (const CellBoundary& other : found.boundary(static_cast<std::size_t>(one.neighbor)))
+        if (other.neighbor == static_cast<std::int32_t>(i)) back += other.length;
+      EXPECT_NEAR(one.length, back, 1e-11) << i << " and " << one.neighbor;
     }
 }
 

@@ -28,7 +28,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
     ),
     "gap_weight": (
         NOT_NEGATIVE,
-        "Kappa, weight of the gap that keeps neighbours apart (no unit); 0 is none.",
+        "Kappa, weight of the gap that keeps neighbors apart (no unit); 0 is none.",
     ),
     "tolerance": (
         NOT_NEGATIVE,
@@ -40,7 +40,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
     ),
     "method": (
         click.Choice(["trust_region", "line_search"]),
-        "Of the optimiser: line_search is plain L-BFGS, as in the paper.",
+        "Of the optimizer: line_search is plain L-BFGS, as in the paper.",
     ),
     "start": (
         click.Choice(["poisson", "random"]),

@@ -70,7 +70,7 @@ def read_obj(path: Path) -> Arrays:
         for number, line in enumerate(file, 1):
             kind, *words = line.split() or [""]
             if kind in kinds:
-                kinds[kind].append((number, words[:3]))  # w and colours may follow
+                kinds[kind].append((number, words[:3]))  # w and colors may follow
     columns = _table(places, PLACE)
     return columns | (_table(normals, NORMAL) if len(normals) == len(places) else {})
 

@@ -60,7 +60,7 @@ def command(
 ) -> None:
     """Cover MESH with tiles, the Voronoi cells of COUNT points or of a file's, into OUT.
 
-    MESH and --points are read as by 'sample' and 'analyse'. OUT is .ply (polygons with the
+    MESH and --points are read as by 'sample' and 'analyze'. OUT is .ply (polygons with the
     properties cell, class and side: 0 top, 1 wall, 2 bottom), .obj (groups cell_..., materials
     class_...), .off, .stl (triangles) or .npz.
 

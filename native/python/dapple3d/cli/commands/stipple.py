@@ -50,7 +50,7 @@ def command(
 ) -> None:
     """Render PICTURE with COUNT dots, into OUT.
 
-    PICTURE is .png, .jpg or what else Pillow reads. A grey one becomes black dots; one in colour
+    PICTURE is .png, .jpg or what else Pillow reads. A gray one becomes black dots; one in color
     becomes red, green, blue, cyan, magenta, yellow and black ones. OUT is .png, .svg or .pdf.
 
     \b

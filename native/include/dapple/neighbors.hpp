@@ -8,26 +8,26 @@
 namespace dapple {
 
 /// A site near another: its index and the squared distance.
-struct Neighbour {
+struct Neighbor {
   std::int32_t index;
   double squared_distance;
 };
 
 /// Nearest points of a fixed set, by a k-d tree.
-class Neighbours {
+class Neighbors {
  public:
   /// The points are not copied and must outlive the tree.
-  explicit Neighbours(std::span<const Vec3> points);
-  ~Neighbours();
-  Neighbours(const Neighbours&) = delete;
-  Neighbours& operator=(const Neighbours&) = delete;
+  explicit Neighbors(std::span<const Vec3> points);
+  ~Neighbors();
+  Neighbors(const Neighbors&) = delete;
+  Neighbors& operator=(const Neighbors&) = delete;
 
   /// The `count` points nearest to `point` (all of them if there are fewer), sorted by distance,
   /// ties by index.
-  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbour>& result) const;
+  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& result) const;
 
   /// All points nearer to `point` than `distance`, sorted likewise.
-  void within(const Vec3& point, double distance, std::vector<Neighbour>& result) const;
+  void within(const Vec3& point, double distance, std::vector<Neighbor>& result) const;
 
  private:
   struct Tree;

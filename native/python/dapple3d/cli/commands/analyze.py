@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""dapple analyse: how even a point set is."""
+"""dapple analyze: how even a point set is."""
 
 from functools import partial
 from pathlib import Path
@@ -25,12 +25,12 @@ ROWS = (
     ("alpha_mean", "alpha mean", ".4f", "the mean of the same ratio over the points"),
     ("capacity_spread", "capacity spread", ".5f", "standard deviation / mean; 0 is the best"),
     ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
-    ("energy", "energy", ".5f", "normalised; 0.16037 for hexagons"),
+    ("energy", "energy", ".5f", "normalized; 0.16037 for hexagons"),
 )
 FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 
 
-@click.command("analyse", short_help="How even a point set is.")
+@click.command("analyze", short_help="How even a point set is.")
 @click.argument("points", type=options.INPUT)
 @click.option(
     "--mesh",
@@ -45,7 +45,7 @@ FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
     metavar="FILE.png",
     help="Draw the power spectrum, its radial mean and anisotropy (needs matplotlib).",
 )
-@options.library_options(dapple.analyse, "capacity_weight", "cells")
+@options.library_options(dapple.analyze, "capacity_weight", "cells")
 @options.library_options(dapple.spectrum, "threads")
 @options.weld_option
 @options.report_options
@@ -69,8 +69,8 @@ def command(
 
     \b
     Examples:
-      dapple analyse points.ply --mesh bunny.ply
-      dapple analyse dots.csv --plot spectrum.png --json figures.json
+      dapple analyze points.ply --mesh bunny.ply
+      dapple analyze dots.csv --plot spectrum.png --json figures.json
     """
     reporter = Reporter(json_out, quiet)
     if plot and plot.suffix.lower() != ".png":
@@ -91,9 +91,9 @@ def command(
         draw(plot, surface if mesh else None, places, threads, quiet)
     farthest = float(np.max(distances, initial=0.0) / report["spacing"])
     reporter.store(
-        "analyse",
+        "analyze",
         input={"points": str(points), **(loaded.describe() if loaded else {"mesh": None})},
-        settings=options.library_defaults(dapple.analyse) | chosen,
+        settings=options.library_defaults(dapple.analyze) | chosen,
         report=report,
         farthest_from_surface=farthest,
     )
@@ -135,10 +135,10 @@ def measured(
     surface: dapple.Surface, places: NDArray, classes: NDArray | None, chosen: dict[str, Any]
 ) -> dict[str, Any]:
     """The report of all points, with those of each class if there are several."""
-    report = dapple.analyse(surface, places, **chosen).to_dict()
+    report = dapple.analyze(surface, places, **chosen).to_dict()
     kinds = np.unique(classes) if classes is not None else np.zeros(1)
     if classes is not None and len(kinds) > 1:
-        parts = {int(k): dapple.analyse(surface, places[classes == k], **chosen) for k in kinds}
+        parts = {int(k): dapple.analyze(surface, places[classes == k], **chosen) for k in kinds}
         report["classes"] = [
             {"class": k, **{name: getattr(part, name) for name, *_ in ROWS}}
             for k, part in parts.items()

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 #include <limits>
 #include <nanoflann.hpp>
 
@@ -10,7 +10,7 @@
 
 namespace dapple {
 
-struct Neighbours::Tree {
+struct Neighbors::Tree {
   // The interface nanoflann asks of a point set.
   struct PointSet {
     std::span<const Vec3> points;
@@ -38,7 +38,7 @@ namespace {
 /// What nanoflann asks of a place for its findings: all points within a distance.
 class Ball {
  public:
-  Ball(double squared_radius, std::vector<Neighbour>& found)
+  Ball(double squared_radius, std::vector<Neighbor>& found)
       : squared_radius_(squared_radius), found_(found) {}
 
   [[nodiscard]] std::size_t size() const { return found_.size(); }
@@ -56,11 +56,11 @@ class Ball {
 
  private:
   double squared_radius_;
-  std::vector<Neighbour>& found_;
+  std::vector<Neighbor>& found_;
 };
 
-void sort_by_distance(std::vector<Neighbour>& found) {
-  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+void sort_by_distance(std::vector<Neighbor>& found) {
+  std::sort(found.begin(), found.end(), [](const Neighbor& a, const Neighbor& b) {
     return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
                                                     : a.index < b.index;
   });
@@ -68,11 +68,10 @@ void sort_by_distance(std::vector<Neighbour>& found) {
 
 }  // namespace
 
-Neighbours::Neighbours(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
-Neighbours::~Neighbours() = default;
+Neighbors::Neighbors(std::span<const Vec3> points) : tree_(std::make_unique<Tree>(points)) {}
+Neighbors::~Neighbors() = default;
 
-void Neighbours::nearest(const Vec3& point, std::size_t count,
-                         std::vector<Neighbour>& result) const {
+void Neighbors::nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& result) const {
   count = std::min(count, tree_->set.points.size());
   result.clear();
   if (count == 0) return;
@@ -84,7 +83,7 @@ void Neighbours::nearest(const Vec3& point, std::size_t count,
   sort_by_distance(result);
 }
 
-void Neighbours::within(const Vec3& point, double distance, std::vector<Neighbour>& result) const {
+void Neighbors::within(const Vec3& point, double distance, std::vector<Neighbor>& result) const {
   result.clear();
   if (tree_->set.points.empty()) return;
   Ball ball(distance * distance, result);
@@ -96,9 +95,9 @@ std::vector<double> nearest_distances(std::span<const Vec3> points) {
   check_finite("points", points);
   std::vector<double> distances(points.size(), std::numeric_limits<double>::infinity());
   if (points.size() < 2) return distances;
-  const Neighbours tree(points);
+  const Neighbors tree(points);
   parallel_chunks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-    std::vector<Neighbour> near;
+    std::vector<Neighbor> near;
     for (std::size_t k = begin; k < end; ++k) {
       tree.nearest(points[k], 2, near);
       distances[k] = std::sqrt(near[1].squared_distance);

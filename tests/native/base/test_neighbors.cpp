@@ -3,24 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/neighbours.hpp>
+#include <dapple/neighbors.hpp>
 
 #include "shapes.hpp"
 
 namespace dapple::test {
 namespace {
 
-std::vector<Neighbour> sorted_by_distance(const std::vector<Vec3>& points, const Vec3& query) {
-  std::vector<Neighbour> all;
+std::vector<Neighbor> sorted_by_distance(const std::vector<Vec3>& points, const Vec3& query) {
+  std::vector<Neighbor> all;
   for (const Vec3& p : points)
     all.push_back({static_cast<std::int32_t>(all.size()), (p - query).squaredNorm()});
-  std::sort(all.begin(), all.end(), [](const Neighbour& a, const Neighbour& b) {
+  std::sort(all.begin(), all.end(), [](const Neighbor& a, const Neighbor& b) {
     return std::pair(a.squared_distance, a.index) < std::pair(b.squared_distance, b.index);
   });
   return all;
 }
 
-TEST(Neighbours, TellNearestDistances) {
+TEST(Neighbors, TellNearestDistances) {
   Random random(8);
   std::vector<Vec3> points(300);
   for (Vec3& p : points) p = random.in_box();
@@ -35,15 +35,15 @@ TEST(Neighbours, TellNearestDistances) {
   EXPECT_TRUE(std::isinf(nearest_distances(alone)[0]));
 }
 
-TEST(Neighbours, AgreeWithSorting) {
+TEST(Neighbors, AgreeWithSorting) {
   Random random(2);
   std::vector<Vec3> points(500);
   for (Vec3& p : points) p = random.in_box();
-  const Neighbours tree(points);
-  std::vector<Neighbour> found;
+  const Neighbors tree(points);
+  std::vector<Neighbor> found;
   for (int trial = 0; trial < 200; ++trial) {
     const Vec3 query = 1.5 * random.in_box();
-    const std::vector<Neighbour> expected = sorted_by_distance(points, query);
+    const std::vector<Neighbor> expected = sorted_by_distance(points, query);
     const auto count = static_cast<std::size_t>(1 + random.below(40));
     tree.nearest(query, count, found);
     ASSERT_EQ(found.size(), count);
@@ -54,22 +54,22 @@ TEST(Neighbours, AgreeWithSorting) {
   }
 }
 
-TEST(Neighbours, SortTiesByIndex) {
+TEST(Neighbors, SortTiesByIndex) {
   std::vector<Vec3> points;
   for (int x = -2; x <= 2; ++x)
     for (int y = -2; y <= 2; ++y) points.emplace_back(x, y, 0);
   points.insert(points.end(), 3, Vec3::Zero());  // copies of the middle one
-  const Neighbours tree(points);
-  std::vector<Neighbour> found;
+  const Neighbors tree(points);
+  std::vector<Neighbor> found;
   tree.nearest(Vec3::Zero(), points.size(), found);
-  const std::vector<Neighbour> expected = sorted_by_distance(points, Vec3::Zero());
+  const std::vector<Neighbor> expected = sorted_by_distance(points, Vec3::Zero());
   for (std::size_t k = 0; k < points.size(); ++k) EXPECT_EQ(found[k].index, expected[k].index) << k;
 }
 
-TEST(Neighbours, GiveAllWhenAskedForMore) {
+TEST(Neighbors, GiveAllWhenAskedForMore) {
   const std::vector<Vec3> points = {{1, 0, 0}, {0, 0, 0}};
-  const Neighbours tree(points);
-  std::vector<Neighbour> found;
+  const Neighbors tree(points);
+  std::vector<Neighbor> found;
   tree.nearest({0.1, 0, 0}, 10, found);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].index, 1);
@@ -77,17 +77,17 @@ TEST(Neighbours, GiveAllWhenAskedForMore) {
   EXPECT_TRUE(found.empty());
 }
 
-TEST(Neighbours, AreNoneOfNoPoints) {
-  const Neighbours tree(std::vector<Vec3>{});
-  std::vector<Neighbour> found = {{1, 1.0}};
+TEST(Neighbors, AreNoneOfNoPoints) {
+  const Neighbors tree(std::vector<Vec3>{});
+  std::vector<Neighbor> found = {{1, 1.0}};
   tree.nearest(Vec3::Zero(), 3, found);
   EXPECT_TRUE(found.empty());
 }
 
-TEST(Neighbours, HandleManyCopiesOfOnePoint) {
+TEST(Neighbors, HandleManyCopiesOfOnePoint) {
   const std::vector<Vec3> points(300, Vec3(1, 2, 3));
-  const Neighbours tree(points);
-  std::vector<Neighbour> found;
+  const Neighbors tree(points);
+  std::vector<Neighbor> found;
   tree.nearest({1, 2, 3}, 300, found);
   for (std::size_t k = 0; k < 300; ++k) EXPECT_EQ(found[k].index, static_cast<std::int32_t>(k));
 }
