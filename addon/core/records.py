@@ -135,7 +135,7 @@ def check_columns(columns: Columns, name: str) -> None:
             wrong = (values < 0) | (values > limit)
             rule = f"it must be from 0 to {limit}"
         elif values.dtype.kind == "f":
-            wrong = ~np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
+            wrong = ~np.asarray(np.isfinite(values).all(axis=tuple(range(1, values.ndim))))
             rule = ""
         else:
             continue
