@@ -98,7 +98,7 @@ void report(benchmark::State& state, const dapple::Report& r) {
   state.counters["energy"] = r.energy;
   state.counters["alpha_min"] = r.evenness.alpha_min;
   state.counters["alpha_mean"] = r.evenness.alpha_mean;
-  state.counters["capacity_spread"] = r.evenness.capacity_spread;
+  state.counters["capacity_variation"] = r.evenness.capacity_variation;
 }
 
 void whole_optimization(benchmark::State& state) {

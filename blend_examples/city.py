@@ -90,7 +90,7 @@ def main() -> None:
     made.dapple.align, made.dapple.scale_randomness = 0.0, 0.35
     build_studio(given.width, given.width * 5 // 8, (1.6, -5.4, 3.4), (0.0, -0.1, 0.0), 46, False)
     report = made.dapple.report
-    finish("city", given, f"{report.count} houses, area variation {report.capacity_spread:.4f}")
+    finish("city", given, f"{report.count} houses, area variation {report.capacity_variation:.4f}")
 
 
 if __name__ == "__main__":

@@ -115,7 +115,14 @@ def select(obj: bpy.types.Object) -> None:
 
 def figures(scatter: bpy.types.Object) -> dict[str, float]:
     report = scatter.dapple.report
-    names = ("count", "alpha_min", "alpha_mean", "capacity_spread", "evaluations", "milliseconds")
+    names = (
+        "count",
+        "alpha_min",
+        "alpha_mean",
+        "capacity_variation",
+        "evaluations",
+        "milliseconds",
+    )
     return {name: getattr(report, name) for name in names}
 
 
@@ -158,8 +165,8 @@ def lines_of(report: dict[str, dict[str, float]]) -> list[str]:
         f"{later['alpha_min']:.3f} on the worst",
         f"alpha mean       {first['alpha_mean']:.3f} on the first frame, "
         f"{later['alpha_mean']:.3f} over all",
-        f"area variation  {first['capacity_spread']:.4f} on the first frame, "
-        f"{later['capacity_spread']:.4f} on the worst",
+        f"area variation  {first['capacity_variation']:.4f} on the first frame, "
+        f"{later['capacity_variation']:.4f} on the worst",
         f"first frame      {first['evaluations']:.0f} evaluations, {first['milliseconds']:.0f} ms",
         f"later frames     {later['evaluations']:.0f} evaluations, "
         f"{later['milliseconds']:.0f} ms each",

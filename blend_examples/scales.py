@@ -110,7 +110,9 @@ def main() -> None:
     studio.build_studio(max(width, 1), max(width * 5 // 8, 1))
     scene.frame_set(1)
     report = made.dapple.report
-    said = f"{given.count} scales, {FRAMES + 1} frames, area variation {report.capacity_spread:.3f}"
+    said = (
+        f"{given.count} scales, {FRAMES + 1} frames, area variation {report.capacity_variation:.3f}"
+    )
     given.width = 0  # the picture is of several frames
     finish("scales", given, said)
     if width:

@@ -34,7 +34,7 @@ def main() -> None:
     made.dapple.density_scale = -1.0  # larger where there are fewer
     build_studio(given.width, 3 * given.width // 4, (1.5, -4.6, 2.0), (0.0, 0.0, 0.8), 70)
     report = made.dapple.report
-    finish("studs", given, f"{report.count} studs, area variation {report.capacity_spread:.4f}")
+    finish("studs", given, f"{report.count} studs, area variation {report.capacity_variation:.4f}")
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ def stored_values(group: bpy.types.PropertyGroup) -> Any:
 def _renew(*_: Any) -> None:
     for obj in filter(is_scatter, bpy.data.objects):
         for name in RENAMED:
-            rename(name, stored_values(getattr(obj.dapple, name)))
+            rename(name, stored_values(getattr(obj.dapple, name) if name else obj.dapple))
 
 
 def _begin() -> None:

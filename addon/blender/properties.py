@@ -121,12 +121,12 @@ class DAPPLE_PG_scatter(Instanced, bpy.types.PropertyGroup):
         min=0.0,
         soft_max=100.0,
     )
-    gap_weight: FloatProperty(
+    repulsion_weight: FloatProperty(
         options=STILL,
         update=settings_changed,
         name="Separation",
         description="How strongly close neighbors are pushed apart",
-        default=_DEFAULT.gap_weight,
+        default=_DEFAULT.repulsion_weight,
         min=0.0,
         soft_max=10.0,
     )

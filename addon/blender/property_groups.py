@@ -56,11 +56,11 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         name="Mean Spacing",
         description="Mean distance to the nearest point, relative to the ideal spacing",
     )
-    capacity_spread: FloatProperty(
+    capacity_variation: FloatProperty(
         name="Area Variation",
         description="Standard deviation of the areas of the points, relative to their mean",
     )
-    whole_count_spread: FloatProperty(
+    whole_count_variation: FloatProperty(
         name="Due to Whole Counts",
         description="Part of the area variation that arises because each separate part of the "
         "surface has a whole number of points",

@@ -17,15 +17,15 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     """What is to be said about the last result: (text, icon)."""
     report = obj.dapple.report
     points = counted(report.count, "{count} point", "{count:,} points")
-    spread = 100 * report.capacity_spread
+    spread = 100 * report.capacity_variation
     mean, least = 100 * report.alpha_mean, 100 * report.alpha_min
     lines = [
         (told("{points}, area variation {spread:.2g} %", points=points, spread=spread), "NONE"),
         (told("Spacing {mean:.0f} % of ideal (min {least:.0f} %)", mean=mean, least=least), "NONE"),
         (_effort(obj), "NONE"),
     ]
-    if report.whole_count_spread > max(_NOTICED, _SHARE * report.capacity_spread):
-        whole = 100 * report.whole_count_spread
+    if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
+        whole = 100 * report.whole_count_variation
         lines.append(
             (
                 told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole),
@@ -108,7 +108,13 @@ class DAPPLE_PT_details(bpy.types.Panel):
         if len(details.energies) > 1:
             _draw_energies(sides.column(align=True), details)
         column = layout.column(align=True)
-        for name in ("spacing", "alpha_min", "alpha_mean", "capacity_spread", "whole_count_spread"):
+        for name in (
+            "spacing",
+            "alpha_min",
+            "alpha_mean",
+            "capacity_variation",
+            "whole_count_variation",
+        ):
             column.prop(report, name)
         column.prop(report, "evaluations")
         column.enabled = False

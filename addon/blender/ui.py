@@ -129,7 +129,7 @@ class DAPPLE_PT_evenness(_ScatterPanel, bpy.types.Panel):
         icon = pictures.pattern_icon(settings_of(context.object))
         self.layout.template_icon(icon_value=icon, scale=6.0)
         self.layout.operator_menu_enum(DAPPLE_OT_set_quality.bl_idname, "quality")
-        for name in ("capacity_weight", "gap_weight", "tolerance", "max_evaluations"):
+        for name in ("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"):
             self.layout.prop(context.object.dapple, name)
         column = self.layout.column()
         column.prop(context.object.dapple.report, "spacing")

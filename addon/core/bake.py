@@ -138,7 +138,7 @@ class Baker:
         self._add(solved)
 
     def report(self) -> Report:
-        """The worst spacing, spread and overlap of all frames, the mean cost of one."""
+        """The worst spacing, variation and overlap of all frames, the mean cost of one."""
         reports, count = self.reports, max(len(self.reports), 1)
         worst = max(range(len(reports)), key=lambda frame: reports[frame].worst_overlap)
         found = reports[worst].of_ids(self.start.ids)
@@ -150,8 +150,8 @@ class Baker:
             overlap_frame=self.first + worst,
             alpha_min=min(report.alpha_min for report in reports),
             alpha_mean=sum(report.alpha_mean for report in reports) / count,
-            capacity_spread=max(report.capacity_spread for report in reports),
-            whole_count_spread=max(report.whole_count_spread for report in reports),
+            capacity_variation=max(report.capacity_variation for report in reports),
+            whole_count_variation=max(report.whole_count_variation for report in reports),
             evaluations=round(sum(report.evaluations for report in reports) / count),
             milliseconds=sum(report.milliseconds for report in reports) / count,
             converged=all(report.converged for report in reports),

@@ -4,7 +4,17 @@
 from collections.abc import MutableMapping
 from typing import Any
 
-RENAMED = {"tiles": {"colour_by": "color_by"}}  # by group: the old name, the new one
+_FIGURES = {
+    "capacity_spread": "capacity_variation",
+    "whole_count_spread": "whole_count_variation",
+}
+# By group, "" being the scatter itself: the old name, the new one.
+RENAMED = {
+    "": {"gap_weight": "repulsion_weight"},
+    "tiles": {"colour_by": "color_by"},
+    "report": _FIGURES,
+    "solved": _FIGURES,
+}
 
 
 def rename(group: str, stored: MutableMapping[str, Any]) -> None:

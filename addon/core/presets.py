@@ -19,7 +19,7 @@ DEFAULT = "Default"  # the preset that new scatters begin with
 NAMES = {
     "": (
         *("amount", "count", "points_per_area", "seed", "bind_to", "viewport_share"),
-        *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "stickiness"),
+        *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations", "stickiness"),
         *(
             "scale",
             "scale_randomness",

@@ -29,5 +29,5 @@ _PRESETS: dict[str, dict[str, Any]] = {
 
 def quality_settings(name: str) -> dict[str, Any]:
     """What the preset of that name sets; the rest of these are at their defaults."""
-    names = ("capacity_weight", "gap_weight", "tolerance", "max_evaluations")
+    names = ("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations")
     return {key: getattr(_DEFAULT, key) for key in names} | _PRESETS[name]

@@ -45,7 +45,7 @@ class Settings:
     per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
     seed: int = 0  # another seed, another scatter
     capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
-    gap_weight: float = 3.0  # kappa: keeps neighbors apart
+    repulsion_weight: float = 3.0  # kappa: keeps neighbors apart
     tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
     max_evaluations: int = 200  # stop after so many evaluations of the energy
     forward: str = "NONE"  # or an axis of the surface, X to -Z, along which instances point
@@ -63,7 +63,7 @@ class Settings:
     def tracker_options(self) -> dict[str, Any]:
         """Keyword options of dapple.Tracker, which has a limit of evaluations of its own, without
         classes."""
-        names = ("capacity_weight", "gap_weight", "tolerance", "stickiness")
+        names = ("capacity_weight", "repulsion_weight", "tolerance", "stickiness")
         return {name: getattr(self, name) for name in names}
 
 

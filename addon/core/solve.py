@@ -30,8 +30,8 @@ class Report:
     spacing: float = 0.0
     alpha_min: float = 0.0
     alpha_mean: float = 0.0
-    capacity_spread: float = 0.0
-    whole_count_spread: float = 0.0  # what of it whole numbers of points on separate parts make
+    capacity_variation: float = 0.0
+    whole_count_variation: float = 0.0  # what of it whole numbers of points on separate parts make
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
@@ -111,8 +111,8 @@ def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns
 
 def report_of(report: Any) -> Report:
     """The shown part of a dapple.Report."""
-    names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_spread", "evaluations")
-    shown = {name: getattr(report, name) for name in (*names, "whole_count_spread")}
+    names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_variation", "evaluations")
+    shown = {name: getattr(report, name) for name in (*names, "whole_count_variation")}
     first, second = report.overlapping
     return Report(
         milliseconds=1000.0 * report.seconds,

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .older_names import rename
 from .records import own_random
 from .settings import BakeSettings, Settings
 from .surface import Floats, SurfaceArrays
@@ -68,7 +69,10 @@ def _read(stored: str) -> dict[str, Any]:
         values = json.loads(stored)
     except (ValueError, RecursionError):
         return {}
-    return _rounded(values) if isinstance(values, dict) else {}
+    if not isinstance(values, dict):
+        return {}
+    rename("", values)
+    return _rounded(values)
 
 
 def _plain(settings: Settings | BakeSettings) -> dict[str, Any]:

@@ -60,7 +60,7 @@ def _cases(
     scatter: bpy.types.Object, surface: bpy.types.Object, rounds: int
 ) -> list[tuple[str, float]]:
     def setting() -> None:
-        scatter.dapple.gap_weight += 0.1
+        scatter.dapple.repulsion_weight += 0.1
 
     def shape() -> None:
         surface.data.vertices[0].co.z += 0.1

@@ -22,9 +22,9 @@ from benchmarks.classes.cases import MAKERS, Case, Goals
 from benchmarks.compare.cases import mesh_files, mesh_folder
 from benchmarks.compare.tables import say, table
 
-FIGURES = {"alpha_min": 3, "alpha_mean": 3, "capacity_spread": 4, "bond_order": 3}
+FIGURES = {"alpha_min": 3, "alpha_mean": 3, "capacity_variation": 4, "bond_order": 3}
 HEAD = [
-    *("case", "set", "n", "way", "alpha min", "alpha mean", "capacity spread", "psi6"),
+    *("case", "set", "n", "way", "alpha min", "alpha mean", "capacity variation", "psi6"),
     *("evaluations", "goals", "verdict"),
 ]
 
@@ -112,7 +112,7 @@ def main() -> None:
     rows = [
         row for name in given.only for row in rows_of(MAKERS[name](given.folder), given, records)
     ]
-    print(f"Means over {given.seeds} seeds; goals: alpha min, alpha mean, capacity spread.\n")
+    print(f"Means over {given.seeds} seeds; goals: alpha min, alpha mean, capacity variation.\n")
     print(table(HEAD, rows))
     if given.json:
         given.json.write_text(json.dumps(records, indent=1) + "\n")

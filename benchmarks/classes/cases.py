@@ -22,16 +22,16 @@ class Goals:
 
     alpha_min: float
     alpha_mean: float
-    capacity_spread: float
+    capacity_variation: float
 
     def misses(self, means: dict[str, float]) -> list[str]:
         """The figures that miss, by name; `means` holds one by each name."""
         low = [name for name in ("alpha_min", "alpha_mean") if means[name] < getattr(self, name)]
-        high = means["capacity_spread"] > self.capacity_spread
-        return low + ["capacity_spread"] * high
+        high = means["capacity_variation"] > self.capacity_variation
+        return low + ["capacity_variation"] * high
 
     def __str__(self) -> str:
-        return f">= {self.alpha_min:g}, >= {self.alpha_mean:g}, <= {self.capacity_spread:g}"
+        return f">= {self.alpha_min:g}, >= {self.alpha_mean:g}, <= {self.capacity_variation:g}"
 
 
 @dataclass(frozen=True)

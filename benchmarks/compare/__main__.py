@@ -47,7 +47,7 @@ class Runs:
 def energies_at(
     runs: Runs, case: Case, method: str, given: argparse.Namespace
 ) -> list[list[float]]:
-    """The normalized energy without the gap: per number of evaluations, per seed."""
+    """The normalized energy without the repulsion: per number of evaluations, per seed."""
     return [
         [
             runs.sample(
@@ -55,7 +55,7 @@ def energies_at(
                 seed,
                 method=method,
                 cells=given.cells,
-                gap_weight=0.0,
+                repulsion_weight=0.0,
                 tolerance=0.0,
                 max_evaluations=evaluations,
             ).energy
@@ -100,7 +100,7 @@ def setting_row(reports: list[dapple.Report]) -> list[str]:
         return f"{median(values):.{digits}f} ({worst:.{digits}f})"
 
     evaluations = [float(report.evaluations) for report in reports]
-    spreads = [report.capacity_spread for report in reports]
+    spreads = [report.capacity_variation for report in reports]
     orders = [report.bond_order for report in reports]
     alphas = [report.alpha_min for report in reports]
     return [
@@ -113,21 +113,21 @@ def setting_row(reports: list[dapple.Report]) -> list[str]:
 
 
 def compare_settings(given: argparse.Namespace, runs: Runs) -> str:
-    """What each tolerance and gap weight of the default preset ends with."""
+    """What each tolerance and repulsion weight of the default preset ends with."""
     rows = []
     for case in chosen_cases(given):
-        for weight in given.gap_weights:
+        for weight in given.repulsion_weights:
             for tolerance in given.tolerances:
-                say(f"{' '.join(case.names)}: gap weight {weight:g}, tolerance {tolerance:g}")
+                say(f"{' '.join(case.names)}: repulsion weight {weight:g}, tolerance {tolerance:g}")
                 reports = [
-                    runs.sample(case, seed, gap_weight=weight, tolerance=tolerance)
+                    runs.sample(case, seed, repulsion_weight=weight, tolerance=tolerance)
                     for seed in range(given.seeds)
                 ]
                 setting = [f"{weight:g}", f"{tolerance:g}"]
                 rows.append([*case.names, *setting, *setting_row(reports)])
     head = [
-        *("mesh", "density", "n", "gap weight", "tolerance"),
-        *("evaluations", "capacity spread", "psi6", "alpha min", "e"),
+        *("mesh", "density", "n", "repulsion weight", "tolerance"),
+        *("evaluations", "capacity variation", "psi6", "alpha min", "e"),
     ]
     title = f"Median over {given.seeds} seeds (worst)."
     return f"{title}\n\n{table(head, rows)}"
@@ -138,7 +138,7 @@ def evaluations_to(
 ) -> int | None:
     """The fewest evaluations after which the energy is not above `energy`, by bisection.
 
-    It falls with the evaluations, save for the little that the gap may cost.
+    It falls with the evaluations, save for the little that the repulsion may cost.
     """
     low, high = 0, most + 1
     while high - low > 1:
@@ -154,8 +154,8 @@ def compare_convergence(given: argparse.Namespace, runs: Runs) -> str:
     """How many evaluations it takes to an energy, and where the tolerance stops."""
     rows = []
     for case in chosen_cases(given):
-        for weight in given.gap_weights:
-            say(f"{' '.join(case.names)}: gap weight {weight:g}")
+        for weight in given.repulsion_weights:
+            say(f"{' '.join(case.names)}: repulsion weight {weight:g}")
             ends, needed = [], []
             for seed in range(given.seeds):
 
@@ -163,7 +163,7 @@ def compare_convergence(given: argparse.Namespace, runs: Runs) -> str:
                     return runs.sample(
                         case,  # noqa: B023 (called within this round)
                         seed,
-                        gap_weight=weight,  # noqa: B023
+                        repulsion_weight=weight,  # noqa: B023
                         tolerance=given.tolerance,
                         max_evaluations=evaluations,
                     )
@@ -180,14 +180,14 @@ def compare_convergence(given: argparse.Namespace, runs: Runs) -> str:
                 ]
             )
     head = [
-        *("mesh", "density", "n", "gap weight"),
+        *("mesh", "density", "n", "repulsion weight"),
         *(f"evaluations to e <= {given.energy}", f"at tolerance {given.tolerance:g}", "e there"),
     ]
     return f"Each of {given.seeds} seeds.\n\n{table(head, rows)}"
 
 
 def compare_components(given: argparse.Namespace, runs: Runs) -> str:
-    """The capacity spread of each connected component, and how much of it the counts alone make."""
+    """Each connected component's capacity variation, and how much of it the counts alone make."""
     parts = []
     for case in chosen_cases(given):
         for seed in range(given.seeds):
@@ -234,11 +234,11 @@ def arguments() -> argparse.Namespace:
     kind = add("settings", compare_settings, [2000], [1.0])
     tolerances = [1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 7e-5, 1e-4]
     kind.add_argument("--tolerances", type=float, nargs="+", default=tolerances)
-    kind.add_argument("--gap-weights", type=float, nargs="+", default=[1.0])
+    kind.add_argument("--repulsion-weights", type=float, nargs="+", default=[1.0])
     kind = add("converge", compare_convergence, [10_000], [1.0])
     kind.add_argument("--tolerance", type=float, default=1e-5)
     kind.add_argument("--energy", type=float, default=0.1650, help="normalized, to be reached")
-    kind.add_argument("--gap-weights", type=float, nargs="+", default=[1.0])
+    kind.add_argument("--repulsion-weights", type=float, nargs="+", default=[1.0])
     kind = add("components", compare_components, [2000], [1.0])
     kind.set_defaults(seeds=1)
     given = parser.parse_args()

@@ -2,7 +2,7 @@
 """How even samples are on each connected component of a surface.
 
 Connected cells do not cross between components, and each component gets a whole number of samples.
-So the capacity spread of a surface of many small components has a part that no placing can remove.
+So the capacity variation of many small components has a part that no placing can remove.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def component_rows(
         )
     within = np.sqrt(np.mean((capacities / means - 1.0) ** 2))
     title = (
-        f"capacity spread {capacities.std() / capacities.mean():.4f}; within components "
+        f"capacity variation {capacities.std() / capacities.mean():.4f}; within components "
         f"{within:.4f}, from their whole counts alone {means.std() / means.mean():.4f}; "
         f"{np.count_nonzero(counts == 0)} of {len(counts)} components have no sample."
     )
-    return title, ["component", "faces", "samples", "mean capacity / overall", "spread"], rows
+    return title, ["component", "faces", "samples", "mean capacity / overall", "variation"], rows

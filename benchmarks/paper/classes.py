@@ -123,7 +123,7 @@ def class_rows(
             for runs in reports
         ]
         said = remark if k < len(counts) else of_all(*reports)
-        rows.append(row(f"{name}: alpha min, spread, psi6", PICTURE_ONLY, values, said))
+        rows.append(row(f"{name}: alpha min, variation, psi6", PICTURE_ONLY, values, said))
     return rows
 
 
@@ -131,8 +131,10 @@ def of_all(preset: Sequence[dapple.Report], default: Sequence[dapple.Report]) ->
     """How near the nearest pair of all is, one way against the other."""
     two_stages, joint = (mean(one.alpha_min for one in runs) for runs in (preset, default))
     if two_stages < joint:
-        return "Two stages leave closer pairs in the union than our joint start and gap do."
-    return "Two stages keep the pairs of the union as far apart as our joint start and gap do."
+        return "Two stages leave closer pairs in the union than our joint start and repulsion do."
+    return (
+        "Two stages keep the pairs of the union as far apart as our joint start and repulsion do."
+    )
 
 
 def figure_10(setting: Setting) -> Plate:

@@ -17,14 +17,14 @@ from benchmarks.stipple.__main__ import COLOR_DOTS, GRAY_DOTS, astronaut
 from benchmarks.stipple.measure import Quality, quality
 
 ITERATIONS = 30  # of the paper's Fig. 14
-# Stippling has no line search: what can be set is the energy, without a gap, and when to end.
+# Stippling has no line search: what can be set is the energy, without repulsion, and when to end.
 NEAR_PRESET: dict[str, Any] = {
-    "gap_weight": 0.0,
+    "repulsion_weight": 0.0,
     "tolerance": 0.0,
     "max_evaluations": ITERATIONS + 1,
 }
 STIPPLING_WAYS: dict[str, dict[str, Any]] = {
-    "30 iterations, no gap": NEAR_PRESET,
+    "30 iterations, no repulsion": NEAR_PRESET,
     "our default": {},
 }
 FACE = (200, 300, 90, 190)  # columns and rows of the camera's operator
@@ -54,7 +54,7 @@ def figure_14(setting: Setting) -> Plate:
     for way, options in STIPPLING_WAYS.items():
         say(f"fig. 14: {way}")
         dots.append(fastest(stippled(picture, count, setting, options)))
-    titles = ["start: error diffusion", "30 iterations, no gap", "our default"]
+    titles = ["start: error diffusion", "30 iterations, no repulsion", "our default"]
     show(axes[1][0], crop(skimage.data.camera(), FACE, 1), "")
     for k, (one, title) in enumerate(zip(dots, titles, strict=True), 1):
         show(axes[0][k], stippling.draw(one, SCALE), title)
@@ -78,7 +78,7 @@ def rows_14(picture: Array, dots: list[stippling.Dots]) -> list[Row]:
             "22.0 s",
             [f"{one.report.seconds:.1f} s" for one in ours],
             "Another machine and another picture; stippling has no line search, so for the preset "
-            "stand 30 steps of the trust region without a gap; the goal was 4 s.",
+            "stand 30 steps of the trust region without repulsion; the goal was 4 s.",
         ),
         row(
             "evaluations of the energy",

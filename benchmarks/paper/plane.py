@@ -41,9 +41,9 @@ EXACT_SHARES: Array = np.asarray(100 * np.diff(QUARTERS**3), np.float64)  # of t
 REMARKS_1 = {
     "CVT": "Uniform and regular, as in the paper: high psi6, unequal capacities.",
     "CapVT": "By lambda = 1e6, since the library never leaves the CVT term out: irregular, with "
-    "close pairs, as in the paper; by default the start and the gap keep sites apart.",
-    "CapCVT": "Uniform and irregular, as in the paper; by default the gap keeps the nearest pair "
-    "apart.",
+    "close pairs, as in the paper; by default the start and the repulsion keep sites apart.",
+    "CapCVT": "Uniform and irregular, as in the paper; by default the repulsion keeps the nearest "
+    "pair apart.",
 }
 
 
@@ -60,9 +60,9 @@ ROWS_5 = [
         "Ours starts from a Poisson-disk set and takes preconditioned steps.",
     ),
     (
-        "alpha min, spread, psi6",
+        "alpha min, variation, psi6",
         PICTURE_ONLY,
-        "By default the gap keeps the nearest pair apart.",
+        "By default the repulsion keeps the nearest pair apart.",
     ),
     (
         "power at half of sqrt(n), and at its peak",
@@ -83,10 +83,10 @@ def runs_of(
 
 
 def qualities(reports: Sequence[dapple.Quality]) -> str:
-    """Means of alpha min, capacity spread and psi6."""
+    """Means of alpha min, capacity variation and psi6."""
     return (
         f"{mean(one.alpha_min for one in reports):.2f}, "
-        f"{mean(one.capacity_spread for one in reports):.4f}, "
+        f"{mean(one.capacity_variation for one in reports):.4f}, "
         f"{mean(one.bond_order for one in reports):.2f}"
     )
 
@@ -104,7 +104,7 @@ def figure_1(setting: Setting) -> Plate:
             draw_cells(line[column], runs[0].positions)
             bare(line[column], f"{energy}, {way}")
             found.append(qualities([run.report for run in runs]))
-        quantity = f"{energy}, {count} sites: alpha min, spread, psi6"
+        quantity = f"{energy}, {count} sites: alpha min, variation, psi6"
         rows.append(row(quantity, PICTURE_ONLY, found, REMARKS_1[energy]))
     figure.savefig(setting.picture(1))
     return Plate(1, f"{count} sites by three energies", setting.picture(1), rows)

@@ -21,15 +21,15 @@ DRAWINGS = {2, 9}
 INTRODUCTION = """\
 The figures of Chen, Yuan, Choi, Liu and Wang, *Variational Blue Noise Sampling* (IEEE TVCG 2012),
 made again. *The paper's preset* is `dapple.PAPER`: white noise, plain L-BFGS, Euclidean cells, no
-gap, tolerance 1e-5. *Our default* is what `sample` and its kin do without options. *Picture only*:
-the text of the paper gives no number, and what its picture shows is not measured. lambda is 30
-where nothing else is said.
+repulsion, tolerance 1e-5. *Our default* is what `sample` and its kin do without options.
+*Picture only*: the text of the paper gives no number, and what its picture shows is not measured.
+lambda is 30 where nothing else is said.
 
 alpha is the distance to the nearest neighbor, 1 for perfect hexagons (alpha min: the normalized
-Poisson-disk radius); the spread is the standard deviation of the capacities over their mean; psi6
-is 1 for a hexagonal lattice and 0.37 for white noise. The times of the paper are from a 3.16 GHz
-Xeon of its day, on one thread; those of other methods are quoted from it, not run. Times on
-different machines compare in magnitude only."""
+Poisson-disk radius); the variation is the standard deviation of the capacities over their mean;
+psi6 is 1 for a hexagonal lattice and 0.37 for white noise. The times of the paper are from a
+3.16 GHz Xeon of its day, on one thread; those of other methods are quoted from it, not run. Times
+on different machines compare in magnitude only."""
 
 
 def machine() -> str:

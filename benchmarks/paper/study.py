@@ -122,7 +122,7 @@ def trend(weight: float, before: float | None, curves: list[Curve]) -> str:
         )
     if curves[3].alpha(weight) < curves[0].alpha(weight):
         return f"Falls from lambda {before:g} as in the paper; our default stops earlier."
-    return f"Falls from lambda {before:g} as in the paper; by default the gap holds it up."
+    return f"Falls from lambda {before:g} as in the paper; by default the repulsion holds it up."
 
 
 def verdict(weight: float, curves: list[Curve]) -> str:

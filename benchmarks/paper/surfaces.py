@@ -89,7 +89,7 @@ def figure_6(setting: Setting) -> Plate:
         show(axes[1][column], scene.dots(sites, np.repeat(DOT, count, axis=0), radius), "samples")
         values = [qualities([samples.report]) for samples in found]
         remark = "Less regular as lambda grows (psi6), as in the paper; another body."
-        quantity = f"{one.name}, {count:,} samples, lambda {weight:g}: alpha min, spread, psi6"
+        quantity = f"{one.name}, {count:,} samples, lambda {weight:g}: alpha min, variation, psi6"
         rows.append(row(quantity, PICTURE_ONLY, values, remark))
         if weight == TIMED:
             rows.append(time_row(one, count, found))
@@ -144,7 +144,7 @@ def figure_7(setting: Setting) -> Plate:
     values = [qualities([samples.report]) for samples in found]
     rows = [
         row(
-            f"{one.name}, {count:,} samples by curvature: alpha min, spread, psi6",
+            f"{one.name}, {count:,} samples by curvature: alpha min, variation, psi6",
             PICTURE_ONLY,
             values,
             "Another body than the paper's cat, and a density of our own: how the paper turns "

@@ -111,10 +111,10 @@ def print_classes(dots: stippling.Dots) -> None:
     sets = [*zip(dots.inks, dots.report.classes, strict=True), ("all", dots.report)]
     rows = [
         [name, f"{one.count:,}"]
-        + [f"{x:.4f}" for x in (one.alpha_min, one.alpha_mean, one.capacity_spread)]
+        + [f"{x:.4f}" for x in (one.alpha_min, one.alpha_mean, one.capacity_variation)]
         for name, one in sets
     ]
-    print(table(["ink", "dots", "alpha min", "alpha mean", "capacity spread"], rows), "\n")
+    print(table(["ink", "dots", "alpha min", "alpha mean", "capacity variation"], rows), "\n")
 
 
 def main() -> None:

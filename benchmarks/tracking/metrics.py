@@ -26,10 +26,10 @@ class Run:
 
     animation: str
     contender: str
-    first: dict[str, float]  # the first frame's energy, bond_order, alpha_min, capacity_spread
+    first: dict[str, float]  # the first frame's energy, bond_order, alpha_min, capacity_variation
     energy: list[float] = field(default_factory=list)
     alpha_min: list[float] = field(default_factory=list)
-    capacity_spread: list[float] = field(default_factory=list)
+    capacity_variation: list[float] = field(default_factory=list)
     bond_order: list[float] = field(default_factory=list)
     evaluations: list[int] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)  # a frame of far motion is split
@@ -63,13 +63,13 @@ def play(animation: Animation, samples: dapple.Samples, contender: str, advances
 
 
 def quality(surface: dapple.Surface, samples: dapple.Samples) -> dict[str, float]:
-    """Energy, bond order, alpha min and capacity spread, with connected cells."""
+    """Energy, bond order, alpha min and capacity variation, with connected cells."""
     report = dapple.analyze(surface, samples)
     return {
         "energy": report.energy,
         "bond_order": report.bond_order,
         "alpha_min": report.alpha_min,
-        "capacity_spread": report.capacity_spread,
+        "capacity_variation": report.capacity_variation,
     }
 
 

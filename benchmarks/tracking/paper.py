@@ -2,7 +2,7 @@
 """The paper's optimizer from given sites: plain L-BFGS (Chen et al. 2012, Algorithm 2).
 
 dapple.Tracker restores the first frame's evenness and cannot minimize on; here every frame goes
-down to the tolerance, with Euclidean cells, without a gap, without a limit of the slide.
+down to the tolerance, with Euclidean cells, without repulsion, without a limit of the slide.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def energy_off(run: Run) -> Array:
 COLUMNS = [
     Column("e off", lambda run: float(energy_off(run).max()), 4, 0.002),
     Column("alpha min", lambda run: min(run.alpha_min), 3, 0.6, at_least=True),
-    Column("spread", lambda run: max(run.capacity_spread), 4, 0.01),
+    Column("variation", lambda run: max(run.capacity_variation), 4, 0.01),
     Column("slide mean", lambda run: float(np.mean(run.slide_mean)), 3, 0.15),
     Column("slide max", lambda run: max(run.slide_max), 3, 0.5),
     Column("jerk mean", lambda run: float(np.mean(run.jerk_mean))),
@@ -83,13 +83,13 @@ def table(runs: Sequence[Run]) -> str:
 
 def misses(runs: Sequence[Run]) -> str:
     """How many frames of each run miss the goals that hold for every frame."""
-    head = ["animation", "contender", "frames", "e off", "alpha min", "spread", "slide max"]
+    head = ["animation", "contender", "frames", "e off", "alpha min", "variation", "slide max"]
     rows = []
     for run in runs:
         counts = [
             np.count_nonzero(energy_off(run) > 0.002),
             np.count_nonzero(np.array(run.alpha_min) < 0.6),
-            np.count_nonzero(np.array(run.capacity_spread) > 0.01),
+            np.count_nonzero(np.array(run.capacity_variation) > 0.01),
             np.count_nonzero(np.array(run.slide_max) > 0.5),
         ]
         rows.append([run.animation, run.contender, str(len(run.energy)), *map(str, counts)])
@@ -119,7 +119,7 @@ def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 CURVES = {
     "energy": None,
     "alpha_min": 0.6,
-    "capacity_spread": 0.01,
+    "capacity_variation": 0.01,
     "bond_order": None,
     "slide_mean": 0.15,
     "slide_max": 0.5,

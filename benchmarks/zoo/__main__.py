@@ -51,7 +51,7 @@ def measured(case: Case) -> dict[str, Any]:
         return {**figures, "error": str(error).strip(), "missed": ["an error"]}
     report = bpy.context.object.dapple.report
     figures |= {
-        "variation": report.capacity_spread,
+        "variation": report.capacity_variation,
         "alpha_min": report.alpha_min,
         "alpha_mean": report.alpha_mean,
         "evaluations": report.evaluations,

@@ -31,14 +31,15 @@ ClassOptions class_options(double union_weight, bool two_stages, const SampleOpt
 
 std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequence& classes,
                                         Seed seed, double union_weight, bool two_stages,
-                                        double capacity_weight, double gap_weight, double tolerance,
-                                        MaxEvaluations max_evaluations, const std::string& method,
-                                        const std::string& start, const std::string& cells,
-                                        Threads threads, const ContextPtr& context) {
+                                        double capacity_weight, double repulsion_weight,
+                                        double tolerance, MaxEvaluations max_evaluations,
+                                        const std::string& method, const std::string& start,
+                                        const std::string& cells, Threads threads,
+                                        const ContextPtr& context) {
   const ClassOptions options =
       class_options(union_weight, two_stages,
-                    sample_options(seed, capacity_weight, gap_weight, tolerance, max_evaluations,
-                                   method, start, cells, threads));
+                    sample_options(seed, capacity_weight, repulsion_weight, tolerance,
+                                   max_evaluations, method, start, cells, threads));
   const std::vector<SampleClass> wanted = classes_on(surface, classes);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample_classes(surface, wanted, options, context.get()));
@@ -59,15 +60,15 @@ std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
 
 std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::sequence& classes,
                                            Seed seed, double union_weight, bool two_stages,
-                                           double capacity_weight, double gap_weight,
+                                           double capacity_weight, double repulsion_weight,
                                            double tolerance, MaxEvaluations max_evaluations,
                                            const std::string& method, const std::string& start,
                                            const std::string& cells, Threads threads,
                                            const ContextPtr& context) {
   const ClassOptions options =
       class_options(union_weight, two_stages,
-                    sample_options(seed, capacity_weight, gap_weight, tolerance, max_evaluations,
-                                   method, start, cells, threads));
+                    sample_options(seed, capacity_weight, repulsion_weight, tolerance,
+                                   max_evaluations, method, start, cells, threads));
   const std::vector<PlanarClass> wanted = planar_classes(classes);
   const py::gil_scoped_release released;
   return std::make_shared<PlanarSamples>(
@@ -78,10 +79,10 @@ template <typename Verb>
 void bind_verb(py::module_& m, const char* name, Verb verb, const char* domain, const char* doc) {
   m.def(name, verb, py::arg(domain), py::arg("classes"), py::kw_only(), py::arg("seed") = 0,
         py::arg("union_weight") = 1.0, py::arg("two_stages") = false,
-        py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 5.0, py::arg("tolerance") = 1e-5,
-        py::arg("max_evaluations") = 200, py::arg("method") = "trust_region",
-        py::arg("start") = "poisson", py::arg("cells") = "connected", py::arg("threads") = 0,
-        py::arg("context") = nullptr, doc);
+        py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 5.0,
+        py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
+        py::arg("method") = "trust_region", py::arg("start") = "poisson",
+        py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr, doc);
 }
 
 }  // namespace
@@ -126,7 +127,7 @@ Args:
     density: of the class, or None for the surface's or domain's own. For a Surface an array as Surface takes it; for a
         Plane or Torus an image, all classes' and the domain's own of one shape.
     density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.
-    radius: of its things, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
+    radius: of its discs, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
     locked: Samples of the surface that stay where they are and take part, or None; they come first in their class, and
         count includes them. For surfaces only.
 
@@ -138,7 +139,7 @@ Raises:
       .def_readonly("count", &ClassArgument::count, "Number of samples.")
       .def_readonly("density", &ClassArgument::density, "As given, or None.")
       .def_readonly("density_at", &ClassArgument::density_at, "Where its values are.")
-      .def_readonly("radius", &ClassArgument::radius, "Of its things.")
+      .def_readonly("radius", &ClassArgument::radius, "Of its discs.")
       .def_readonly("locked", &ClassArgument::locked, "As given, or None.");
 }
 
@@ -156,10 +157,10 @@ Args:
     seed: of the start, 0..2**64 - 1.
     union_weight: mu >= 0; evenness of all together against that of each class.
     two_stages: every class alone first, then all, as in the paper.
-    capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+    capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
 
 Returns:
-    Samples, class by class; their report holds one of each class, and the pair of things that overlaps most.
+    Samples, class by class; their report holds one of each class, and the pair of discs that overlaps most.
 
 Raises:
     ValueError: an option out of range, or radii for which the area cannot suffice.
@@ -170,7 +171,7 @@ Raises:
 
 Args:
     domain: a Plane or a Torus.
-    classes, seed, union_weight, two_stages, capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells,
+    classes, seed, union_weight, two_stages, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells,
         threads, context: as for sample_classes().
 
 Returns:

@@ -42,12 +42,12 @@ std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
 }
 
 std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count, Seed seed,
-                                             double capacity_weight, double gap_weight,
+                                             double capacity_weight, double repulsion_weight,
                                              double tolerance, MaxEvaluations max_evaluations,
                                              const std::string& method, const std::string& start,
                                              const std::string& cells, Threads threads,
                                              const ContextPtr& context) {
-  const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+  const SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
                                                max_evaluations, method, start, cells, threads);
   const py::gil_scoped_release released;
   return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, context.get()));
@@ -133,7 +133,7 @@ void bind_planar_verbs(py::module_& m) {
 
   m.def(
       "sample_planar", &sample_domain, py::arg("domain"), py::arg("count"), py::kw_only(),
-      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
       py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
       py::arg("method") = "trust_region", py::arg("start") = "poisson",
       py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
@@ -145,7 +145,7 @@ sample_planar(..., **dapple.PAPER) is the paper's own way.
 Args:
     domain: a Plane or a Torus.
     count: number of samples, 0..100000000.
-    seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+    seed, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
 
 Returns:
     PlanarSamples, with a report.

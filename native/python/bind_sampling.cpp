@@ -15,12 +15,13 @@ namespace dapple::python {
 namespace {
 
 std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count, Seed seed,
-                                        double capacity_weight, double gap_weight, double tolerance,
-                                        MaxEvaluations max_evaluations, const std::string& method,
-                                        const std::string& start, const std::string& cells,
+                                        double capacity_weight, double repulsion_weight,
+                                        double tolerance, MaxEvaluations max_evaluations,
+                                        const std::string& method, const std::string& start,
+                                        const std::string& cells,
                                         const std::shared_ptr<Samples>& locked, Threads threads,
                                         const ContextPtr& context) {
-  SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+  SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
                                          max_evaluations, method, start, cells, threads);
   if (locked) options.locked = {locked->positions, locked->faces, locked->barycentric};
   const py::gil_scoped_release released;
@@ -29,11 +30,11 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count, See
 
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
                                           Count count, Seed seed, double capacity_weight,
-                                          double gap_weight, double tolerance,
+                                          double repulsion_weight, double tolerance,
                                           MaxEvaluations max_evaluations, const std::string& method,
                                           const std::string& cells, Threads threads,
                                           const ContextPtr& context) {
-  const SampleOptions options = sample_options(seed, capacity_weight, gap_weight, tolerance,
+  const SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
                                                max_evaluations, method, "poisson", cells, threads);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(resample(surface, samples, count, options, context.get()));
@@ -53,11 +54,12 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
 
 py::dict quality_dict(const Quality& quality) {
   using namespace py::literals;
-  return py::dict(
-      "count"_a = quality.count, "spacing"_a = quality.spacing,
-      "alpha_min"_a = quality.evenness.alpha_min, "alpha_mean"_a = quality.evenness.alpha_mean,
-      "capacity_spread"_a = quality.evenness.capacity_spread, "bond_order"_a = quality.bond_order,
-      "energy"_a = quality.energy, "whole_count_spread"_a = quality.whole_count_spread);
+  return py::dict("count"_a = quality.count, "spacing"_a = quality.spacing,
+                  "alpha_min"_a = quality.evenness.alpha_min,
+                  "alpha_mean"_a = quality.evenness.alpha_mean,
+                  "capacity_variation"_a = quality.evenness.capacity_variation,
+                  "bond_order"_a = quality.bond_order, "energy"_a = quality.energy,
+                  "whole_count_variation"_a = quality.whole_count_variation);
 }
 
 py::dict report_dict(const Report& report) {
@@ -87,16 +89,17 @@ void bind_reports(py::module_& m) {
           "alpha_mean", [](const Quality& q) { return q.evenness.alpha_mean; },
           "Mean over the samples of distance to the nearest neighbor / local spacing.")
       .def_property_readonly(
-          "capacity_spread", [](const Quality& q) { return q.evenness.capacity_spread; },
+          "capacity_variation", [](const Quality& q) { return q.evenness.capacity_variation; },
           "Standard deviation / mean of the capacities.")
       .def_readonly("bond_order", &Quality::bond_order,
                     "psi6, how like a hexagonal lattice: white noise 0.36, dart throwing 0.42, "
                     "hexagons 1. Cells at borders are left out.")
       .def_readonly("energy", &Quality::energy,
                     "Normalized: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
-      .def_readonly("whole_count_spread", &Quality::whole_count_spread,
-                    "What of the capacity spread comes of each component of the surface having a "
-                    "whole number of samples; 0 on one component.");
+      .def_readonly(
+          "whole_count_variation", &Quality::whole_count_variation,
+          "What of the capacity variation comes of each component of the surface having a "
+          "whole number of samples; 0 on one component.");
 
   py::class_<Report, Quality, std::shared_ptr<Report>>(
       m, "Report",
@@ -105,7 +108,7 @@ void bind_reports(py::module_& m) {
           "classes", [](const Report& r) { return r.classes; },
           "A list with the Quality of each class; empty if there is one class only.")
       .def_readonly("worst_overlap", &Report::worst_overlap,
-                    "Of things with radii: 1 - distance / sum of the radii of the pair that "
+                    "Of discs: 1 - distance / sum of the radii of the pair that "
                     "overlaps most; 0 if none does.")
       .def_property_readonly(
           "overlapping",
@@ -120,9 +123,9 @@ void bind_reports(py::module_& m) {
           "converged", &Report::converged,
           "False if the evaluations ran out first, or no step was found where more was promised.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
-      .def_readonly(
-          "energies", &Report::energies,
-          "What was minimized (energy and gap), normalized, at the start and after each iteration.")
+      .def_readonly("energies", &Report::energies,
+                    "What was minimized (energy and repulsion), normalized, at the start and after "
+                    "each iteration.")
       .def_readonly("slide_mean", &Report::slide_mean,
                     "Tracker and resample(): mean distance from where they were, in spacings.")
       .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
@@ -176,7 +179,7 @@ Raises:
 
 void bind_samplers(py::module_& m) {
   m.def("sample", &sample_surface, py::arg("surface"), py::arg("count"), py::kw_only(),
-        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
         py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
         py::arg("method") = "trust_region", py::arg("start") = "poisson",
         py::arg("cells") = "connected", py::arg("locked") = nullptr, py::arg("threads") = 0,
@@ -184,7 +187,7 @@ void bind_samplers(py::module_& m) {
         R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
 
 Minimizes the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
-plus a soft gap between neighbors, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
+plus a repulsion between neighbors, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
 paper's own way. The same arguments give the same bytes, whatever the number of threads.
 
 Args:
@@ -192,7 +195,7 @@ Args:
     count: number of samples, 0..100000000.
     seed: of the start, 0..2**64 - 1.
     capacity_weight: lambda >= 0; larger is less regular. The paper finds 20..100 useful.
-    gap_weight: kappa >= 0; keeps neighbors apart. 0 is the paper's plain energy.
+    repulsion_weight: kappa >= 0; keeps neighbors apart. 0 is the paper's plain energy.
     tolerance: relative decrease of the energy at which to stop, >= 0; smaller is more regular.
     max_evaluations: of the energy, >= 1.
     method: 'trust_region', or 'line_search' (plain L-BFGS, as in the paper).
@@ -213,9 +216,9 @@ Raises:
   m.def(
       "resample", &resample_surface, py::arg("surface"), py::arg("samples"), py::arg("count"),
       py::kw_only(), py::arg("seed") = 0, py::arg("capacity_weight") = 30.0,
-      py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
-      py::arg("method") = "trust_region", py::arg("cells") = "connected", py::arg("threads") = 0,
-      py::arg("context") = nullptr,
+      py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 5e-5,
+      py::arg("max_evaluations") = 200, py::arg("method") = "trust_region",
+      py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
       R"(Another count or density for samples that are there, most of which stay nearly where they are.
 
 Each neighborhood first gets the number that its share of the density asks for: samples are taken out far from each
@@ -225,7 +228,7 @@ Args:
     surface: a Surface of the same faces; its density and vertices may be others.
     samples: Samples.
     count: number of samples wanted, 0..100000000.
-    seed, capacity_weight, gap_weight, tolerance, max_evaluations, method, cells, threads, context: as for sample().
+    seed, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, cells, threads, context: as for sample().
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report's

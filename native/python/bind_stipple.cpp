@@ -79,14 +79,14 @@ std::vector<std::size_t> counts_of(const py::sequence& counts) {
 std::shared_ptr<Stipples> stipple_inks(const py::object& inks, Count count,
                                        const py::sequence& counts, double radius, Seed seed,
                                        double union_weight, double capacity_weight,
-                                       double gap_weight, double tolerance,
+                                       double repulsion_weight, double tolerance,
                                        MaxEvaluations max_evaluations, Threads threads,
                                        const ContextPtr& context) {
   StippleOptions options;
   options.seed = seed;
   options.union_weight = union_weight;
-  options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, "trust_region");
+  options.optimizer = optimizer_options(capacity_weight, repulsion_weight, tolerance,
+                                        max_evaluations, "trust_region");
   options.counts = counts_of(counts);
   options.radius = radius;
   options.threads = threads;
@@ -143,8 +143,8 @@ Returns:
   m.def("stipple_inks", &stipple_inks, py::arg("inks"), py::arg("count"), py::kw_only(),
         py::arg("counts") = py::list(), py::arg("radius") = 0.0, py::arg("seed") = 0,
         py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
-        py::arg("gap_weight") = 3.0, py::arg("tolerance") = 2e-4, py::arg("max_evaluations") = 200,
-        py::arg("threads") = 0, py::arg("context") = nullptr,
+        py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 2e-4,
+        py::arg("max_evaluations") = 200, py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Exactly count dots that render the coverages of one or several inks.
 
 Error diffusion, then the planar optimization on a density that is constant on each pixel (Chen et al. 2012, sections
@@ -157,7 +157,7 @@ Args:
     radius: of each dot, in pixels; 0: sqrt(sum of all coverages / (pi count)), so that the dots have the area of the ink.
     seed: the same input and seed give the same bytes.
     union_weight: evenness of all dots together against that of each ink, as for sample_classes().
-    capacity_weight, gap_weight, tolerance, max_evaluations, threads, context: as for sample().
+    capacity_weight, repulsion_weight, tolerance, max_evaluations, threads, context: as for sample().
 
 Returns:
     Stipples.

@@ -15,33 +15,31 @@ namespace dapple::python {
 namespace {
 
 /// The options that every way of tracking takes.
-TrackerOptions tracker_options(double capacity_weight, double gap_weight, double tolerance,
+TrackerOptions tracker_options(double capacity_weight, double repulsion_weight, double tolerance,
                                MaxEvaluations max_evaluations, double max_slide,
                                const std::string& method, const std::string& cells,
-                               double stickiness, double memory, double longest_motion,
+                               double stickiness, double pattern_strength, double longest_motion,
                                Threads threads) {
   TrackerOptions options;
   options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+      optimizer_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, method);
   options.optimizer.max_slide = max_slide;
   options.optimizer.stickiness = stickiness;
   options.cells = cells_named(cells);
-  options.memory = memory;
+  options.pattern_strength = pattern_strength;
   options.longest_motion = longest_motion;
   options.threads = threads;
   return options;
 }
 
-std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
-                                      double capacity_weight, double gap_weight, double tolerance,
-                                      MaxEvaluations max_evaluations, double max_slide,
-                                      const std::string& method, const std::string& cells,
-                                      const py::object& classes, double union_weight,
-                                      double stickiness, double memory, double longest_motion,
-                                      Threads threads, const ContextPtr& context) {
+std::shared_ptr<Tracker> make_tracker(
+    const Surface& surface, const Samples& samples, double capacity_weight, double repulsion_weight,
+    double tolerance, MaxEvaluations max_evaluations, double max_slide, const std::string& method,
+    const std::string& cells, const py::object& classes, double union_weight, double stickiness,
+    double pattern_strength, double longest_motion, Threads threads, const ContextPtr& context) {
   TrackerOptions options =
-      tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide, method,
-                      cells, stickiness, memory, longest_motion, threads);
+      tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
+                      method, cells, stickiness, pattern_strength, longest_motion, threads);
   options.union_weight = union_weight;
   std::vector<SampleClass> wanted;
   if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
@@ -63,14 +61,18 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
   tracker.resume(as_points(points), samples, settled);
 }
 
-std::shared_ptr<Population> make_population(
-    const Surface& surface, const Samples& samples, Whole<int, "fade", 1, kMostInt> fade,
-    double capacity_weight, double gap_weight, double tolerance, MaxEvaluations max_evaluations,
-    double max_slide, const std::string& method, const std::string& cells, double stickiness,
-    double memory, double longest_motion, Threads threads, const ContextPtr& context) {
+std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
+                                            Whole<int, "fade", 1, kMostInt> fade,
+                                            double capacity_weight, double repulsion_weight,
+                                            double tolerance, MaxEvaluations max_evaluations,
+                                            double max_slide, const std::string& method,
+                                            const std::string& cells, double stickiness,
+                                            double pattern_strength, double longest_motion,
+                                            Threads threads, const ContextPtr& context) {
   const PopulationOptions options{
-      .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
-                                 method, cells, stickiness, memory, longest_motion, threads),
+      .tracker =
+          tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
+                          method, cells, stickiness, pattern_strength, longest_motion, threads),
       .fade = fade};
   const py::gil_scoped_release released;
   return std::make_shared<Population>(surface, samples, options, context.get());
@@ -85,9 +87,9 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
 
 std::vector<std::shared_ptr<Samples>> window_of(
     const Surface& surface, const py::iterable& frames, const Samples& samples, bool closed,
-    Whole<int, "sweeps", 0, kMostInt> sweeps, double capacity_weight, double gap_weight,
+    Whole<int, "sweeps", 0, kMostInt> sweeps, double capacity_weight, double repulsion_weight,
     double tolerance, MaxEvaluations max_evaluations, double max_slide, const std::string& method,
-    const std::string& cells, double stickiness, double memory, double longest_motion,
+    const std::string& cells, double stickiness, double pattern_strength, double longest_motion,
     Threads threads, const ContextPtr& context) {
   std::vector<std::vector<Vec3>> vertices;
   for (const py::handle frame : frames) {
@@ -96,8 +98,9 @@ std::vector<std::shared_ptr<Samples>> window_of(
     vertices.emplace_back(span.begin(), span.end());
   }
   const WindowOptions options{
-      .tracker = tracker_options(capacity_weight, gap_weight, tolerance, max_evaluations, max_slide,
-                                 method, cells, stickiness, memory, longest_motion, threads),
+      .tracker =
+          tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
+                          method, cells, stickiness, pattern_strength, longest_motion, threads),
       .sweeps = sweeps,
       .closed = closed};
   const py::gil_scoped_release released;
@@ -117,7 +120,7 @@ the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
 Args:
     surface: the Surface of the first frame.
     samples: its Samples.
-    capacity_weight, gap_weight, tolerance, method, cells, threads: as for sample().
+    capacity_weight, repulsion_weight, tolerance, method, cells, threads: as for sample().
     max_evaluations: of the energy, per frame or part of one.
     max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
         violent frame evenness is caught up over the next ones.
@@ -125,7 +128,7 @@ Args:
     union_weight: mu >= 0, as for sample_classes().
     stickiness: gamma >= 0, the weight of the squared distances from the carried positions: more of it, and samples
         slide less and are less even; 1 is the weight of E_cvt.
-    memory: 0..1, how strongly samples return to the first frame's pattern where a deformation has gone; 0 lets the
+    pattern_strength: 0..1, how strongly samples return to the first frame's pattern where a deformation has gone; 0 lets the
         pattern drift.
     longest_motion: farthest that the surface's shape may move at once, relative to its size, apart from moving as a
         whole; a frame on which it moves farther is split (report.parts). 0 never splits.
@@ -135,12 +138,12 @@ Raises:
     ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)")
       .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
+           py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
            py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
            py::arg("method") = "trust_region", py::arg("cells") = "connected",
            py::arg("classes") = py::none(), py::arg("union_weight") = 1.0,
-           py::arg("stickiness") = 0.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
-           py::arg("threads") = 0, py::arg("context") = nullptr)
+           py::arg("stickiness") = 0.0, py::arg("pattern_strength") = 0.8,
+           py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr)
       .def(
           "resume", &resume_tracker, py::arg("vertices"), py::arg("samples"), py::kw_only(),
           py::arg("settled") = false,
@@ -197,11 +200,12 @@ Raises:
     ValueError: the samples are not of the surface, or an option is out of range.
     Cancelled: through the context.)")
       .def(py::init(&make_population), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("fade") = 12, py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0,
-           py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
+           py::arg("fade") = 12, py::arg("capacity_weight") = 30.0,
+           py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 5e-5,
+           py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
            py::arg("method") = "trust_region", py::arg("cells") = "connected",
-           py::arg("stickiness") = 0.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
-           py::arg("threads") = 0, py::arg("context") = nullptr)
+           py::arg("stickiness") = 0.0, py::arg("pattern_strength") = 0.8,
+           py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr)
       .def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
@@ -228,11 +232,11 @@ Raises:
 void bind_window(py::module_& m) {
   m.def("track_window", &window_of, py::arg("surface"), py::arg("frames"), py::arg("samples"),
         py::kw_only(), py::arg("closed") = false, py::arg("sweeps") = 2,
-        py::arg("capacity_weight") = 30.0, py::arg("gap_weight") = 3.0, py::arg("tolerance") = 5e-5,
-        py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
+        py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
+        py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
         py::arg("method") = "trust_region", py::arg("cells") = "connected",
-        py::arg("stickiness") = 1.0, py::arg("memory") = 0.8, py::arg("longest_motion") = 0.02,
-        py::arg("threads") = 0, py::arg("context") = nullptr,
+        py::arg("stickiness") = 1.0, py::arg("pattern_strength") = 0.8,
+        py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr,
         R"(Samples on all frames of a motion at once, smooth both ways in time.
 
 A Tracker goes first; then sweeps go forwards and backwards over the frames and draw each sample to the middle between

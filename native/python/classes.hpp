@@ -22,7 +22,8 @@ struct ClassArgument {
 /// \throw ArgumentError naming the first entry that is neither
 [[nodiscard]] std::vector<ClassArgument> class_arguments(const py::sequence& classes);
 
-/// The same for a surface. \throw SurfaceError for a density that does not fit it
+/// The same for a surface.
+/// \throw SurfaceError for a density that does not fit it
 [[nodiscard]] std::vector<SampleClass> classes_on(const Surface& surface,
                                                   const py::sequence& classes);
 

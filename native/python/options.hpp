@@ -16,13 +16,13 @@ inline Method method_named(const std::string& name) {
   throw ArgumentError("method is '" + name + "': it must be 'trust_region' or 'line_search'");
 }
 
-inline OptimizerOptions optimizer_options(double capacity_weight, double gap_weight,
+inline OptimizerOptions optimizer_options(double capacity_weight, double repulsion_weight,
                                           double tolerance, int max_evaluations,
                                           const std::string& method) {
   OptimizerOptions options;
   options.method = method_named(method);
   options.capacity_weight = capacity_weight;
-  options.gap_weight = gap_weight;
+  options.repulsion_weight = repulsion_weight;
   options.tolerance = tolerance;
   options.max_evaluations = max_evaluations;
   return options;
@@ -36,8 +36,8 @@ inline Start start_named(const std::string& name) {
 }
 
 /// The options that every sampler takes, on a surface or in the plane.
-inline SampleOptions sample_options(std::uint64_t seed, double capacity_weight, double gap_weight,
-                                    double tolerance, int max_evaluations,
+inline SampleOptions sample_options(std::uint64_t seed, double capacity_weight,
+                                    double repulsion_weight, double tolerance, int max_evaluations,
                                     const std::string& method, const std::string& start,
                                     const std::string& cells, int threads) {
   SampleOptions options;
@@ -45,7 +45,7 @@ inline SampleOptions sample_options(std::uint64_t seed, double capacity_weight, 
   options.start = start_named(start);
   options.cells = cells_named(cells);
   options.optimizer =
-      optimizer_options(capacity_weight, gap_weight, tolerance, max_evaluations, method);
+      optimizer_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, method);
   options.threads = threads;
   return options;
 }

@@ -378,7 +378,7 @@ def test_frames_solved_together_move_more_smoothly(smoothing):
         obj.dapple.bake_smoothing = chosen
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert obj.dapple.baked_keys == FRAMES
-        assert obj.dapple.report.capacity_spread < 0.05
+        assert obj.dapple.report.capacity_variation < 0.05
         slides = slides_of(surface, obj)
         jerks.append(np.linalg.norm(np.diff(slides, axis=0), axis=2).mean())
     assert jerks[1] < jerks[0]

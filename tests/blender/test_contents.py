@@ -478,7 +478,7 @@ def test_a_bake_knows_what_moves():
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("count", 40), ("seed", 3), ("gap_weight", 1.0), ("forward", "X")]
+    ("name", "value"), [("count", 40), ("seed", 3), ("repulsion_weight", 1.0), ("forward", "X")]
 )
 def test_a_bake_takes_the_settings_that_are_shown(name, value):
     bpy.context.scene.frame_end = 2

@@ -54,7 +54,7 @@ def test_what_is_done_to_a_copy_leaves_the_original_as_it_is(linked, action):
     (copy,) = duplicated(obj, linked=linked)
     assert (played(copy) == expected).all()
     bpy.context.scene.frame_set(3)
-    select(copy).gap_weight = 1.0
+    select(copy).repulsion_weight = 1.0
     assert getattr(bpy.ops.dapple, action)() == {"FINISHED"}
     assert np.abs(played(copy) - expected).max() > 1e-4
     assert (played(obj) == expected).all()

@@ -111,7 +111,7 @@ def test_settings_are_compared_without_reading_the_surface(waiting):
     obj = scenes.scattered(scenes.sphere())
     drawn()
     looked(waiting)
-    obj.dapple.gap_weight = 1.0
+    obj.dapple.repulsion_weight = 1.0
     assert FITS not in drawn()
     seen = looked(waiting)
     assert seen["verdict"] == 1

@@ -184,7 +184,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
     rig = next(one for one in bpy.context.scene.objects if one.type == "ARMATURE")
     assert rig.library is None
     rig.scale = (1.0, 1.0, 1.4)
-    obj.dapple.count, obj.dapple.gap_weight, obj.dapple.density.curvature = 80, 2.5, 0.25
+    obj.dapple.count, obj.dapple.repulsion_weight, obj.dapple.density.curvature = 80, 2.5, 0.25
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = played(obj)
@@ -193,7 +193,7 @@ def test_an_override_is_baked_in_the_shot_and_keeps_it(library, tmp_path):
     obj = own_scatter()
     assert obj.override_library
     assert (played(obj) == expected).all()
-    assert (obj.dapple.count, obj.dapple.gap_weight) == (80, 2.5)
+    assert (obj.dapple.count, obj.dapple.repulsion_weight) == (80, 2.5)
     assert obj.dapple.density.curvature == 0.25
     assert (obj.dapple.baked_frames, obj.dapple.report.count) == (4, 80)
     staleness = addon_host.part("blender.staleness")

@@ -32,7 +32,7 @@ def test_locked_points_stay_while_others_are_spread_anew():
     assert sorted(ids) == list(range(300))
     assert column(obj, "dapple_locked", np.bool_).sum() == 3
     assert obj.dapple.locked_count == 3
-    assert obj.dapple.report.capacity_spread < 0.02
+    assert obj.dapple.report.capacity_variation < 0.02
 
 
 def test_a_point_keeps_its_variation_when_others_are_locked():

@@ -9,10 +9,21 @@ import scenes
 
 
 def older_scatter():
-    """A scatter whose tiles are colored by class, as it was stored when that had another name."""
+    """A scatter as it was stored when some of its settings and figures had other names."""
     obj = scenes.scattered(scenes.sphere(), count=30)
-    stored = addon_host.part("blender.older_files").stored_values(obj.dapple.tiles)
-    stored["colour_by"] = 1
+    bpy.ops.dapple.optimize()
+    stored_values = addon_host.part("blender.older_files").stored_values
+    stored_values(obj.dapple.tiles)["colour_by"] = 1
+    for group, old, new in (
+        (obj.dapple, "gap_weight", "repulsion_weight"),
+        (obj.dapple.report, "capacity_spread", "capacity_variation"),
+    ):
+        stored = stored_values(group)
+        stored.pop(new, None)
+        stored[old] = 4.0
+    solved = json.loads(obj.dapple.solved_settings)
+    solved["gap_weight"] = solved.pop("repulsion_weight") + 1.0
+    obj.dapple.solved_settings = json.dumps(solved)
     assert obj.dapple.tiles.color_by == "RANDOM"
     return obj
 
@@ -21,8 +32,13 @@ def test_an_older_file_keeps_its_settings(tmp_path):
     name, path = older_scatter().name, str(tmp_path / "older.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert bpy.data.objects[name].dapple.tiles.color_by == "CLASS"
-    bpy.data.objects[name].dapple.tiles.color_by = "RANDOM"
+    settings = bpy.data.objects[name].dapple
+    assert settings.tiles.color_by == "CLASS"
+    assert (settings.repulsion_weight, settings.report.capacity_variation) == (4.0, 4.0)
+    staleness = addon_host.part("core.stale")
+    now = addon_host.part("blender.scatter").settings_of(bpy.data.objects[name])
+    assert "repulsion_weight" not in staleness.changed_settings(settings.solved_settings, now)
+    settings.tiles.color_by = "RANDOM"
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert bpy.data.objects[name].dapple.tiles.color_by == "RANDOM", "renamed once"

@@ -44,7 +44,7 @@ def test_the_report_is_filled():
     assert report.count == 200
     assert 0.6 < report.alpha_mean <= 1.0
     assert report.alpha_min <= report.alpha_mean
-    assert report.capacity_spread < 0.05
+    assert report.capacity_variation < 0.05
     assert report.evaluations > 1
 
 

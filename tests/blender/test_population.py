@@ -135,7 +135,7 @@ def test_the_preview_says_why_it_does_not_start(breathing):
 
 def test_a_cleared_bake_leaves_the_figures_and_locks_of_the_solution(breathing):
     _, obj = breathing
-    names = ("count", "spacing", "alpha_min", "capacity_spread", "evaluations", "converged")
+    names = ("count", "spacing", "alpha_min", "capacity_variation", "evaluations", "converged")
     before = [getattr(obj.dapple.report, name) for name in names]
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert len(obj.data.vertices) > obj.dapple.solved.count == 80

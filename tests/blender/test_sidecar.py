@@ -245,7 +245,7 @@ def test_a_bake_that_was_never_saved_is_taken_as_a_whole(tmp_path):
 def test_other_settings_or_motion_solve_anew(tmp_path):
     obj = saved_scatter(tmp_path / "other.blend")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    obj.dapple.gap_weight = 1.0
+    obj.dapple.repulsion_weight = 1.0
     solves = counted_solves()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert solves() == FRAMES
@@ -446,7 +446,7 @@ def test_frames_of_a_deleted_scatter_go_with_it_when_the_file_is_saved(tmp_path)
     ]
 
 
-@pytest.mark.parametrize("name", ["seed", "count", "gap_weight"])
+@pytest.mark.parametrize("name", ["seed", "count", "repulsion_weight"])
 def test_bake_is_not_said_to_go_on_with_other_settings(tmp_path, name):
     obj = stopped(tmp_path / "first.blend")
     kept, before = going_on(obj), getattr(obj.dapple, name)
@@ -476,11 +476,11 @@ def test_bake_is_not_said_to_go_on_from_other_points_or_another_first_frame(tmp_
 def test_two_settings_that_were_stopped_are_not_in_the_way_of_each_other(tmp_path):
     obj = stopped(tmp_path / "first.blend")
     first = going_on(obj)
-    obj.dapple.gap_weight = 1.0
+    obj.dapple.repulsion_weight = 1.0
     stop_after(3)
     second = going_on(obj)
     assert (second >= 3, left_over(obj)) == (True, first)
-    obj.dapple.gap_weight = 3.0
+    obj.dapple.repulsion_weight = 3.0
     assert (going_on(obj), left_over(obj)) == (first, second)
 
 
@@ -496,7 +496,7 @@ def test_an_unfinished_bake_is_not_said_to_go_on_after_clear_bake(tmp_path):
 def test_a_stopped_bake_over_a_finished_one_is_said_to_go_on(tmp_path):
     obj = saved_scatter(tmp_path / "again.blend")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    obj.dapple.gap_weight = 1.0
+    obj.dapple.repulsion_weight = 1.0
     stop_after(3)
     kept = going_on(obj)
     assert kept >= 3

@@ -32,13 +32,13 @@ def test_a_fresh_bake_is_not_stale_on_any_frame(baked):
 
 
 def test_changed_settings_are_named_in_panel_and_modifier(baked):
-    before = baked.dapple.gap_weight, baked.dapple.seed
-    baked.dapple.gap_weight, baked.dapple.seed = 1.5, 4
+    before = baked.dapple.repulsion_weight, baked.dapple.seed
+    baked.dapple.repulsion_weight, baked.dapple.seed = 1.5, 4
     said = "Settings were changed (Seed, Separation): bake again"
     assert reason(baked) == said
     assert scenes.node_warnings(baked) == [said]
     assert len(scenes.positions(baked)) == 60  # told, and played all the same
-    baked.dapple.gap_weight, baked.dapple.seed = before
+    baked.dapple.repulsion_weight, baked.dapple.seed = before
     assert reason(baked) == ""
     assert scenes.node_warnings(baked) == []
 
@@ -134,4 +134,6 @@ def test_settings_that_cannot_be_read_are_all_changed(stored):
     assert ("seed" in changed) == ("seed" not in stored)
     text = stale.settings_text(settings)
     assert stale.changed_settings(text, settings) == []
-    assert stale.changed_settings(text, replace(settings, gap_weight=0.5)) == ["gap_weight"]
+    assert stale.changed_settings(text, replace(settings, repulsion_weight=0.5)) == [
+        "repulsion_weight"
+    ]

@@ -62,7 +62,7 @@ def test_an_image_is_followed_within_two_triangles():
     assert len(found) == 400
     assert found[:, 0].min() > -0.05
     assert np.ptp(found[:, 1]) > 1.8
-    assert obj.dapple.report.capacity_spread < 0.05
+    assert obj.dapple.report.capacity_variation < 0.05
 
 
 def test_an_image_lies_on_a_mirrored_surface_as_it_is_painted():
@@ -105,7 +105,7 @@ def test_an_image_is_kept_while_a_bake_goes_on():
         places = scenes.instance_matrices(obj)[:, :3, 3]
         assert places[:, 0].min() > -0.05
     assert np.ptp(places[:, 1]) > 2.6
-    assert obj.dapple.report.capacity_spread < 0.06
+    assert obj.dapple.report.capacity_variation < 0.06
 
 
 def test_points_lie_where_the_camera_looks():
@@ -141,7 +141,7 @@ def test_points_keep_off_closed_things_and_near_open_ones():
     assert away.min() > 0.4 + 0.1 - 1e-6
     assert flat.min() > 0.4 + 0.09
     assert away.min() < 0.65  # and no farther than they need to
-    assert obj.dapple.report.capacity_spread < 0.05
+    assert obj.dapple.report.capacity_variation < 0.05
 
 
 def test_points_keep_off_those_of_another_scatter():

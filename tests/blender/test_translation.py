@@ -156,7 +156,7 @@ def test_the_panel_is_german(german):
         assert text in shown
     assert "Aktuell" in shown
     assert any(text.startswith("120 Punkte, Flächenabweichung ") for text in shown)
-    obj.dapple.seed, obj.dapple.gap_weight = 3, 1.0
+    obj.dapple.seed, obj.dapple.repulsion_weight = 3, 1.0
     shown = "|".join(test_panels.drawn(translating(german)))
     reason = "Einstellungen wurden geändert (Startwert, Abstoßung): neu optimieren"
     assert f"Veraltet: {reason}" in shown.replace("|", " ")

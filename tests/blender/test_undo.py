@@ -107,9 +107,9 @@ def resized():
 
 def changed_after_saving():
     obj = scatter()
-    obj.dapple.gap_weight = 2.0
+    obj.dapple.repulsion_weight = 2.0
     assert bpy.ops.dapple.save_preset(name="Undone") == {"FINISHED"}
-    obj.dapple.gap_weight = 1.0
+    obj.dapple.repulsion_weight = 1.0
 
 
 def unequal():

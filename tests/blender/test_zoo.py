@@ -26,7 +26,7 @@ def test_split_edges_are_no_walls(angle):
     plain = scattered().dapple.report
     monkey("EDGE_SPLIT", split_angle=angle)
     split = scattered().dapple.report
-    assert split.capacity_spread <= 1.3 * plain.capacity_spread
+    assert split.capacity_variation <= 1.3 * plain.capacity_variation
     assert split.alpha_min >= plain.alpha_min - 0.03
     assert split.evaluations <= 1.2 * plain.evaluations
 
@@ -41,14 +41,14 @@ def test_split_edges_stay_even_in_a_bake():
         surface.keyframe_insert("scale", frame=frame)
     scatter = scattered()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    assert scatter.dapple.report.capacity_spread < 0.02
+    assert scatter.dapple.report.capacity_variation < 0.02
     assert scatter.dapple.report.alpha_min > 0.6
 
 
 def test_a_mirror_over_itself_is_like_two_sheets():
     monkey("MIRROR")
     report = scattered().dapple.report
-    assert report.capacity_spread < 0.1, "0.36 while steps hopped between the halves"
+    assert report.capacity_variation < 0.1, "0.36 while steps hopped between the halves"
 
 
 def test_whole_counts_on_separate_parts_are_said(addon):
@@ -63,6 +63,6 @@ def test_whole_counts_on_separate_parts_are_said(addon):
     bpy.context.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     scatter = scattered(120)
-    assert scatter.dapple.report.whole_count_spread > 0.1
+    assert scatter.dapple.report.whole_count_variation > 0.1
     lines = [text for text, _ in addon.blender.results.result_lines(scatter, bpy.context)]
     assert any("whole numbers" in line for line in lines)

@@ -118,7 +118,7 @@ CASES |= {
     "sample_euclidean_soup": sampled(exact.soup(), 300, cells="euclidean"),
     "sample_line_search": sampled(SPHERE, 400, method="line_search"),
     "sample_paper": sampled(TORUS, 300, **dapple.PAPER),
-    "sample_weights": sampled(BOX, 300, capacity_weight=80.0, gap_weight=0.0, tolerance=1e-4),
+    "sample_weights": sampled(BOX, 300, capacity_weight=80.0, repulsion_weight=0.0, tolerance=1e-4),
 }
 
 
@@ -189,7 +189,7 @@ CASES |= {
     "track_two_bodies": tracked(exact.two_bodies(), 250),
     "track_euclidean": tracked(TORUS, 250, cells="euclidean"),
     "track_line_search": tracked(TORUS, 250, method="line_search"),
-    "track_sticky": tracked(TORUS, 250, stickiness=2.0, memory=0.5),
+    "track_sticky": tracked(TORUS, 250, stickiness=2.0, pattern_strength=0.5),
 }
 
 

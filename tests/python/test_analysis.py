@@ -24,7 +24,7 @@ def white_runs(runs: int = 10, count: int = 400) -> list[np.ndarray]:
 
 def test_analyzes_as_reported(surface, samples):
     report = dapple.analyze(surface, samples)
-    for name in ("count", "spacing", "alpha_min", "alpha_mean", "capacity_spread", "bond_order"):
+    for name in ("count", "spacing", "alpha_min", "alpha_mean", "capacity_variation", "bond_order"):
         assert getattr(report, name) == pytest.approx(getattr(samples.report, name), rel=1e-6)
     assert report.to_dict()["bond_order"] == report.bond_order
     assert 0.3 < report.bond_order < 0.7

@@ -162,12 +162,12 @@ def test_turn_is_the_angle_between_normals():
 
 
 def test_misses_are_bold():
-    first = {"energy": 0.166, "bond_order": 0.58, "alpha_min": 0.7, "capacity_spread": 0.002}
+    first = {"energy": 0.166, "bond_order": 0.58, "alpha_min": 0.7, "capacity_variation": 0.002}
     run = Run("bend", "dapple", first)
     for name, value in {
         "energy": 0.1665,
         "alpha_min": 0.59,
-        "capacity_spread": 0.002,
+        "capacity_variation": 0.002,
         "bond_order": 0.62,
         "evaluations": 2,
         "parts": 1,

@@ -19,7 +19,7 @@ def test_connected_cells_fill_both_sheets_alike(sheets):
     samples = dapple.sample(sheets, 300)
     upper = int(np.sum(samples.positions[:, 2] > 0.0025))
     assert abs(upper - 150) <= 1
-    assert samples.report.capacity_spread < 0.01
+    assert samples.report.capacity_variation < 0.01
 
 
 @pytest.mark.parametrize("cells", ["connected", "euclidean"])
@@ -45,4 +45,4 @@ def test_a_bad_name_is_named(sheets):
 
 def test_the_papers_preset_is_plain(sheets):
     report = dapple.sample(sheets, 200, **dapple.PAPER).report
-    assert report.energies[-1] == pytest.approx(report.energy, abs=1e-12)  # no gap on top
+    assert report.energies[-1] == pytest.approx(report.energy, abs=1e-12)  # no repulsion on top

@@ -33,10 +33,10 @@ def test_torus_is_even_each_and_together() -> None:
     union: list[dapple.Quality] = [run.report for run in runs]
     assert mean(classes, "alpha_min") >= 0.62
     assert mean(classes, "alpha_mean") >= 0.76
-    assert mean(classes, "capacity_spread") <= 0.02
+    assert mean(classes, "capacity_variation") <= 0.02
     assert mean(union, "alpha_min") >= 0.54
     assert mean(union, "alpha_mean") >= 0.70
-    assert mean(union, "capacity_spread") <= 0.01
+    assert mean(union, "capacity_variation") <= 0.01
 
 
 def test_densities_of_classes(surface: dapple.Surface) -> None:
@@ -67,7 +67,7 @@ def test_things_keep_apart(surface: dapple.Surface) -> None:
 
 def test_paper_preset(surface: dapple.Surface) -> None:
     samples = dapple.sample_classes(surface, [50, 100], **dapple.PAPER, two_stages=True)
-    assert samples.report.capacity_spread < 0.1
+    assert samples.report.capacity_variation < 0.1
 
 
 def test_locked_samples_stay(surface: dapple.Surface) -> None:
@@ -80,7 +80,7 @@ def test_locked_samples_stay(surface: dapple.Surface) -> None:
 def test_tracker_keeps_classes(surface: dapple.Surface) -> None:
     classes = [dapple.SampleClass(50), dapple.SampleClass(100)]
     samples = dapple.sample_classes(surface, classes)
-    tracker = dapple.Tracker(surface, samples, classes=classes, gap_weight=5.0)
+    tracker = dapple.Tracker(surface, samples, classes=classes, repulsion_weight=5.0)
     moved = tracker.advance(surface.vertices * [1.0, 1.0, 1.2])
     assert np.array_equal(moved.classes, samples.classes)
     assert [quality.count for quality in moved.report.classes] == [50, 100]
@@ -121,7 +121,7 @@ def test_locked_samples_stay_in_their_class(surface):
     samples = dapple.sample_classes(surface, classes, seed=3)
     np.testing.assert_allclose(samples.positions[50:57], locked.positions, rtol=0, atol=1e-12)
     assert (samples.classes[50:] == 1).all()
-    assert samples.report.capacity_spread < 0.05
+    assert samples.report.capacity_variation < 0.05
 
 
 def test_refuses_bad_locked_samples(surface):

@@ -162,7 +162,7 @@ def test_reads_meshes(tmp_path, suffix):
 
 def test_passes_options_on(tmp_path, torus, surface):
     out = tmp_path / "points.npz"
-    chosen = {"seed": 5, "capacity_weight": 50.0, "gap_weight": 0.5, "tolerance": 1e-4}
+    chosen = {"seed": 5, "capacity_weight": 50.0, "repulsion_weight": 0.5, "tolerance": 1e-4}
     chosen |= {"max_evaluations": 20, "method": "line_search", "start": "random"}
     chosen |= {"cells": "euclidean", "threads": 1}
     flags = [word for k, v in chosen.items() for word in (f"--{k.replace('_', '-')}", v)]
@@ -252,7 +252,7 @@ def test_classes(tmp_path, archive):
     report = json.loads((tmp_path / "report.json").read_text())
     assert [entry["count"] for entry in report["report"]["classes"]] == [80, 30, 20]
     assert report["settings"]["classes"][1] == {"count": 30, "radius": 0.05, "density": None}
-    assert report["settings"]["gap_weight"] == 5.0
+    assert report["settings"]["repulsion_weight"] == 5.0
     assert "class 2: 20 points" in found.stdout
 
 

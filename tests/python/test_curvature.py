@@ -24,7 +24,7 @@ def test_makes_a_density(surface):
     steep = dapple.curvature_density(surface, exponent=3, floor=0, percentile=100, smoothing=1)
     np.testing.assert_allclose(steep, (values / values.max()) ** 3, rtol=1e-12)
     samples = dapple.sample(surface.with_density(steep), 200)
-    assert samples.report.capacity_spread < 0.02
+    assert samples.report.capacity_variation < 0.02
 
 
 def test_is_one_on_a_plane():

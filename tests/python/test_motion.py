@@ -44,7 +44,7 @@ def test_says_into_how_many_parts_a_frame_was_split(mesh, surface, samples):
 
 def test_stickiness_lessens_the_slide(mesh, surface, samples):
     slides = [
-        dapple.Tracker(surface, samples, stickiness=stickiness, memory=0)
+        dapple.Tracker(surface, samples, stickiness=stickiness, pattern_strength=0)
         .advance(bent(mesh[0], 0.5))
         .report.slide_mean
         for stickiness in (0, 50)
@@ -60,7 +60,7 @@ def test_a_window_has_samples_for_every_frame(mesh, surface, samples):
     for vertices, one in zip(frames, found[1:], strict=True):
         check_samples(surface.deformed(vertices), one)
         np.testing.assert_array_equal(one.ids, samples.ids)
-        assert one.report.capacity_spread < 0.05
+        assert one.report.capacity_variation < 0.05
 
 
 def test_a_window_is_cancelled(mesh, surface, samples):
@@ -86,13 +86,13 @@ def test_a_population_follows_the_area(mesh, surface, samples):
     assert np.all(samples.fade == 1)
 
 
-@pytest.mark.parametrize("name", ["memory", "stickiness", "longest_motion"])
+@pytest.mark.parametrize("name", ["pattern_strength", "stickiness", "longest_motion"])
 def test_names_an_option_below_zero(surface, samples, name):
     with pytest.raises(ValueError, match=name):
         dapple.Tracker(surface, samples, **{name: -1}).advance(surface.vertices)
 
 
-@pytest.mark.parametrize(("name", "value"), [("fade", 0), ("memory", 2)])
+@pytest.mark.parametrize(("name", "value"), [("fade", 0), ("pattern_strength", 2)])
 def test_a_population_names_an_option_out_of_range(surface, samples, name, value):
     with pytest.raises(ValueError, match=name):
         dapple.Population(surface, samples, **{name: value})

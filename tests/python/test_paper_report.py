@@ -99,7 +99,7 @@ def test_says_when_alpha_rises_against_the_paper():
         return study.trend(1.0, 0.0, curves)
 
     assert "We disagree" in said(0.85, 0.8)
-    assert "the gap" in said(0.75, 0.78)
+    assert "the repulsion" in said(0.75, 0.78)
     assert "stops earlier" in said(0.75, 0.7)
 
 

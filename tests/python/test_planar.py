@@ -78,7 +78,7 @@ def test_is_even_on_the_torus():
         report = samples.report
         print(report.to_dict())
         assert report.alpha_min == pytest.approx(gaps.min() / torus.spacing(1000), rel=1e-9)
-        assert report.capacity_spread < 0.01
+        assert report.capacity_variation < 0.01
         assert 0.16037 < report.energy < 0.179
         assert 0.35 < report.bond_order < 0.7
         assert samples.positions.min() >= 0

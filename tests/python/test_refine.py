@@ -103,7 +103,7 @@ def test_keeps_off_obstacles(surface, mesh):
     check_samples(surface, samples)
     gaps = np.linalg.norm(samples.positions[:, None] - points, axis=2) - radii
     assert gaps.min() >= 0
-    assert samples.report.capacity_spread < 0.01
+    assert samples.report.capacity_variation < 0.01
 
 
 def test_keeps_off_areas(surface):

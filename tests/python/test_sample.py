@@ -10,10 +10,10 @@ REPORT = {
     "spacing": float,
     "alpha_min": float,
     "alpha_mean": float,
-    "capacity_spread": float,
+    "capacity_variation": float,
     "bond_order": float,
     "energy": float,
-    "whole_count_spread": float,
+    "whole_count_variation": float,
     "evaluations": int,
     "iterations": int,
     "parts": int,
@@ -49,7 +49,7 @@ def test_reports(samples, surface):
     assert report.to_dict() == {name: getattr(report, name) for name in REPORT}
     assert report.spacing == pytest.approx(surface.spacing(300))
     assert len(report.energies) == report.iterations + 1
-    assert report.energy <= report.energies[-1]  # what is minimized has the gap on top
+    assert report.energy <= report.energies[-1]  # what is minimized has the repulsion on top
     assert np.all(np.diff(report.energies) <= 0)
     assert report.converged
     assert report.seconds > 0
@@ -69,7 +69,7 @@ def test_gives_the_same_bytes_for_any_threads_and_again(dense):
     assert not same_bytes(dapple.sample(dense, 400, seed=4), base)
 
 
-# Bands of alpha min, alpha mean, capacity spread and energy, around what the method gives on a
+# Bands of alpha min, alpha mean, capacity variation and energy, around what the method gives on a
 # torus at the paper's tolerance.
 BANDS = {
     "default": ({}, (0.50, 0.85), (0.80, 0.92), (0.0003, 0.008), (0.16037, 0.1715)),
@@ -90,7 +90,7 @@ def test_is_even(surface, way, seed):
     options, *bands = BANDS[way]
     report = dapple.sample(surface, 1000, seed=seed, **options).report
     print(way, report.to_dict())
-    found = (report.alpha_min, report.alpha_mean, report.capacity_spread, report.energy)
+    found = (report.alpha_min, report.alpha_mean, report.capacity_variation, report.energy)
     assert all(low < value < high for value, (low, high) in zip(found, bands, strict=True)), found
 
 
@@ -104,7 +104,7 @@ def test_reports_the_evenness_of_a_plane():
     assert samples.report.alpha_min == pytest.approx(alpha.min(), rel=1e-12)
     assert samples.report.alpha_mean == pytest.approx(alpha.mean(), rel=1e-12)
     capacities = dapple.energy(square, samples.positions, samples.faces).capacities
-    assert samples.report.capacity_spread == pytest.approx(capacities.std() * 200, rel=1e-9)
+    assert samples.report.capacity_variation == pytest.approx(capacities.std() * 200, rel=1e-9)
 
 
 def test_follows_the_density():
@@ -144,8 +144,8 @@ def test_does_not_depend_on_units(mesh, surface, scale, shift):
         ({"threads": -1}, "threads.*-1"),
         ({"start": "lattice"}, "start.*lattice"),
         ({"method": "newton"}, "method.*newton"),
-        ({"gap_weight": -1.0}, "gap_weight.*-1"),
-        ({"gap_weight": np.nan}, "gap_weight.*nan"),
+        ({"repulsion_weight": -1.0}, "repulsion_weight.*-1"),
+        ({"repulsion_weight": np.nan}, "repulsion_weight.*nan"),
     ],
 )
 def test_names_the_option_out_of_range(surface, options, match):

@@ -149,7 +149,7 @@ def test_gray_has_no_counts():
 
 def test_black_and_tiny_pictures():
     black = dapple.stipple(np.zeros((20, 30)), 200)
-    assert black.report.capacity_spread < 0.02
+    assert black.report.capacity_variation < 0.02
     assert len(dapple.stipple(np.zeros((1, 1)), 25)) == 25
     assert len(dapple.stipple(np.zeros((1, 1, 3)), 1)) == 1
 

@@ -49,7 +49,7 @@ def test_a_tracker_carries_samples_over_split_edges(whole):
     surface = dapple.Surface(vertices, faces)
     tracker = dapple.Tracker(surface, dapple.sample(surface, COUNT))
     report = tracker.advance(vertices * [1.0, 1.0, 1.2]).report
-    assert report.capacity_spread < 0.03
+    assert report.capacity_variation < 0.03
     assert report.alpha_min > 0.5
 
 

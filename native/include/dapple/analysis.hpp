@@ -9,8 +9,8 @@ namespace dapple {
 struct Evenness {
   double alpha_min =
       0.0;  ///< normalized Poisson-disk radius: nearest neighbor / local hexagonal spacing
-  double alpha_mean = 0.0;       ///< the same ratio, averaged over the sites
-  double capacity_spread = 0.0;  ///< standard deviation / mean of the capacities
+  double alpha_mean = 0.0;          ///< the same ratio, averaged over the sites
+  double capacity_variation = 0.0;  ///< standard deviation / mean of the capacities
 };
 
 /// Measure the evenness. The local spacing at a site is sqrt(2 a / sqrt(3)), where a is the area

@@ -13,9 +13,10 @@ struct CellBoundary {
   /// length of v in the plane of the face (paper, Theorem 2). It is the part of d|V_i|/dx_i due to
   /// j, and -d|V_j|/dx_i.
   Vec3 flux;
-  Vec3 offset;    ///< x_j - x_i; on the torus, of the image of j that touches
-  double length;  ///< integral of ds
-  double way;  ///< shortest from x_i through the boundary to x_j; |offset| where that is straight
+  Vec3 offset;         ///< x_j - x_i; on the torus, of the image of j that touches
+  double length;       ///< integral of ds
+  double path_length;  ///< shortest from x_i through the boundary to x_j; |offset| where that is
+                       ///< straight
 };
 
 /// The Voronoi diagram of sites, restricted to a surface: V_i is the part of the surface nearer to

@@ -13,13 +13,14 @@ struct SampleClass {
   /// With the density of the class: Surface::with_density of the surface that is sampled. None: its
   /// own density.
   std::optional<Surface> surface = {};
-  double radius = 0.0;  ///< of its things, >= 0: pairs are kept apart by the sum of their radii
+  double radius = 0.0;  ///< of its discs, >= 0: pairs are kept apart by the sum of their radii
   Sites locked = {};    ///< as SampleOptions::locked
 };
 
 struct ClassOptions {
-  // Classes and union pull at each other: it takes a stronger gap and more steps than one class.
-  SampleOptions sample = {.optimizer = {.gap_weight = 5.0, .tolerance = 1e-5}};
+  // Classes and union pull at each other: it takes a stronger repulsion and more steps than one
+  // class.
+  SampleOptions sample = {.optimizer = {.repulsion_weight = 5.0, .tolerance = 1e-5}};
   double union_weight = 1.0;  ///< mu >= 0: evenness of all together against that of each class
   bool two_stages = false;    ///< every class alone first, then all, as in the paper
 };

@@ -14,7 +14,8 @@ class Domain {
  public:
   virtual ~Domain() = default;
 
-  /// The cells of the sites, relative to each site; integrals as mass(). \throw Cancelled
+  /// The cells of the sites, relative to each site; integrals as mass().
+  /// \throw Cancelled
   [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites,
                                                 const Context* context) const = 0;
 
@@ -41,9 +42,9 @@ class Domain {
   [[nodiscard]] virtual double period() const { return 0.0; }
 
   /// A surface to draw points of the domain from; on the torus once around.
-  [[nodiscard]] virtual const Surface& drawn_on() const = 0;
+  [[nodiscard]] virtual const Surface& sampling_surface() const = 0;
   /// Sites of the domain as sites of that surface.
-  [[nodiscard]] virtual Sites to_drawn(const Sites& sites) const { return sites; }
+  [[nodiscard]] virtual Sites to_sampling_surface(const Sites& sites) const { return sites; }
 
   /// Distance between neighbors if n points were packed hexagonally.
   [[nodiscard]] double spacing(std::size_t count) const;
@@ -78,7 +79,7 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] const Surface& drawn_on() const override { return surface_; }
+  [[nodiscard]] const Surface& sampling_surface() const override { return surface_; }
   void check(const Sites& sites) const override;
 
  private:

@@ -22,12 +22,12 @@ struct OptimizerResult {
 /// each step (paper, Algorithm 2) and Armijo backtracking. What is minimized never rises from one
 /// iteration to the next.
 ///
-/// The trust region: H0 = 2 delta diag(m) + 2 lambda J^T J + the gap's part; while the longest step
-/// is too long, delta grows and the linear system is solved again, which costs no evaluation. On
-/// thin and concave parts the Gauss-Newton step wants to carry sites far along the surface;
-/// shortening the sites one by one instead would break it. \param start with barycentric
-/// coordinates; without them it is projected first \throw ArgumentError for options out of range;
-/// Cancelled
+/// The trust region: H0 = 2 delta diag(m) + 2 lambda J^T J + the repulsion's part; while the
+/// longest step is too long, delta grows and the linear system is solved again, which costs no
+/// evaluation. On thin and concave parts the Gauss-Newton step wants to carry sites far along the
+/// surface; shortening the sites one by one instead would break it.
+/// \param start with barycentric coordinates; without them it is projected first
+/// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] OptimizerResult optimize(const Domain& domain, const Sites& start,
                                        const OptimizerOptions& options, Context* context = nullptr);
 

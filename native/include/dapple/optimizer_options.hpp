@@ -17,27 +17,30 @@ enum class Method {
 ///
 /// Every step toward the minimum of E_cvt lowers it for good, and a long animation would turn blue
 /// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimized is
-/// s E_cvt + lambda E_cap and the gap, where s follows how far E_cvt is above that of the first
-/// frame: 0 while it is within a dead band.
+/// s E_cvt + lambda E_cap and the repulsion, where s follows how far E_cvt is above that of the
+/// first frame: 0 while it is within a dead band.
 struct Restoration {
   double cvt = std::numeric_limits<double>::infinity();  ///< n E_cvt / |S|_phi^2 of the first frame
   double dead_band = 7e-4;                               ///< above it, where s is 0
   double band = 1e-3;                                    ///< above that, where s rises to `share`
-  double share = 0.3;         ///< the largest s, and the least delta of the trust region
-  double spread = 4.5e-3;     ///< capacity spread (standard deviation / mean) that is even enough
-  double first_spread = 0.0;  ///< of the first frame: no frame has to be more even
-  double alpha = 0.63;        ///< least distance along the surface, in local spacings
+  double share = 0.3;  ///< the largest s, and the least delta of the trust region
+  double variation =
+      4.5e-3;  ///< capacity variation (standard deviation / mean) that is even enough
+  double first_variation = 0.0;  ///< of the first frame: no frame has to be more even
+  double alpha = 0.63;           ///< least distance along the surface, in local spacings
 };
 
 struct OptimizerOptions {
   Method method = Method::kTrustRegion;
   double capacity_weight = 30.0;  ///< lambda >= 0
-  double gap_weight = 3.0;   ///< kappa >= 0: keeps neighbors apart; 0 is the paper's plain energy
-  double gap_radius = 0.72;  ///< distance below which the gap acts, in local spacings
-  double tolerance = 5e-5;   ///< stop when the energy's relative decrease is not above it ...
+  double repulsion_weight =
+      3.0;  ///< kappa >= 0: keeps neighbors apart; 0 is the paper's plain energy
+  double repulsion_radius =
+      0.72;                 ///< distance below which sites repel each other, in local spacings
+  double tolerance = 5e-5;  ///< stop when the energy's relative decrease is not above it ...
   int patience = 2;  ///< ... this many times in a row: one small step alone is no convergence
   int max_evaluations = 200;  ///< of the energy; at least 1
-  int memory = 7;             ///< L-BFGS pairs
+  int history = 7;            ///< L-BFGS pairs
   double max_step = 0.5;      ///< longest move of a site in one step, in local spacings
   double max_slide =
       std::numeric_limits<double>::infinity();  ///< farthest from the start, in local spacings

@@ -29,7 +29,8 @@ class FlatDomain : public Domain {
   /// Its density; null if it is 1.
   [[nodiscard]] const Image* density() const { return density_.get(); }
 
-  /// Where an optimization begins. \throw Cancelled
+  /// Where an optimization begins.
+  /// \throw Cancelled
   [[nodiscard]] Sites start(Start kind, std::size_t count, std::uint64_t seed,
                             Context* context) const;
 
@@ -45,7 +46,8 @@ class FlatDomain : public Domain {
 /// that make up the domain.
 class PlanarDomain final : public FlatDomain {
  public:
-  /// [0, width] x [0, height]. \throw ArgumentError unless both are finite and > 0
+  /// [0, width] x [0, height].
+  /// \throw ArgumentError unless both are finite and > 0
   [[nodiscard]] static PlanarDomain rectangle(double width, double height);
 
   /// The same with a density: the image's values at the centers of its pixels, linear on triangles
@@ -76,7 +78,7 @@ class PlanarDomain final : public FlatDomain {
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
   [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
-  [[nodiscard]] const Surface& drawn_on() const override { return surface_; }
+  [[nodiscard]] const Surface& sampling_surface() const override { return surface_; }
 
  private:
   /// \param size width and height of a rectangle; 0 for a polygon
@@ -121,8 +123,8 @@ class TorusDomain final : public FlatDomain {
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
   [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
-  [[nodiscard]] const Surface& drawn_on() const override { return period_; }
-  [[nodiscard]] Sites to_drawn(const Sites& sites) const override;
+  [[nodiscard]] const Surface& sampling_surface() const override { return period_; }
+  [[nodiscard]] Sites to_sampling_surface(const Sites& sites) const override;
 
  private:
   [[nodiscard]] std::int32_t face_at(const Vec2& wrapped) const;

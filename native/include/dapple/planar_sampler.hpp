@@ -24,7 +24,7 @@ struct PlanarSamples {
 struct PlanarClass {
   std::size_t count = 0;
   std::optional<Image> density = {};  ///< of the class; none: the domain's own
-  double radius = 0.0;                ///< of its things, as SampleClass::radius
+  double radius = 0.0;                ///< of its discs, as SampleClass::radius
   Sites locked = {};                  ///< as SampleOptions::locked; from FlatDomain::sites()
 };
 

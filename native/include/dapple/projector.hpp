@@ -30,7 +30,8 @@ class Projector {
 
   /// \param points finite positions
   /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed
-  /// depends on it \throw ArgumentError naming the first point that is not finite
+  /// depends on it
+  /// \throw ArgumentError naming the first point that is not finite
   [[nodiscard]] Projection project(std::span<const Vec3> points,
                                    std::span<const std::int32_t> hints = {}) const;
 

@@ -23,7 +23,7 @@ struct SampleOptions {
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// The paper's own way: white noise, plain L-BFGS, no gap, Euclidean cells.
+/// The paper's own way: white noise, plain L-BFGS, no repulsion, Euclidean cells.
 [[nodiscard]] SampleOptions paper_options();
 
 }  // namespace dapple

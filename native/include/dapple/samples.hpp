@@ -13,15 +13,15 @@ struct Quality {
   Evenness evenness;
   double bond_order = 0.0;  ///< psi6, see bond_order(); cells at borders are left out
   double energy = 0.0;      ///< normalized, see Energy::normalized
-  /// What of the capacity spread comes of each component having a whole number of samples: no
+  /// What of the capacity variation comes of each component having a whole number of samples: no
   /// optimization can lower it. 0 on one component.
-  double whole_count_spread = 0.0;
+  double whole_count_variation = 0.0;
 };
 
 /// What was done to get the samples, and how good they are: all together, and each class.
 struct Report : Quality {
   std::vector<Quality> classes;  ///< empty if there is one class only
-  /// Of things with radii: 1 - distance / sum of the radii of the pair that overlaps most, 0 if
+  /// Of discs: 1 - distance / sum of the radii of the pair that overlaps most, 0 if
   /// none does, and the indices of the pair.
   double worst_overlap = 0.0;
   std::array<std::int32_t, 2> overlapping = {-1, -1};
@@ -53,9 +53,8 @@ struct Samples {
 
 /// Samples from stored bindings. Empty ids count up from 0, empty classes are 0.
 /// \throw ArgumentError naming the first face out of range, barycentric coordinate that is not
-/// finite or below 0, row
-///        that does not sum to 1 (within 1e-4: they may have been stored in single precision; they
-///        are normalized)
+/// finite or below 0, row that does not sum to 1 (within 1e-4: they may have been stored in single
+/// precision; they are normalized)
 [[nodiscard]] Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces,
                                    std::span<const Vec3> barycentric,
                                    std::span<const std::int32_t> ids = {},

@@ -76,7 +76,8 @@ struct SurfaceSpectrum {
 /// \param runs samples of the same surface
 /// \throw ArgumentError naming the first run with fewer than two samples, the first face that is
 /// not of the surface, an option out of range, or that no sample is farther than the radius from
-/// the border \throw Cancelled
+/// the border
+/// \throw Cancelled
 [[nodiscard]] SurfaceSpectrum surface_spectrum(const Surface& surface,
                                                std::span<const Samples* const> runs,
                                                const SurfaceSpectrumOptions& options = {},

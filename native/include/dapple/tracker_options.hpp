@@ -17,8 +17,9 @@ struct TrackerOptions {
   /// a whole, scaling and mirroring; a frame on which it moves farther is split into parts. 0:
   /// never.
   double longest_motion = 0.02;
-  double memory = 0.8;  ///< 0..1: how strongly samples return to the first frame's pattern
-  int threads = 0;      ///< 0: as many as the machine has; the result does not depend on it
+  double pattern_strength =
+      0.8;          ///< 0..1: how strongly samples return to the first frame's pattern
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
 }  // namespace dapple

@@ -68,11 +68,11 @@ from .stippling import Dots, stipple
 PAPER: Final[dict[str, Any]] = {
     "start": "random",
     "method": "line_search",
-    "gap_weight": 0.0,
+    "repulsion_weight": 0.0,
     "cells": "euclidean",
     "tolerance": 1e-5,
 }
-"""Options of sample() for the paper's own way: white noise, plain L-BFGS, no gap.
+"""Options of sample() for the paper's own way: white noise, plain L-BFGS, no repulsion.
 
 Chen et al. 2012, Algorithm 2.
 """

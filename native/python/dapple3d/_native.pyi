@@ -86,13 +86,13 @@ class Quality:
     @property
     def alpha_mean(self) -> float: ...
     @property
-    def capacity_spread(self) -> float: ...
+    def capacity_variation(self) -> float: ...
     @property
     def bond_order(self) -> float: ...
     @property
     def energy(self) -> float: ...
     @property
-    def whole_count_spread(self) -> float: ...
+    def whole_count_variation(self) -> float: ...
 
 class Report(Quality):
     @property
@@ -321,7 +321,7 @@ class Tracker:
         samples: Samples,
         *,
         capacity_weight: float = 30.0,
-        gap_weight: float = 3.0,
+        repulsion_weight: float = 3.0,
         tolerance: float = 5e-5,
         max_evaluations: int = 6,
         max_slide: float = 0.45,
@@ -330,7 +330,7 @@ class Tracker:
         classes: Sequence[SampleClass | int] | None = None,
         union_weight: float = 1.0,
         stickiness: float = 0.0,
-        memory: float = 0.8,
+        pattern_strength: float = 0.8,
         longest_motion: float = 0.02,
         threads: int = 0,
         context: Context | None = None,
@@ -352,14 +352,14 @@ class Population:
         *,
         fade: int = 12,
         capacity_weight: float = 30.0,
-        gap_weight: float = 3.0,
+        repulsion_weight: float = 3.0,
         tolerance: float = 5e-5,
         max_evaluations: int = 6,
         max_slide: float = 0.45,
         method: Literal["trust_region", "line_search"] = "trust_region",
         cells: Literal["connected", "euclidean"] = "connected",
         stickiness: float = 0.0,
-        memory: float = 0.8,
+        pattern_strength: float = 0.8,
         longest_motion: float = 0.02,
         threads: int = 0,
         context: Context | None = None,
@@ -378,14 +378,14 @@ def track_window(
     closed: bool = False,
     sweeps: int = 2,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 5e-5,
     max_evaluations: int = 6,
     max_slide: float = 0.45,
     method: Literal["trust_region", "line_search"] = "trust_region",
     cells: Literal["connected", "euclidean"] = "connected",
     stickiness: float = 1.0,
-    memory: float = 0.8,
+    pattern_strength: float = 0.8,
     longest_motion: float = 0.02,
     threads: int = 0,
     context: Context | None = None,
@@ -396,7 +396,7 @@ def sample(
     *,
     seed: int = 0,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 5e-5,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
@@ -413,7 +413,7 @@ def resample(
     *,
     seed: int = 0,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 5e-5,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
@@ -538,7 +538,7 @@ def sample_planar(
     *,
     seed: int = 0,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 5e-5,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
@@ -562,7 +562,7 @@ def sample_classes(
     union_weight: float = 1.0,
     two_stages: bool = False,
     capacity_weight: float = 30.0,
-    gap_weight: float = 5.0,
+    repulsion_weight: float = 5.0,
     tolerance: float = 1e-5,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
@@ -579,7 +579,7 @@ def sample_planar_classes(
     union_weight: float = 1.0,
     two_stages: bool = False,
     capacity_weight: float = 30.0,
-    gap_weight: float = 5.0,
+    repulsion_weight: float = 5.0,
     tolerance: float = 1e-5,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
@@ -611,7 +611,7 @@ def stipple_inks(
     seed: int = 0,
     union_weight: float = 1.0,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 2e-4,
     max_evaluations: int = 200,
     threads: int = 0,

@@ -96,7 +96,7 @@ def stipple(
     seed: int = 0,
     union_weight: float = 1.0,
     capacity_weight: float = 30.0,
-    gap_weight: float = 3.0,
+    repulsion_weight: float = 3.0,
     tolerance: float = 2e-4,
     max_evaluations: int = 200,
     threads: int = 0,
@@ -119,7 +119,8 @@ def stipple(
             leaves no gap where all is black.
         seed: the same input and seed give the same bytes, whatever the number of threads.
         union_weight: evenness of all dots together against that of each ink.
-        capacity_weight, gap_weight, tolerance, max_evaluations, threads, context: as for sample().
+        capacity_weight, repulsion_weight, tolerance, max_evaluations, threads, context: as for
+            sample().
 
     Raises:
         ValueError: an option out of range, the first value outside [0, 1], or a white picture.
@@ -139,7 +140,7 @@ def stipple(
         seed=seed,
         union_weight=union_weight,
         capacity_weight=capacity_weight,
-        gap_weight=gap_weight,
+        repulsion_weight=repulsion_weight,
         tolerance=tolerance,
         max_evaluations=max_evaluations,
         threads=threads,

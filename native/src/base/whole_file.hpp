@@ -11,7 +11,8 @@ namespace dapple {
 /// \throw FileError naming the file and why it could not be written
 void write_whole(const std::filesystem::path& path, const std::string& content);
 
-/// All bytes of a file. \throw FileError naming the file
+/// All bytes of a file.
+/// \throw FileError naming the file
 [[nodiscard]] std::string read_whole(const std::filesystem::path& path);
 
 }  // namespace dapple

@@ -17,7 +17,8 @@ class PieceFinder {
     std::int32_t face;
     Vec3 weights;
   };
-  /// \param parent the face of `refined.original`. \param weights the point's in it
+  /// \param parent the face of `refined.original`.
+  /// \param weights the point's in it
   [[nodiscard]] Found find(std::int32_t parent, const Vec3& weights) const;
 
  private:

@@ -14,8 +14,8 @@ constexpr double kSolverTolerance =
     1e-2;  // of the residual: the step is shortened and corrected anyway
 constexpr std::size_t kGrain = 1024;
 
-void add_pairs(const Gap& gap, const Vectors& v, Vectors& result) {
-  for (const ClosePair& pair : gap.pairs) {
+void add_pairs(const Repulsion& repulsion, const Vectors& v, Vectors& result) {
+  for (const ClosePair& pair : repulsion.pairs) {
     const auto i = static_cast<std::size_t>(pair.i);
     const auto j = static_cast<std::size_t>(pair.j);
     const Vec3 force = pair.stiffness * pair.direction.dot(v[i] - v[j]) * pair.direction;
@@ -24,8 +24,8 @@ void add_pairs(const Gap& gap, const Vectors& v, Vectors& result) {
   }
 }
 
-void add_pair_blocks(const Gap& gap, std::vector<Eigen::Matrix3d>& blocks) {
-  for (const ClosePair& pair : gap.pairs) {
+void add_pair_blocks(const Repulsion& repulsion, std::vector<Eigen::Matrix3d>& blocks) {
+  for (const ClosePair& pair : repulsion.pairs) {
     const Eigen::Matrix3d block = pair.stiffness * pair.direction * pair.direction.transpose();
     blocks[static_cast<std::size_t>(pair.i)] += block;
     blocks[static_cast<std::size_t>(pair.j)] += block;
@@ -93,7 +93,7 @@ Vectors GaussNewtonPart::product(const Vectors& v, double delta) const {
                   2.0 * capacity_weight_ * sum;
     }
   });
-  add_pairs(part_.gap, v, result);
+  add_pairs(part_.repulsion, v, result);
   return result;
 }
 
@@ -114,7 +114,7 @@ void GaussNewtonPart::add_blocks(double delta, std::vector<Eigen::Matrix3d>& blo
     mine[i] = 2.0 * capacity_weight_ * block;
     mine[i].diagonal().array() += 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_);
   }
-  add_pair_blocks(part_.gap, mine);
+  add_pair_blocks(part_.repulsion, mine);
   for (std::size_t i = 0; i < mine.size(); ++i) blocks[site(i)] += scale_ * mine[i];
 }
 
@@ -130,7 +130,7 @@ GaussNewton::GaussNewton(const Objective& objective, const State& state, int ste
 Vectors GaussNewton::apply(const Vectors& v, double delta) const {
   Vectors result(v.size(), Vec3::Zero());
   for (const GaussNewtonPart& part : parts_) part.add_product(v, delta, result);
-  add_pairs(state_.things, v, result);
+  add_pairs(state_.discs, v, result);
   for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
     result[k] += 2.0 * objective_.stickiness[k] * v[k];
   objective_.restrict(result, state_.normals);
@@ -141,7 +141,7 @@ Vectors GaussNewton::apply(const Vectors& v, double delta) const {
 std::vector<Eigen::Matrix3d> GaussNewton::preconditioner(double delta) const {
   std::vector<Eigen::Matrix3d> blocks(state_.sites.size(), Eigen::Matrix3d::Zero());
   for (const GaussNewtonPart& part : parts_) part.add_blocks(delta, blocks);
-  add_pair_blocks(state_.things, blocks);
+  add_pair_blocks(state_.discs, blocks);
   for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
     blocks[k].diagonal().array() += 2.0 * objective_.stickiness[k];
   for (std::size_t i = 0; i < blocks.size(); ++i) {

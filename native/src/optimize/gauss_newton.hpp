@@ -5,12 +5,13 @@
 
 namespace dapple {
 
-/// One term's part of the model Hessian: scale (2 delta diag(m) + 2 lambda J^T J + the gap's part).
-/// J is the Jacobian of the capacities: J_ii = sum_j a_ij, J_ji = -a_ij, with a_ij the boundary
-/// fluxes.
+/// One term's part of the model Hessian: scale (2 delta diag(m) + 2 lambda J^T J + the repulsion's
+/// part). J is the Jacobian of the capacities: J_ii = sum_j a_ij, J_ji = -a_ij, with a_ij the
+/// boundary fluxes.
 class GaussNewtonPart {
  public:
-  /// The arguments must outlive the part. \param members as in Term
+  /// The arguments must outlive the part.
+  /// \param members as in Term
   GaussNewtonPart(const Part& part, const std::vector<std::int32_t>& members,
                   double capacity_weight, double scale);
 

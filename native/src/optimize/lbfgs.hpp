@@ -9,9 +9,9 @@
 namespace dapple {
 
 /// The last few steps and the changes of the gradient along them (Nocedal 1980).
-class LbfgsMemory {
+class LbfgsHistory {
  public:
-  explicit LbfgsMemory(int size) : size_(static_cast<std::size_t>(size)) {}
+  explicit LbfgsHistory(int size) : size_(static_cast<std::size_t>(size)) {}
 
   void forget() { pairs_.clear(); }
   [[nodiscard]] bool empty() const { return pairs_.empty(); }

@@ -43,7 +43,7 @@ constexpr int kSolves = 6;  // before the stored pairs are blamed for a step tha
 constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
 constexpr int kExactSteps = 60;  // ... but the long waves that a deformation makes take more
 // Restoration: what is this close to the aim is left alone.
-constexpr double kBegin = 0.7;     // of the spread that is even enough
+constexpr double kBegin = 0.7;     // of the variation that is even enough
 constexpr double kAsFirst = 1.1;   // of the first frame's
 constexpr double kIdle = 1e-3;     // weight of E_cvt
 constexpr int kGapPasses = 3;      // over the pairs that a step brings too near
@@ -114,7 +114,7 @@ class Minimizer {
       : objective_(objective),
         options_(options),
         context_(context),
-        memory_(options.memory),
+        history_(options.history),
         radii_(objective.terms.size()),
         forecast_(options, options.restore && options.method == Method::kTrustRegion) {
     if (options.restore && options.method == Method::kTrustRegion) aim_ = &*options.restore;
@@ -164,11 +164,13 @@ class Minimizer {
 
   /// Even enough to stop; a frame as even as the first is not even begun.
   [[nodiscard]] bool restored() const {
-    const double spread = capacity_spread(objective_, state_);
-    if (options_.gap_weight > 0.0 && measure_evenness(state_.diagram()).alpha_min < aim_->alpha)
+    const double variation = capacity_variation(objective_, state_);
+    if (options_.repulsion_weight > 0.0 &&
+        measure_evenness(state_.diagram()).alpha_min < aim_->alpha)
       return false;
-    if (result_.iterations > 0) return spread <= std::max(aim_->spread, aim_->first_spread);
-    return spread <= std::max(kBegin * aim_->spread, kAsFirst * aim_->first_spread) &&
+    if (result_.iterations > 0)
+      return variation <= std::max(aim_->variation, aim_->first_variation);
+    return variation <= std::max(kBegin * aim_->variation, kAsFirst * aim_->first_variation) &&
            objective_.cvt_weight < kIdle;
   }
 
@@ -203,17 +205,18 @@ class Minimizer {
     return state;
   }
 
-  /// The gaps' radii follow the local spacing. They stay fixed within an iteration, so that the
-  /// gradient is exact, and between iterations they only shrink, so that the gap never rises.
+  /// The radii of the repulsion follow the local spacing. They stay fixed within an iteration, so
+  /// that the gradient is exact, and between iterations they only shrink, so that the repulsion
+  /// never rises.
   void freeze_radii() {
     bool changed = false;
     for (std::size_t t = 0; t < radii_.size(); ++t) {
       const Term& term = objective_.terms[t];
-      if (term.gap_weight == 0.0 || (term.domain->uniform() && !radii_[t].empty())) continue;
+      if (term.repulsion_weight == 0.0 || (term.domain->uniform() && !radii_[t].empty())) continue;
       radii_[t].resize(state_.parts[t].energy.gradient.size(),
                        std::numeric_limits<double>::infinity());
       for (std::size_t k = 0; k < radii_[t].size(); ++k)
-        radii_[t][k] = std::min(radii_[t][k], term.gap_radius * local_spacing(t, k));
+        radii_[t][k] = std::min(radii_[t][k], term.repulsion_radius * local_spacing(t, k));
       changed = true;
     }
     if (changed) set_radii(objective_, state_, radii_);
@@ -244,7 +247,7 @@ class Minimizer {
     if (next)
       accept(std::move(*next));
     else
-      memory_.forget();
+      history_.forget();
   }
 
   void judge(double decrease, bool found) {
@@ -255,8 +258,8 @@ class Minimizer {
   }
 
   void accept(State next) {
-    memory_.remember(difference(next.sites.positions, state_.sites.positions),
-                     difference(next.gradient, state_.gradient));
+    history_.remember(difference(next.sites.positions, state_.sites.positions),
+                      difference(next.gradient, state_.gradient));
     settle_at(std::move(next));
   }
 
@@ -281,7 +284,7 @@ class Minimizer {
     }
     State next = evaluate(project_within_reach(std::move(moved.positions), moved.faces));
     if (!(next.total < state_.total)) return;
-    memory_.forget();
+    history_.forget();
     small_decreases_ = failures_ = 0;
     missed_ = 0.0;
     settle_at(std::move(next));
@@ -294,21 +297,21 @@ class Minimizer {
     const double first_delta = delta_;
     for (int solves = 1;; ++solves) {
       const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
-      Vectors direction = memory_.direction(state_.gradient, onto_surface(), solve);
+      Vectors direction = history_.direction(state_.gradient, onto_surface(), solve);
       const double excess = longest(direction);
       const bool descends = dot(direction, state_.gradient) < 0.0;
       if ((excess <= 1.0 && descends) || delta_ > kDeltaMost)
-        return keep_gaps(std::move(direction));
+        return keep_apart(std::move(direction));
       delta_ *= excess > kFarOff ? kDeltaFarOff : kDeltaTooLong;
-      if ((descends && solves < kSolves) || memory_.empty()) continue;
-      memory_.forget();
+      if ((descends && solves < kSolves) || history_.empty()) continue;
+      history_.forget();
       delta_ = first_delta;
     }
   }
 
-  // Not where many moves would be shortened: in white noise, or where the gaps of classes and of
-  // all together contradict each other, that costs more than it gives.
-  [[nodiscard]] Vectors keep_gaps(Vectors direction) const {
+  // Not where many moves would be shortened: in white noise, or where the repulsions of classes and
+  // of all together contradict each other, that costs more than it gives.
+  [[nodiscard]] Vectors keep_apart(Vectors direction) const {
     if (radii_.size() > 1) return direction;
     Vectors full = direction;
     for (int pass = 0; pass < kGapPasses; ++pass) {
@@ -333,7 +336,7 @@ class Minimizer {
   Vectors line_search_step() {
     Vectors direction = plain_direction();
     if (dot(direction, state_.gradient) >= 0.0) {
-      memory_.forget();
+      history_.forget();
       direction = plain_direction();
     }
     for (std::size_t k = 0; k < direction.size(); ++k) {
@@ -344,8 +347,8 @@ class Minimizer {
   }
 
   [[nodiscard]] Vectors plain_direction() const {
-    const double scale = memory_.empty() ? first_scale() : memory_.scale();
-    return memory_.direction(state_.gradient, onto_surface(), [&](Vectors v) {
+    const double scale = history_.empty() ? first_scale() : history_.scale();
+    return history_.direction(state_.gradient, onto_surface(), [&](Vectors v) {
       for (Vec3& x : v) x *= scale;
       return v;
     });
@@ -492,8 +495,8 @@ class Minimizer {
   const Restoration* aim_ = nullptr;  // null unless restoring
   State state_;
   Sites home_;
-  LbfgsMemory memory_;
-  std::vector<std::vector<double>> radii_;  // of the gap, per term and site; empty without it
+  LbfgsHistory history_;
+  std::vector<std::vector<double>> radii_;  // of the repulsion, per term and site; empty without it
   double delta_ = 1.0;
   double least_delta_ = 1.0;
   double decrease_ = 0.0;    // of the last step, relative
@@ -508,12 +511,12 @@ class Minimizer {
 
 void check(const OptimizerOptions& options) {
   check_at_least("capacity_weight", options.capacity_weight, 0.0);
-  check_at_least("gap_weight", options.gap_weight, 0.0);
-  check_at_least("gap_radius", options.gap_radius, 0.0);
+  check_at_least("repulsion_weight", options.repulsion_weight, 0.0);
+  check_at_least("repulsion_radius", options.repulsion_radius, 0.0);
   check_at_least("tolerance", options.tolerance, 0.0);
   check_at_least("patience", options.patience, 1);
   check_at_least("max_evaluations", options.max_evaluations, 1);
-  check_at_least("memory", options.memory, 0);
+  check_at_least("history", options.history, 0);
   check_at_least("max_step", options.max_step, 0.0);
   check_at_least("stickiness", options.stickiness, 0.0);
   if (!(options.max_slide >= 0.0))

@@ -21,7 +21,7 @@ struct Minimum {
 /// About how many evaluations an optimization takes that begins at a Poisson-disk start.
 [[nodiscard]] double expected_evaluations(const OptimizerOptions& options);
 
-/// See optimize(); gaps are the terms' own.
+/// See optimize(); repulsions are the terms' own.
 /// \param home where sites are held by max_slide and stickiness; none: at the start
 /// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] Minimum minimize(const Objective& objective, const Sites& start,

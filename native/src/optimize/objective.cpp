@@ -8,20 +8,20 @@ namespace dapple {
 namespace {
 
 /// kappa (|S|_phi / n)^2
-double gap_weight(const Term& term, std::size_t count) {
+double repulsion_weight(const Term& term, std::size_t count) {
   const double share = term.domain->mass() / static_cast<double>(std::max<std::size_t>(count, 1));
-  return term.gap_weight * share * share;
+  return term.repulsion_weight * share * share;
 }
 
 void add(const Objective& objective, std::size_t term, const Part& part, State& state) {
   const std::vector<std::int32_t>& members = objective.terms[term].members;
   const double scale = objective.scale(term, part.energy.gradient.size());
   const double relief = 1.0 - objective.cvt_weight;
-  state.total += scale * (part.energy.total - relief * part.energy.cvt + part.gap.energy);
+  state.total += scale * (part.energy.total - relief * part.energy.cvt + part.repulsion.energy);
   for (std::size_t k = 0; k < part.energy.gradient.size(); ++k)
     state.gradient[members.empty() ? k : static_cast<std::size_t>(members[k])] +=
         scale * (part.energy.gradient[k] + 2.0 * relief * part.energy.diagram.cells[k].first +
-                 part.gap.gradient[k]);
+                 part.repulsion.gradient[k]);
 }
 
 void add_stickiness(const Objective& objective, State& state) {
@@ -33,10 +33,10 @@ void add_stickiness(const Objective& objective, State& state) {
 }
 
 void add_up(const Objective& objective, State& state) {
-  state.total = state.things.energy;
+  state.total = state.discs.energy;
   state.gradient.assign(state.sites.size(), Vec3::Zero());
   for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
-  if (!state.things.pairs.empty()) add_scaled(state.gradient, 1.0, state.things.gradient);
+  if (!state.discs.pairs.empty()) add_scaled(state.gradient, 1.0, state.discs.gradient);
   add_stickiness(objective, state);
   objective.restrict(state.gradient, state.normals);
 }
@@ -112,9 +112,9 @@ State evaluate(const Objective& objective, Sites sites,
         objective.capacity_weight, context);
     state.parts.push_back(std::move(part));
   }
-  if (!objective.things.empty())
-    state.things = evaluate_things(state.sites, state.normals, objective.things,
-                                   objective.domain().period(), objective.things_weight);
+  if (!objective.discs.empty())
+    state.discs = evaluate_disc_repulsion(state.sites, state.normals, objective.discs,
+                                          objective.domain().period(), objective.discs_weight);
   set_radii(objective, state, radii);
   return state;
 }
@@ -123,16 +123,17 @@ void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     Part& part = state.parts[t];
-    part.gap = evaluate_gap(part.energy.diagram, radii[t],
-                            gap_weight(objective.terms[t], part.energy.gradient.size()));
+    part.repulsion =
+        evaluate_repulsion(part.energy.diagram, radii[t],
+                           repulsion_weight(objective.terms[t], part.energy.gradient.size()));
   }
   add_up(objective, state);
 }
 
 std::vector<double> energy_shares(const Objective& objective, const State& state) {
   std::vector<double> shares(state.sites.size(), 0.0);
-  const auto add_pairs = [&](const Gap& gap, const auto& site, double scale) {
-    for (const ClosePair& pair : gap.pairs)
+  const auto add_pairs = [&](const Repulsion& repulsion, const auto& site, double scale) {
+    for (const ClosePair& pair : repulsion.pairs)
       for (const std::int32_t end : {pair.i, pair.j})
         shares[site(end)] += 0.5 * scale * pair.energy;
   };
@@ -150,9 +151,9 @@ std::vector<double> energy_shares(const Objective& objective, const State& state
           scale *
           (objective.cvt_weight * cells[k].second + objective.capacity_weight * excess * excess);
     }
-    add_pairs(state.parts[t].gap, site, scale);
+    add_pairs(state.parts[t].repulsion, site, scale);
   }
-  add_pairs(state.things, [](std::int32_t k) { return static_cast<std::size_t>(k); }, 1.0);
+  add_pairs(state.discs, [](std::int32_t k) { return static_cast<std::size_t>(k); }, 1.0);
   for (std::size_t k = 0; k < objective.anchors.size(); ++k)
     shares[k] +=
         objective.stickiness[k] * (state.sites.positions[k] - objective.anchors[k]).squaredNorm();
@@ -173,7 +174,7 @@ double normalized_cvt(const Objective& objective, const State& state) {
   return sum / objective.total_weight();
 }
 
-double capacity_spread(const Objective& objective, const State& state) {
+double capacity_variation(const Objective& objective, const State& state) {
   const double rest = normalized_energy(objective, state) - normalized_cvt(objective, state);
   return objective.capacity_weight > 0.0
              ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)

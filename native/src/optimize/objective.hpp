@@ -3,7 +3,7 @@
 
 #include <dapple/energy.hpp>
 
-#include "optimize/gap.hpp"
+#include "optimize/repulsion.hpp"
 
 namespace dapple {
 
@@ -12,12 +12,12 @@ struct Term {
   const Domain* domain;                    ///< with the density of the set
   std::vector<std::int32_t> members = {};  ///< of all sites; empty: every site
   double weight = 1.0;                     ///< of its normalized energy in the sum
-  double gap_radius = 0.0;                 ///< distance below which its gap acts, in local spacings
-  double gap_weight = 0.0;                 ///< kappa
+  double repulsion_radius = 0.0;  ///< distance below which its repulsion acts, in local spacings
+  double repulsion_weight = 0.0;  ///< kappa
 };
 
-/// What is minimized: sum over the terms of weight * n / |S|_phi^2 * (E + E_gap), each over its own
-/// sites and density, and the gap between things.
+/// What is minimized: sum over the terms of weight * n / |S|_phi^2 * (E + E_rep), each over its own
+/// sites and density, and the repulsion between discs.
 struct Objective {
   double capacity_weight = 0.0;  ///< lambda
   double cvt_weight = 1.0;       ///< s, of E_cvt; see Restoration
@@ -25,8 +25,8 @@ struct Objective {
   std::vector<const Domain*> homes =
       {};  ///< per class: where its sites may be; empty: the first term's
   std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
-  std::vector<double> things = {};         ///< radius of each site's thing; empty if none has one
-  double things_weight = 0.0;
+  std::vector<double> discs = {};          ///< radius of each site's disc; empty if none has one
+  double discs_weight = 0.0;
   Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
   std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
   std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
@@ -55,7 +55,7 @@ void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chose
 /// One term at given sites.
 struct Part {
   Energy energy;
-  Gap gap;
+  Repulsion repulsion;
 };
 
 /// Where the sites are and what is known there.
@@ -63,14 +63,14 @@ struct State {
   Sites sites;
   Vectors normals;
   std::vector<Part> parts;
-  Gap things;
+  Repulsion discs;
   Vectors gradient;    ///< of the total, restricted
-  double total = 0.0;  ///< sum of the weights times (e + lambda), and the gaps
+  double total = 0.0;  ///< sum of the weights times (e + lambda), and the repulsion
 
   [[nodiscard]] const RestrictedVoronoi& diagram() const { return parts[0].energy.diagram; }
 };
 
-/// \param radii of the gaps, per term
+/// \param radii of the repulsion, per term
 [[nodiscard]] State evaluate(const Objective& objective, Sites sites,
                              const std::vector<std::vector<double>>& radii, const Context* context);
 
@@ -88,7 +88,7 @@ void set_radii(const Objective& objective, State& state,
 [[nodiscard]] double normalized_cvt(const Objective& objective, const State& state);
 
 /// Standard deviation / mean of the capacities: the rest is lambda times its square.
-[[nodiscard]] double capacity_spread(const Objective& objective, const State& state);
+[[nodiscard]] double capacity_variation(const Objective& objective, const State& state);
 
 /// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
 void stick(Objective& objective, State& state, Vectors anchors, double gamma);

@@ -9,10 +9,10 @@ namespace dapple {
 OptimizerResult optimize(const Domain& domain, const Sites& start, const OptimizerOptions& options,
                          Context* context) {
   check_finite("barycentric", start.barycentric);
-  const Objective objective{
-      .capacity_weight = options.capacity_weight,
-      .terms = {
-          {.domain = &domain, .gap_radius = options.gap_radius, .gap_weight = options.gap_weight}}};
+  const Objective objective{.capacity_weight = options.capacity_weight,
+                            .terms = {{.domain = &domain,
+                                       .repulsion_radius = options.repulsion_radius,
+                                       .repulsion_weight = options.repulsion_weight}}};
   Minimum found = minimize(objective, start, options, context);
   return {.sites = std::move(found.state.sites),
           .energy = std::move(found.state.parts[0].energy),

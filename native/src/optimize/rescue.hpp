@@ -10,7 +10,8 @@ namespace dapple {
 ///
 /// Each goes halfway from the site with the largest cell nearby (that of its nearest neighbor with
 /// a cell, or one beside it) to that one's farthest neighbor, or into the open where there is
-/// none. Two never go to the same place. \return indices of the sites and their new, not yet
+/// none. Two never go to the same place.
+/// \return indices of the sites and their new, not yet
 /// projected positions and hints; empty if every site has a cell
 struct Rescue {
   std::vector<std::int32_t> sites;

@@ -56,7 +56,8 @@ class Decals {
   }
 
  private:
-  /// Whether a point lies on decal k, and where. \param distance from its middle, in its radius
+  /// Whether a point lies on decal k, and where.
+  /// \param distance from its middle, in its radius
   [[nodiscard]] bool reaches(std::size_t k, const Vec3& point, double distance, Vec2& place) const {
     const Vec3& normal = samples_.normals[k];
     const Vec3 way = (point - samples_.positions[k]) / radii_[k];

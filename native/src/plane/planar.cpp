@@ -115,7 +115,7 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed, Context* context) const {
   check_count("count", count);
-  const ClassStarts starts{{{&drawn_on(), count}}, &drawn_on(), period(), seed};
+  const ClassStarts starts{{{&sampling_surface(), count}}, &sampling_surface(), period(), seed};
   return project(
       (kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context)).positions,
       {});
@@ -288,7 +288,7 @@ std::unique_ptr<FlatDomain> TorusDomain::with_density(const Image& density) cons
   return std::make_unique<TorusDomain>(density);
 }
 
-Sites TorusDomain::to_drawn(const Sites& sites) const {
+Sites TorusDomain::to_sampling_surface(const Sites& sites) const {
   std::vector<Vec3> points;
   for (const Vec3& x : sites.positions) {
     const Vec2 p = canonical(x);

@@ -26,7 +26,9 @@ class RasterDomain final : public Domain {
   [[nodiscard]] bool uniform() const override { return false; }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] const Surface& drawn_on() const override { return frame_; }  ///< of density 1
+  [[nodiscard]] const Surface& sampling_surface() const override {
+    return frame_;
+  }  ///< of density 1
   void check(const Sites& sites) const override;
 
  private:

@@ -12,9 +12,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kUnionGap = 5.0 / 6.0;  // of the gap's radius, between sites of any class
-constexpr double kThings = 20.0;         // weight of overlapping things in the first round ...
-constexpr double kHarder = 10.0;         // ... and by how much it grows
+constexpr double kUnionRadius = 5.0 / 6.0;  // of the repulsion radius, between sites of any class
+constexpr double kDiscs = 20.0;             // weight of overlapping discs in the first round ...
+constexpr double kHarder = 10.0;            // ... and by how much it grows
 constexpr int kRounds = 4;
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
 constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
@@ -148,51 +148,50 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
   objective.capacity_weight = optimizer.capacity_weight;
   objective.locked = std::move(locked);
   objective.terms.push_back({.domain = problem.all.get(),
-                             .gap_radius = optimizer.gap_radius,
-                             .gap_weight = optimizer.gap_weight});
+                             .repulsion_radius = optimizer.repulsion_radius,
+                             .repulsion_weight = optimizer.repulsion_weight});
   for (const ClassProblem::Member& member : problem.classes)
     objective.homes.push_back(member.domain.get());
   if (any_radius(problem)) {
     for (const std::int32_t c : classes)
-      objective.things.push_back(problem.classes[static_cast<std::size_t>(c)].radius);
-    objective.things_weight =
-        kThings / static_cast<double>(std::max<std::size_t>(classes.size(), 1));
+      objective.discs.push_back(problem.classes[static_cast<std::size_t>(c)].radius);
+    objective.discs_weight = kDiscs / static_cast<double>(std::max<std::size_t>(classes.size(), 1));
   }
   for (std::size_t c = 0; c < problem.classes.size(); ++c) {
     std::vector<std::int32_t> members = members_of(classes, c);
     if (members.empty() || members.size() == classes.size()) continue;
     objective.terms.push_back({.domain = problem.classes[c].domain.get(),
                                .members = std::move(members),
-                               .gap_radius = optimizer.gap_radius,
-                               .gap_weight = optimizer.gap_weight});
+                               .repulsion_radius = optimizer.repulsion_radius,
+                               .repulsion_weight = optimizer.repulsion_weight});
   }
   if (objective.terms.size() > 1) {
     objective.terms[0].weight =
         options.union_weight * static_cast<double>(objective.terms.size() - 1);
-    objective.terms[0].gap_radius *= kUnionGap;
+    objective.terms[0].repulsion_radius *= kUnionRadius;
   }
   objective.classes = std::move(classes);
   return objective;
 }
 
 Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context) {
-  ClassStarts starts{{}, &problem.all->drawn_on(), problem.all->period(), seed};
+  ClassStarts starts{{}, &problem.all->sampling_surface(), problem.all->period(), seed};
   for (const ClassProblem::Member& member : problem.classes)
-    starts.classes.push_back({&member.domain->drawn_on(), member.count, member.radius,
-                              member.domain->to_drawn(member.locked)});
+    starts.classes.push_back({&member.domain->sampling_surface(), member.count, member.radius,
+                              member.domain->to_sampling_surface(member.locked)});
   Sites sites = kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context);
   return starts.period > 0.0 ? problem.all->project(sites.positions, {}) : sites;
 }
 
 ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
                    Context* context) {
-  double done = objective.things.empty() ? 1.0 : kRound;
+  double done = objective.discs.empty() ? 1.0 : kRound;
   Stretch first(context, 0.0, done);
   Minimum found = minimize(objective, start, options, first.context());
-  for (int round = 1; round < kRounds && !objective.things.empty(); ++round) {
-    const ClosePair* worst = worst_pair(found.state.things);
-    if (!worst || worst->lack <= kOverlap) break;
-    objective.things_weight *= kHarder;
+  for (int round = 1; round < kRounds && !objective.discs.empty(); ++round) {
+    const ClosePair* worst = worst_pair(found.state.discs);
+    if (!worst || worst->overlap <= kOverlap) break;
+    objective.discs_weight *= kHarder;
     const double before = std::exchange(done, done + kRound * (1.0 - done));
     Stretch harder(context, before, done);
     Minimum next = minimize(objective, found.state.sites, options, harder.context());

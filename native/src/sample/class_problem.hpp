@@ -42,7 +42,7 @@ struct ClassMinimum {
   Minimum minimum;
 };
 
-/// Minimize from the start; where things still overlap, ever harder against that.
+/// Minimize from the start; where discs still overlap, ever harder against that.
 [[nodiscard]] ClassMinimum solve(Objective objective, const Sites& start,
                                  const OptimizerOptions& options, Context* context);
 

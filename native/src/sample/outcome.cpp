@@ -26,7 +26,7 @@ std::int32_t term_of(const Objective& objective, std::size_t c) {
 }
 
 /// Each component's samples share its mass at best.
-double whole_count_spread(const Surface& surface, const Sites& sites) {
+double whole_count_variation(const Surface& surface, const Sites& sites) {
   if (surface.ordered().components() < 2 || sites.size() == 0) return 0.0;
   const auto components = static_cast<std::size_t>(surface.ordered().components());
   std::vector<double> masses(components, 0.0), counts(components, 0.0);
@@ -69,7 +69,8 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
       .evenness = measure_evenness(energy.diagram),
       .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
       .energy = energy.normalized,
-      .whole_count_spread = whole_count_spread(domain.drawn_on(), domain.to_drawn(sites))};
+      .whole_count_variation =
+          whole_count_variation(domain.sampling_surface(), domain.to_sampling_surface(sites))};
 }
 
 Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,
@@ -80,8 +81,8 @@ Report to_report(const Objective& objective, const Minimum& found, std::size_t c
       measure(objective.domain(), state.parts[0].energy, state.sites, normals);
   for (std::size_t c = 0; c < class_count && class_count > 1; ++c)
     report.classes.push_back(measure_class(objective, found, c, normals));
-  if (const ClosePair* worst = worst_pair(state.things)) {
-    report.worst_overlap = worst->lack;
+  if (const ClosePair* worst = worst_pair(state.discs)) {
+    report.worst_overlap = worst->overlap;
     report.overlapping = {worst->i, worst->j};
   }
   report.evaluations = found.evaluations;

@@ -8,7 +8,8 @@
 
 namespace dapple {
 
-/// How even sites are by the energy over their cells. \param normals of the surface, per site
+/// How even sites are by the energy over their cells.
+/// \param normals of the surface, per site
 [[nodiscard]] Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
                               std::span<const Vec3> normals);
 

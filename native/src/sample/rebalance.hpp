@@ -20,7 +20,8 @@ struct Rebalanced {
 /// made up, and an optimization moves no site far. Those with the smallest cells are taken out, far
 /// from each other; new ones come into the widest gaps of the largest cells. A neighborhood that
 /// has its number to within a sample is left alone.
-/// \param sites with barycentric coordinates; at least one \param count at least one
+/// \param sites with barycentric coordinates; at least one
+/// \param count at least one
 /// \throw Cancelled
 [[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
                                    std::size_t count, std::uint64_t seed, Context* context);

@@ -9,7 +9,7 @@ SampleOptions paper_options() {
   options.start = Start::kRandom;
   options.cells = Cells::kEuclidean;
   options.optimizer.method = Method::kLineSearch;
-  options.optimizer.gap_weight = 0.0;
+  options.optimizer.repulsion_weight = 0.0;
   options.optimizer.tolerance = 1e-5;
   return options;
 }

@@ -5,7 +5,8 @@
 
 namespace dapple {
 
-/// The classes as a problem over a surface. \param steps see SurfaceDomain
+/// The classes as a problem over a surface.
+/// \param steps see SurfaceDomain
 /// \throw ArgumentError naming the first class whose surface is not of the same faces; if there is
 /// no class
 [[nodiscard]] ClassProblem surface_classes(const Surface& surface,

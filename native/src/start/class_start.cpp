@@ -20,7 +20,7 @@ constexpr double kShrink = 0.96;
 constexpr std::size_t kPatience = 4;  // darts per wanted sample at one radius
 constexpr double kFillingTime = 4.0;  // filled to x takes as long as x to this power
 constexpr double kUnion = 0.85;       // distance to any class, in the spacing of all
-constexpr double kSizesYield = 0.4;   // fraction below which the things' own radii shrink too
+constexpr double kSizesYield = 0.4;   // fraction below which the discs' own radii shrink too
 
 /// Where `count` points have the density n phi / mass, their hexagonal spacing is
 /// sqrt(2 mass / (sqrt(3) n phi)): this at phi = 1.
@@ -43,7 +43,7 @@ struct ClassDarts {
         darts(darts_at(*wanted.surface, wanted.locked)),
         board(*wanted.surface, wanted.count, darts),
         near(period),
-        things(std::max(2.0 * wanted.radius, 1e-300), period),
+        discs(std::max(2.0 * wanted.radius, 1e-300), period),
         spacing(spacing_at_1(*wanted.surface, wanted.count)) {}
 
   [[nodiscard]] bool full() const { return darts.size() >= start->count; }
@@ -54,8 +54,8 @@ struct ClassDarts {
   const ClassStart* start;
   std::vector<Dart> darts;
   DartBoard board;
-  DartSet near;     // of its own class
-  DartGrid things;  // its darts as things of its radius
+  DartSet near;    // of its own class
+  DartGrid discs;  // its darts as discs of its radius
   double spacing;
 };
 
@@ -162,17 +162,17 @@ class Throwing {
     if (!(dart.density > 0.0)) return;  // a locked site outside the density
     members.near.insert(dart, own_radius(members, dart, fraction));
     if (many()) any_.insert(dart, union_radius(dart, fraction));
-    if (members.start->radius > 0.0) members.things.insert(dart, members.start->radius);
+    if (members.start->radius > 0.0) members.discs.insert(dart, members.start->radius);
   }
 
-  // Only things at least as large are there, so a grid's cell, twice its radius, is wide enough.
+  // Only discs at least as large are there, so a grid's cell, twice its radius, is wide enough.
   [[nodiscard]] bool overlaps(const ClassDarts& members, const Dart& dart, double yield) const {
     const auto reach = [&](const Dart& other, double radius) {
       return dart.faces(other) ? yield * (radius + members.start->radius) : 0.0;
     };
     return std::any_of(classes_.begin(), classes_.end(), [&](const ClassDarts& others) {
       return others.start->radius > 0.0 && others.start->radius >= members.start->radius &&
-             others.things.refuses(dart, reach);
+             others.discs.refuses(dart, reach);
     });
   }
 

@@ -10,7 +10,7 @@ namespace dapple {
 struct ClassStart {
   const Surface* surface;  ///< with the density of the class
   std::size_t count;       ///< locked sites included
-  double radius = 0.0;     ///< of its things; sites of two classes keep apart by the sum
+  double radius = 0.0;     ///< of its discs; sites of two classes keep apart by the sum
   Sites locked = {};       ///< sites that are there already
 };
 
@@ -27,9 +27,10 @@ struct ClassStarts {
 
 /// The same by dart throwing. A dart is refused within r of one of its class and within 0.85 r' of
 /// any, r and r' following the densities of the class and of all as phi^(-1/2); within the sum of
-/// their radii from another thing. Larger things go first; of equal ones the dart is for the class
+/// their radii from another disc. Larger discs go first; of equal ones the dart is for the class
 /// that is least filled. r and r' shrink each time that too many darts are refused, in the end the
-/// things' radii too, until all fit. \throw Cancelled
+/// discs' radii too, until all fit.
+/// \throw Cancelled
 [[nodiscard]] Sites poisson_start(const ClassStarts& starts, Context* context);
 
 }  // namespace dapple

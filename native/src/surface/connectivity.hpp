@@ -25,13 +25,16 @@ struct Connectivity {
 
 /// Connect faces over edges of the same vertices and, where `weld` asks for it, over border edges
 /// at the same place (see SurfaceOptions::weld).
-/// \pre the faces' vertices are there. \throw Cancelled
+/// \pre the faces' vertices are there.
+/// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::optional<double> weld, Context* context = nullptr);
 
 /// Connect faces over the edges that the caller knows to be one (see Joints).
-/// \param edges per face three. \param places per vertex
-/// \pre the faces' vertices are there, and the lengths fit. \throw Cancelled
+/// \param edges per face three.
+/// \param places per vertex
+/// \pre the faces' vertices are there, and the lengths fit.
+/// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::span<const std::int32_t> edges,
                                    std::span<const std::int32_t> places,

@@ -9,7 +9,8 @@
 namespace dapple {
 
 // Each reads the bytes of one format, whatever they are: a number or an index is looked at before
-// it is used, a count before memory is asked for. \throw ReadError
+// it is used, a count before memory is asked for.
+// \throw ReadError
 
 /// OFF in text, also with colors, normals or texture coordinates, which are left out.
 [[nodiscard]] MeshArrays read_off(std::string_view bytes);

@@ -7,7 +7,8 @@
 
 namespace dapple {
 
-// The bytes of a file, in each of the formats. \pre the faces' vertices are there
+// The bytes of a file, in each of the formats.
+// \pre the faces' vertices are there
 
 /// Text with the fewest digits that give the same numbers back.
 [[nodiscard]] std::string to_off(std::span<const Vec3> vertices, std::span<const Face> faces);

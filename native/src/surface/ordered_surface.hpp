@@ -28,7 +28,8 @@ class OrderedSurface {
                  Context* context = nullptr);
 
   /// The same with moved vertices, or another density (both in the caller's order).
-  /// \pre as many as before. \throw SurfaceError as the constructor
+  /// \pre as many as before.
+  /// \throw SurfaceError as the constructor
   [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices,
                                         Context* context = nullptr) const;
   [[nodiscard]] OrderedSurface with_density(const Density& density,

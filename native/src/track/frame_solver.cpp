@@ -73,8 +73,9 @@ Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
 void check(const TrackerOptions& options) {
   check_at_least("union_weight", options.union_weight, 0.0);
   check_at_least("longest_motion", options.longest_motion, 0.0);
-  if (!(options.memory >= 0.0 && options.memory <= 1.0))
-    throw ArgumentError("memory is " + number(options.memory) + ": it must be in 0..1");
+  if (!(options.pattern_strength >= 0.0 && options.pattern_strength <= 1.0))
+    throw ArgumentError("pattern_strength is " + number(options.pattern_strength) +
+                        ": it must be in 0..1");
 }
 
 }  // namespace
@@ -99,11 +100,11 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
       first_(sites_of(samples)) {
   check(options);
   const Frame frame(surface, classes_, class_of_, options_);
-  const std::vector<std::vector<double>> no_gaps(frame.objective.terms.size());
-  const State state = evaluate(frame.objective, first_, no_gaps, context);
+  const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
+  const State state = evaluate(frame.objective, first_, no_repulsion, context);
   target_energy_ = normalized_energy(frame.objective, state);
   restoration_.cvt = normalized_cvt(frame.objective, state);
-  restoration_.first_spread = capacity_spread(frame.objective, state);
+  restoration_.first_variation = capacity_variation(frame.objective, state);
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
   memory_ = PatternMemory(state.diagram());
 }
@@ -113,7 +114,7 @@ Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const S
   const Vectors first_normals = face_normals(surface, first);
   const Vectors normals = face_normals(surface, now);
   return memory_.recall({first.positions, first_normals}, before.positions,
-                        {now.positions, normals}, options_.memory);
+                        {now.positions, normals}, options_.pattern_strength);
 }
 
 OptimizerOptions FrameSolver::aims() const {

@@ -17,12 +17,12 @@ namespace {
 
 // Along the surface: straight through a fold or a thin rim all is near.
 double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
-  double way = std::numeric_limits<double>::infinity();
-  for (const CellBoundary& side : diagram.boundary(i)) way = std::min(way, side.way);
-  return way;
+  double path = std::numeric_limits<double>::infinity();
+  for (const CellBoundary& side : diagram.boundary(i)) path = std::min(path, side.path_length);
+  return path;
 }
 
-double spread(const RestrictedVoronoi& diagram, double mean) {
+double variation(const RestrictedVoronoi& diagram, double mean) {
   double sum = 0.0;
   for (const Moments& cell : diagram.cells) sum += (cell.capacity - mean) * (cell.capacity - mean);
   return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
@@ -109,7 +109,7 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   double capacity = 0.0;
   for (const Moments& cell : diagram.cells) capacity += cell.capacity;
   capacity /= static_cast<double>(diagram.cells.size());
-  result.capacity_spread = spread(diagram, capacity);
+  result.capacity_variation = variation(diagram, capacity);
   double sum = 0.0;
   std::size_t counted = 0;
   result.alpha_min = std::numeric_limits<double>::infinity();

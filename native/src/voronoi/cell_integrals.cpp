@@ -54,11 +54,12 @@ void CellIntegrals::flush_boundary(const OrderedSites& sites, std::vector<CellBo
       return side.neighbor == j && side.offset == bisector.normal;
     });
     if (known == out.end()) {
-      out.push_back({j, boundary_[k].flux, bisector.normal, boundary_[k].length, boundary_[k].way});
+      out.push_back(
+          {j, boundary_[k].flux, bisector.normal, boundary_[k].length, boundary_[k].path_length});
     } else {
       known->flux += boundary_[k].flux;
       known->length += boundary_[k].length;
-      known->way = std::min(known->way, boundary_[k].way);
+      known->path_length = std::min(known->path_length, boundary_[k].path_length);
     }
   }
   boundary_.clear();
@@ -101,7 +102,7 @@ void CellIntegrals::add_boundary(const FaceGeometry& geometry) {
     const Vec3 middle = 0.5 * (p + q);
     CellBoundary& sum = boundary_with(corners[k].edge);
     sum.length += length;
-    sum.way = std::min(sum.way, 2.0 * distance_to_segment(p, q));
+    sum.path_length = std::min(sum.path_length, 2.0 * distance_to_segment(p, q));
     sum.flux += length / (6.0 * in_plane) *
                 (density(p) * p + 4.0 * density(middle) * middle + density(q) * q);
   }

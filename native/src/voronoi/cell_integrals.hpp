@@ -11,7 +11,8 @@ namespace dapple {
 /// Sums the integrals over one cell: its moments, and the fluxes through its boundary.
 class CellIntegrals {
  public:
-  /// The arguments must outlive the integrals. \param flood clips the faces that are added
+  /// The arguments must outlive the integrals.
+  /// \param flood clips the faces that are added
   CellIntegrals(const Surface& surface, CellFlood& flood) : surface_(&surface), flood_(&flood) {}
 
   /// Begin a cell.

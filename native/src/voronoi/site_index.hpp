@@ -29,7 +29,8 @@ struct OrderedSites {
 /// Knows which sites are near: from a tree, or from a graph of the sites whose cells touch.
 class SiteIndex {
  public:
-  /// The arguments must outlive the index. \param graph of the caller's sites, or null
+  /// The arguments must outlive the index.
+  /// \param graph of the caller's sites, or null
   SiteIndex(const OrderedSites& sites, const SiteGraph* graph);
 
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }

@@ -98,7 +98,7 @@ TEST(CutSurface, ARoomOfLargeFacesIsSampledEvenly) {
   const Surface surface = room().surface();
   const Samples samples = sample(surface, 2000);
   check(surface, samples);
-  EXPECT_LE(samples.report.evenness.capacity_spread, 0.02);
+  EXPECT_LE(samples.report.evenness.capacity_variation, 0.02);
   EXPECT_GE(samples.report.evenness.alpha_min, 0.5);
 }
 

@@ -168,7 +168,7 @@ TEST(RefineImage, KeepsOffABlackHalf) {
   const Samples samples = to_original(refined, sample(refined.surface, 500));
   // The last black pixel's center lies half a pixel before the middle; a face reaches one farther.
   for (const Vec3& p : samples.positions) EXPECT_GE(p.x(), 0.5 - 1.5 / 64);
-  EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
+  EXPECT_LE(samples.report.evenness.capacity_variation, 0.01);
   check_on_surface(refined.original, sites_of(samples), samples.barycentric);
 }
 

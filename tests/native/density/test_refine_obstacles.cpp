@@ -74,7 +74,7 @@ TEST(RefineObstacles, StayEvenOutside) {
   const Refined refined = refine_obstacles(shape.surface(), balls.obstacles());
   const Samples samples = sample(refined.surface, 1000);
   for (const Vec3& p : samples.positions) ASSERT_GE(balls.clearance(p), 0.0);
-  EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
+  EXPECT_LE(samples.report.evenness.capacity_variation, 0.01);
   EXPECT_GE(samples.report.evenness.alpha_min, 0.4);
 }
 

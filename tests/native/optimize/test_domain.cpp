@@ -75,7 +75,7 @@ TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
   const auto upper = std::count_if(samples.positions.begin(), samples.positions.end(),
                                    [](const Vec3& p) { return p.z() > 0.0025; });
   EXPECT_NEAR(static_cast<double>(upper), 150.0, 1.5);
-  EXPECT_LT(samples.report.evenness.capacity_spread, 0.01);
+  EXPECT_LT(samples.report.evenness.capacity_variation, 0.01);
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
 }
 
@@ -83,15 +83,16 @@ TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
 TEST(ConnectedCells, AreEvenOnThinWalls) {
   struct Limit {
     const char* name;
-    double spread;
+    double variation;
     int evaluations;
   };
-  for (const auto& [name, spread, evaluations] : {Limit{"lilium", 0.03, 12}, {"crank", 0.05, 34}}) {
+  for (const auto& [name, variation, evaluations] :
+       {Limit{"lilium", 0.03, 12}, {"crank", 0.05, 34}}) {
     DAPPLE_NEEDS_MESH(name);
     const Report report = sample(shared_mesh(name).surface(), 2000).report;
-    std::cout << name << ": capacity spread " << report.evenness.capacity_spread << ", "
+    std::cout << name << ": capacity variation " << report.evenness.capacity_variation << ", "
               << report.evaluations << " evaluations\n";
-    EXPECT_LT(report.evenness.capacity_spread, spread) << name;
+    EXPECT_LT(report.evenness.capacity_variation, variation) << name;
     EXPECT_LE(report.evaluations, evaluations) << name;
   }
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr int kEnough = 1000;  // steps of conjugate gradients: the tolerance ends them before
 constexpr double kDelta = 1.5;
 
-/// Two classes on a bumpy body, with gaps; some sites locked.
+/// Two classes on a bumpy body, with repulsion; some sites locked.
 struct Fixture {
   Fixture() {
     surface = blob(3).surface();
@@ -68,7 +68,7 @@ Eigen::MatrixXd dense(const Objective& objective, const State& state) {
       result.diagonal()
           .segment<3>(static_cast<Eigen::Index>(3 * site_of(term, static_cast<std::int32_t>(i))))
           .array() += 2.0 * kDelta * scale * part.energy.diagram.cells[i].mass;
-    for (const ClosePair& pair : part.gap.pairs) {
+    for (const ClosePair& pair : part.repulsion.pairs) {
       Eigen::VectorXd row = Eigen::VectorXd::Zero(size);
       row.segment<3>(static_cast<Eigen::Index>(3 * site_of(term, pair.i))) = pair.direction;
       row.segment<3>(static_cast<Eigen::Index>(3 * site_of(term, pair.j))) = -pair.direction;
@@ -93,7 +93,7 @@ Vectors stacked(const Eigen::VectorXd& v) {
 
 TEST(GaussNewton, SolvesItsDefinition) {
   const Fixture f;
-  ASSERT_FALSE(f.state.parts[0].gap.pairs.empty());
+  ASSERT_FALSE(f.state.parts[0].repulsion.pairs.empty());
   const Vectors x = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
   Vectors found = stacked(dense(f.objective, f.state) * flat(x));
   f.objective.restrict(found, f.state.normals);

@@ -53,8 +53,8 @@ TEST(Objective, HasOneTermForAllAndOneForEachClass) {
 TEST(Objective, GradientIsThatOfTheTotal) {
   const Fixture f;
   const State state = evaluate(f.objective, f.start, f.radii, nullptr);
-  ASSERT_FALSE(state.things.pairs.empty());
-  ASSERT_FALSE(state.parts[0].gap.pairs.empty());
+  ASSERT_FALSE(state.discs.pairs.empty());
+  ASSERT_FALSE(state.parts[0].repulsion.pairs.empty());
   double largest = 0.0;
   for (const Vec3& g : state.gradient) largest = std::max(largest, g.norm());
   constexpr double kStep = 1e-7;
@@ -128,26 +128,27 @@ TEST(Objective, LockedSitesHaveNoGradient) {
 TEST(Things, OfDifferentSizePushEachOtherApart) {
   const Sites sites{{{0, 0, 0}, {0.9, 0, 0}, {5, 0, 0}}, {0, 0, 0}, {}};
   const Vectors normals(3, Vec3::UnitZ());
-  const Gap gap = evaluate_things(sites, normals, {0.7, 0.3, 0.1}, 0.0, 2.0);
-  ASSERT_EQ(gap.pairs.size(), 1u);
-  EXPECT_NEAR(gap.energy, 2.0 * 0.01, 1e-12);
-  EXPECT_NEAR(worst_pair(gap)->lack, 0.1, 1e-12);
-  EXPECT_LT(gap.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
+  const Repulsion repulsion = evaluate_disc_repulsion(sites, normals, {0.7, 0.3, 0.1}, 0.0, 2.0);
+  ASSERT_EQ(repulsion.pairs.size(), 1u);
+  EXPECT_NEAR(repulsion.energy, 2.0 * 0.01, 1e-12);
+  EXPECT_NEAR(worst_pair(repulsion)->overlap, 0.1, 1e-12);
+  EXPECT_LT(repulsion.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
 }
 
 TEST(Things, OnTheTwoSidesOfAWallDoNotMeet) {
   const Sites sites{{{0, 0, 0}, {0, 0, 0.1}}, {0, 0}, {}};
-  EXPECT_TRUE(
-      evaluate_things(sites, {Vec3::UnitZ(), -Vec3::UnitZ()}, {1.0, 1.0}, 0.0, 1.0).pairs.empty());
+  EXPECT_TRUE(evaluate_disc_repulsion(sites, {Vec3::UnitZ(), -Vec3::UnitZ()}, {1.0, 1.0}, 0.0, 1.0)
+                  .pairs.empty());
 }
 
 TEST(Things, MeetAcrossTheSeamOfTheTorus) {
   const Sites sites{{{0.02, 0.5, 0}, {2.97, 0.5, 0}}, {0, 0}, {}};
   const Vectors normals(2, Vec3::UnitZ());
-  const Gap gap = evaluate_things(sites, normals, {0.05, 0.05}, 1.0, 1.0);
-  ASSERT_EQ(gap.pairs.size(), 1u);
-  EXPECT_NEAR(gap.pairs[0].lack, 0.5, 1e-9);
-  EXPECT_NEAR(gap.pairs[0].direction.x() * (gap.pairs[0].i == 0 ? 1.0 : -1.0), 1.0, 1e-9);
+  const Repulsion repulsion = evaluate_disc_repulsion(sites, normals, {0.05, 0.05}, 1.0, 1.0);
+  ASSERT_EQ(repulsion.pairs.size(), 1u);
+  EXPECT_NEAR(repulsion.pairs[0].overlap, 0.5, 1e-9);
+  EXPECT_NEAR(repulsion.pairs[0].direction.x() * (repulsion.pairs[0].i == 0 ? 1.0 : -1.0), 1.0,
+              1e-9);
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ OptimizerResult optimized(const Surface& surface, std::size_t count,
 /// The ways to minimize, by name.
 const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
   static const std::vector<std::pair<std::string, OptimizerOptions>> all = {
-      {"trust region with a gap", {.tolerance = 1e-5}},
-      {"trust region", {.gap_weight = 0.0, .tolerance = 1e-5}},
-      {"line search with a gap", {.method = Method::kLineSearch, .tolerance = 1e-5}},
-      {"line search", {.method = Method::kLineSearch, .gap_weight = 0.0, .tolerance = 1e-5}}};
+      {"trust region with repulsion", {.tolerance = 1e-5}},
+      {"trust region", {.repulsion_weight = 0.0, .tolerance = 1e-5}},
+      {"line search with repulsion", {.method = Method::kLineSearch, .tolerance = 1e-5}},
+      {"line search", {.method = Method::kLineSearch, .repulsion_weight = 0.0, .tolerance = 1e-5}}};
   return all;
 }
 
@@ -48,12 +48,13 @@ TEST_P(OptimizerOn, NeverRaisesTheEnergy) {
       }
 }
 
-/// Without the gap, what is minimized is the energy itself; with it, there is something on top.
+/// Without the repulsion, what is minimized is the energy itself; with it, there is something on
+/// top.
 TEST_P(OptimizerOn, ListsWhatItMinimizes) {
   const Surface surface = GetParam().surface();
   for (const auto& [name, options] : ways()) {
     const OptimizerResult found = optimized(surface, 60, options);
-    if (options.gap_weight == 0.0)
+    if (options.repulsion_weight == 0.0)
       EXPECT_NEAR(found.energies.back(), found.energy.normalized, 1e-12) << name;
     else
       EXPECT_GE(found.energies.back(), found.energy.normalized - 1e-12) << name;
@@ -92,8 +93,8 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
 TEST(Optimizer, TakesFewerEvaluationsInATrustRegion) {
   const Surface surface = torus(120, 60).surface();
   const OptimizerResult plain =
-      optimized(surface, 1000, {.method = Method::kLineSearch, .gap_weight = 0.0});
-  const OptimizerResult preconditioned = optimized(surface, 1000, {.gap_weight = 0.0});
+      optimized(surface, 1000, {.method = Method::kLineSearch, .repulsion_weight = 0.0});
+  const OptimizerResult preconditioned = optimized(surface, 1000, {.repulsion_weight = 0.0});
   std::cout << plain.evaluations << " evaluations by line search, e " << plain.energy.normalized
             << "; " << preconditioned.evaluations << " in a trust region, e "
             << preconditioned.energy.normalized << '\n';
@@ -152,8 +153,9 @@ TEST(Optimizer, DoesNotCallItConvergedWhereItIsStuck) {
       start.barycentric.push_back(even.barycentric[k]);
     }
     const OptimizerResult found = optimize(domain, start, {});
-    const double spread = measure_evenness(found.energy.diagram).capacity_spread;
-    std::cout << "capacity spread " << spread << " after " << found.evaluations << " evaluations\n";
+    const double spread = measure_evenness(found.energy.diagram).capacity_variation;
+    std::cout << "capacity variation " << spread << " after " << found.evaluations
+              << " evaluations\n";
     ASSERT_GT(spread, 0.05) << "it was not stuck";
     EXPECT_LT(found.evaluations, OptimizerOptions().max_evaluations);
     EXPECT_FALSE(found.converged);
@@ -262,8 +264,8 @@ TEST(Optimizer, NamesTheOptionOutOfRange) {
   };
   for (const double bad : {-1.0, nan, std::numeric_limits<double>::infinity()}) {
     refused("capacity_weight", &OptimizerOptions::capacity_weight, bad);
-    refused("gap_weight", &OptimizerOptions::gap_weight, bad);
-    refused("gap_radius", &OptimizerOptions::gap_radius, bad);
+    refused("repulsion_weight", &OptimizerOptions::repulsion_weight, bad);
+    refused("repulsion_radius", &OptimizerOptions::repulsion_radius, bad);
     refused("tolerance", &OptimizerOptions::tolerance, bad);
     refused("max_step", &OptimizerOptions::max_step, bad);
   }
@@ -271,7 +273,7 @@ TEST(Optimizer, NamesTheOptionOutOfRange) {
   refused("patience", &OptimizerOptions::patience, 0);
   refused("max_evaluations", &OptimizerOptions::max_evaluations, 0);
   refused("max_evaluations", &OptimizerOptions::max_evaluations, -3);
-  refused("memory", &OptimizerOptions::memory, -1);
+  refused("history", &OptimizerOptions::history, -1);
 }
 
 TEST(Optimizer, NamesABadStart) {

@@ -450,9 +450,9 @@ TEST(Torus, IsEven) {
       std::printf("%s: %d evaluations, e %.4f, alpha %.3f %.3f, spread %.4f, %.2f s\n",
                   paper ? "paper" : "default", report.evaluations, report.energy,
                   report.evenness.alpha_min, report.evenness.alpha_mean,
-                  report.evenness.capacity_spread, report.seconds);
+                  report.evenness.capacity_variation, report.seconds);
       EXPECT_TRUE(report.converged);
-      EXPECT_LT(report.evenness.capacity_spread, 0.01);
+      EXPECT_LT(report.evenness.capacity_variation, 0.01);
       EXPECT_GT(report.evenness.alpha_min, paper ? 0.3 : 0.5);
       EXPECT_GT(report.energy, 0.16037);
       EXPECT_LT(report.energy, paper ? 0.179 : 0.1715);

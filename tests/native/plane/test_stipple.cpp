@@ -196,7 +196,7 @@ TEST(Stipple, HasExactlyAsManyDotsAsWantedWhereThereIsInk) {
 TEST(Stipple, IsEven) {
   const Image image = waves(80, 100);
   const Stipples dots = stipple({&image, 1}, 800);
-  EXPECT_LT(dots.report.evenness.capacity_spread, 0.02);
+  EXPECT_LT(dots.report.evenness.capacity_variation, 0.02);
   EXPECT_GT(dots.report.evenness.alpha_mean, 0.75);
   EXPECT_TRUE(dots.report.converged);
 }
@@ -213,7 +213,7 @@ TEST(Stipple, GivesTheSameBytesForAnyThreads) {
 TEST(Stipple, OfAnAllBlackPictureIsEven) {
   const Image image = filled(20, 30, 1.0);
   const Stipples dots = stipple({&image, 1}, 200);
-  EXPECT_LT(dots.report.evenness.capacity_spread, 0.02);
+  EXPECT_LT(dots.report.evenness.capacity_variation, 0.02);
   EXPECT_NEAR(dots.radius, std::sqrt(600.0 / (200.0 * 3.14159265358979)), 1e-9);
 }
 
@@ -225,7 +225,7 @@ TEST(Stipple, OfOnePixel) {
     EXPECT_GE(x.minCoeff(), 0.0);
     EXPECT_LE(x.maxCoeff(), 1.0);
   }
-  EXPECT_LT(dots.report.evenness.capacity_spread, 0.05);
+  EXPECT_LT(dots.report.evenness.capacity_variation, 0.05);
 }
 
 TEST(Stipple, AllotsInksByTheirSums) {
@@ -240,8 +240,8 @@ TEST(Stipple, AllotsInksByTheirSums) {
 TEST(Stipple, KeepsInksEvenEachAndTogether) {
   const std::vector<Image> inks = {filled(30, 40, 0.5), waves(30, 40)};
   const Stipples dots = stipple(inks, 800);
-  EXPECT_LT(dots.report.evenness.capacity_spread, 0.05);
-  for (const Quality& one : dots.report.classes) EXPECT_LT(one.evenness.capacity_spread, 0.06);
+  EXPECT_LT(dots.report.evenness.capacity_variation, 0.05);
+  for (const Quality& one : dots.report.classes) EXPECT_LT(one.evenness.capacity_variation, 0.06);
 }
 
 TEST(Stipple, StopsWhenCancelled) {

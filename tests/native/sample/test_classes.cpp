@@ -65,10 +65,10 @@ TEST(Classes, AreEvenEachAndTogether) {
   const Surface surface = blob(4).surface();
   const std::vector<SampleClass> classes = {{.count = 200}, {.count = 400}, {.count = 400}};
   const Report report = sample_classes(surface, classes).report;
-  EXPECT_LT(report.evenness.capacity_spread, 0.02);
+  EXPECT_LT(report.evenness.capacity_variation, 0.02);
   EXPECT_GT(report.evenness.alpha_min, 0.45);
   for (const Quality& quality : report.classes) {
-    EXPECT_LT(quality.evenness.capacity_spread, 0.04);
+    EXPECT_LT(quality.evenness.capacity_variation, 0.04);
     EXPECT_GT(quality.evenness.alpha_min, 0.45);
   }
 }
@@ -92,7 +92,7 @@ TEST(Classes, FollowTheirOwnDensities) {
       ++right_half[static_cast<std::size_t>(samples.classes[k])];
   EXPECT_NEAR(right_half[0], 300, 6);
   EXPECT_NEAR(right_half[1], 100, 6);
-  EXPECT_LT(samples.report.evenness.capacity_spread, 0.03);
+  EXPECT_LT(samples.report.evenness.capacity_variation, 0.03);
 }
 
 TEST(Classes, StayInTheirSupport) {
@@ -133,7 +133,7 @@ TEST(Classes, InTwoStagesAreThePapersWay) {
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
   const Report report = sample_classes(surface, classes, paper_class_options()).report;
   for (const Quality& quality : report.classes) EXPECT_LT(quality.energy, 0.25);
-  EXPECT_LT(report.evenness.capacity_spread, 0.05);
+  EXPECT_LT(report.evenness.capacity_variation, 0.05);
 }
 
 /// Few large and many small things.
@@ -179,7 +179,7 @@ TEST(Classes, KeepLockedSitesWhereTheyAre) {
   ASSERT_EQ(samples.size(), 300u);
   for (std::size_t k = 0; k < 30; ++k)
     EXPECT_LT((samples.positions[k] - before.positions[k]).norm(), 1e-12) << k;
-  EXPECT_LT(samples.report.evenness.capacity_spread, 0.05);
+  EXPECT_LT(samples.report.evenness.capacity_variation, 0.05);
   options.locked.faces[3] = 1 << 30;
   expect_message<ArgumentError>([&] { (void)sample(surface, 300, options); }, {"faces[3]"});
   options.locked = locked;
@@ -223,7 +223,7 @@ TEST(Classes, StayEvenOnADeformingSurface) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
   const Samples samples = sample_classes(surface, classes);
-  Tracker tracker(surface, samples, {.optimizer = {.gap_weight = 5.0, .max_evaluations = 30}},
+  Tracker tracker(surface, samples, {.optimizer = {.repulsion_weight = 5.0, .max_evaluations = 30}},
                   classes);
   for (int frame = 1; frame <= 5; ++frame) {
     std::vector<Vec3> vertices = surface.vertices();
@@ -247,7 +247,7 @@ TEST(PlanarClasses, AreEvenOnTheTorus) {
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
   for (const Quality& quality : samples.report.classes) {
     EXPECT_GT(quality.evenness.alpha_min, 0.58);
-    EXPECT_LT(quality.evenness.capacity_spread, 0.025);
+    EXPECT_LT(quality.evenness.capacity_variation, 0.025);
   }
 }
 

@@ -47,10 +47,11 @@ TEST(Resample, MovesMostSamplesLittle) {
   for (const Samples* after : {&more, &fewer, &other}) {
     const Report& report = after->report;
     std::cout << after->size() << " samples: slide median " << report.slide_median << ", mean "
-              << report.slide_mean << ", max " << report.slide_max << ", capacity spread "
-              << report.evenness.capacity_spread << ", " << report.evaluations << " evaluations\n";
+              << report.slide_mean << ", max " << report.slide_max << ", capacity variation "
+              << report.evenness.capacity_variation << ", " << report.evaluations
+              << " evaluations\n";
     EXPECT_LT(report.slide_median, 0.15);
-    EXPECT_LT(report.evenness.capacity_spread, 0.02);
+    EXPECT_LT(report.evenness.capacity_variation, 0.02);
     EXPECT_GT(report.evenness.alpha_min, 0.55);
   }
   for (std::size_t k = 0; k < 1000; ++k) EXPECT_EQ(more.ids[k], before.ids[k]);
@@ -78,18 +79,18 @@ double dense_share(const Samples& samples) {
 /// As even as samples made anew: a single run may be lucky.
 void expect_as_even(const Samples& after, const Surface& surface) {
   constexpr int kRuns = 3;
-  double spread = 0.0, alpha = 0.0;
+  double variation = 0.0, alpha = 0.0;
   SampleOptions options;
   for (options.seed = 0; options.seed < kRuns; ++options.seed) {
     const Evenness fresh = sample(surface, after.size(), options).report.evenness;
-    spread += fresh.capacity_spread / kRuns;
+    variation += fresh.capacity_variation / kRuns;
     alpha += fresh.alpha_min / kRuns;
   }
   const Evenness& evenness = after.report.evenness;
-  std::cout << after.size() << " samples: capacity spread " << evenness.capacity_spread
-            << ", fresh " << spread << ", alpha min " << evenness.alpha_min << ", fresh " << alpha
-            << ", " << after.report.evaluations << " evaluations\n";
-  EXPECT_LE(evenness.capacity_spread, 1.5 * spread);
+  std::cout << after.size() << " samples: capacity variation " << evenness.capacity_variation
+            << ", fresh " << variation << ", alpha min " << evenness.alpha_min << ", fresh "
+            << alpha << ", " << after.report.evaluations << " evaluations\n";
+  EXPECT_LE(evenness.capacity_variation, 1.5 * variation);
   EXPECT_GE(evenness.alpha_min, 0.9 * alpha);
   EXPECT_TRUE(after.report.converged);
 }

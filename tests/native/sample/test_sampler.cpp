@@ -81,7 +81,7 @@ TEST(Sampler, KeepsOffFacesWithoutDensity) {
   const Samples samples = sample(shape.surface(), 500, {.optimizer = {.tolerance = 1e-5}});
   for (const std::int32_t f : samples.faces)
     ASSERT_EQ(shape.density[static_cast<std::size_t>(f)], 1.0) << "face " << f;
-  EXPECT_LE(samples.report.evenness.capacity_spread, 0.01);
+  EXPECT_LE(samples.report.evenness.capacity_variation, 0.01);
 }
 
 // ---- evenness, as bands over several seeds ----
@@ -92,7 +92,7 @@ struct Band {
 };
 
 struct Bands {
-  Band alpha_min, alpha_mean, capacity_spread, energy;
+  Band alpha_min, alpha_mean, capacity_variation, energy;
 };
 
 void expect_in_bands(const Surface& surface, SampleOptions options, const std::string& name,
@@ -100,14 +100,14 @@ void expect_in_bands(const Surface& surface, SampleOptions options, const std::s
   for (options.seed = 0; options.seed < 5; ++options.seed) {
     const Report report = sample(surface, 1000, options).report;
     std::cout << name << ", seed " << options.seed << ": alpha min " << report.evenness.alpha_min
-              << ", mean " << report.evenness.alpha_mean << ", capacity spread "
-              << report.evenness.capacity_spread << ", e " << report.energy << ", "
+              << ", mean " << report.evenness.alpha_mean << ", capacity variation "
+              << report.evenness.capacity_variation << ", e " << report.energy << ", "
               << report.evaluations << " evaluations\n";
     EXPECT_TRUE(report.converged);
     EXPECT_TRUE(bands.alpha_min.holds(report.evenness.alpha_min)) << report.evenness.alpha_min;
     EXPECT_TRUE(bands.alpha_mean.holds(report.evenness.alpha_mean)) << report.evenness.alpha_mean;
-    EXPECT_TRUE(bands.capacity_spread.holds(report.evenness.capacity_spread))
-        << report.evenness.capacity_spread;
+    EXPECT_TRUE(bands.capacity_variation.holds(report.evenness.capacity_variation))
+        << report.evenness.capacity_variation;
     EXPECT_TRUE(bands.energy.holds(report.energy)) << report.energy;
   }
 }
@@ -116,7 +116,7 @@ void expect_in_bands(const Surface& surface, SampleOptions options, const std::s
 // method on a torus at the paper's tolerance: alpha min 0.59, mean 0.83, spread 0.0033, e 0.1707.
 const Bands kPaper = {{0.30, 0.80}, {0.79, 0.90}, {0.0005, 0.010}, {0.1615, 0.1790}};
 
-// For the trust region with a gap, on meshes after some ten evaluations: alpha min 0.59 (across
+// For the trust region with repulsion, on meshes after some ten evaluations: alpha min 0.59 (across
 // creases) to 0.70, mean 0.83 to 0.85, spread 0.005 to 0.008, and better with more.
 const Bands kGap = {{0.50, 0.85}, {0.80, 0.92}, {0.0005, 0.008}, {0.1615, 0.1710}};
 
@@ -158,7 +158,7 @@ TEST(SamplerBands, OnTheFandisk) {
                   {{0.40, 0.85}, {0.79, 0.92}, {0.0005, 0.015}, {0.1600, 0.1750}});
 }
 
-/// The gap adds what capacities alone do not give, a smallest distance.
+/// The repulsion adds what capacities alone do not give, a smallest distance.
 TEST(Sampler, KeepsNeighborsApartWithTheGap) {
   const Surface surface = torus(60, 30).surface();
   double with = 0.0, without = 0.0;
@@ -166,10 +166,10 @@ TEST(Sampler, KeepsNeighborsApartWithTheGap) {
     SampleOptions options;
     options.seed = seed;
     with += sample(surface, 500, options).report.evenness.alpha_min / 3.0;
-    options.optimizer.gap_weight = 0.0;
+    options.optimizer.repulsion_weight = 0.0;
     without += sample(surface, 500, options).report.evenness.alpha_min / 3.0;
   }
-  std::cout << "alpha min " << without << " without the gap, " << with << " with it\n";
+  std::cout << "alpha min " << without << " without the repulsion, " << with << " with it\n";
   EXPECT_GT(with, without);
 }
 
@@ -177,9 +177,9 @@ TEST(Sampler, EvensTheCapacitiesMoreWithTheCapacityTerm) {
   const Surface surface = torus(60, 30).surface();
   SampleOptions without;
   without.optimizer.capacity_weight = 0.0;
-  const double plain = sample(surface, 500, without).report.evenness.capacity_spread;
-  const double weighted = sample(surface, 500).report.evenness.capacity_spread;
-  std::cout << "capacity spread " << plain << " without the term, " << weighted << " with it\n";
+  const double plain = sample(surface, 500, without).report.evenness.capacity_variation;
+  const double weighted = sample(surface, 500).report.evenness.capacity_variation;
+  std::cout << "capacity variation " << plain << " without the term, " << weighted << " with it\n";
   EXPECT_LT(weighted, 0.25 * plain);
 }
 
@@ -228,8 +228,8 @@ TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
     const Samples samples = sample(surface, 300);
     EXPECT_TRUE(samples.report.converged) << scale;
     EXPECT_NEAR(samples.report.energy, expected.report.energy, 1e-3) << scale;
-    EXPECT_NEAR(samples.report.evenness.capacity_spread, expected.report.evenness.capacity_spread,
-                2e-3)
+    EXPECT_NEAR(samples.report.evenness.capacity_variation,
+                expected.report.evenness.capacity_variation, 2e-3)
         << scale;
     EXPECT_NEAR(analyze(surface, expected).energy, expected.report.energy, 1e-12) << scale;
     EXPECT_NEAR(surface.mass() / scale, scaled(1.0).mass(), 1e-12 * scaled(1.0).mass());
@@ -315,12 +315,12 @@ TEST(Sampler, RefusesToBeginWhenCancelled) {
   EXPECT_THROW((void)sample(blob(2).surface(), 0, {}, &context), Cancelled);
 }
 
-TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheSpread) {
+TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheVariation) {
   const Report one = sample(box(3).surface(), 100).report;
-  EXPECT_EQ(one.whole_count_spread, 0.0);
+  EXPECT_EQ(one.whole_count_variation, 0.0);
   const Report many = sample(many_components(40).surface(), 100).report;
-  EXPECT_GT(many.whole_count_spread, 0.05);
-  EXPECT_LE(many.whole_count_spread, many.evenness.capacity_spread + 1e-12);
+  EXPECT_GT(many.whole_count_variation, 0.05);
+  EXPECT_LE(many.whole_count_variation, many.evenness.capacity_variation + 1e-12);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ TEST(Weld, TrackedSamplesOfSplitVerticesStayAsEven) {
     for (const double time : {0.3, 0.6, 0.9}) {
       const Report& one = expected.advance(deformed(whole.vertices, time)).report;
       const Report& other = found.advance(deformed(split.vertices, time)).report;
-      EXPECT_LE(other.evenness.capacity_spread, 1.3 * one.evenness.capacity_spread);
+      EXPECT_LE(other.evenness.capacity_variation, 1.3 * one.evenness.capacity_variation);
       EXPECT_GE(other.evenness.alpha_min, one.evenness.alpha_min - 0.03);
     }
     expected = Tracker(whole.surface(), sample(whole.surface(), 200));

@@ -44,7 +44,7 @@ TEST(Population, KeepsTheDensity) {
     const std::size_t staying = samples.report.count;
     for (std::size_t k = 0; k < staying; ++k) there += 1.0;
     EXPECT_NEAR(there, density * population.surface().mass(), 1.0) << "frame " << frame;
-    EXPECT_LE(samples.report.evenness.capacity_spread, 0.02) << "frame " << frame;
+    EXPECT_LE(samples.report.evenness.capacity_variation, 0.02) << "frame " << frame;
     most = std::max(most, staying);
   }
   EXPECT_GT(most, kCount + 20);
@@ -68,7 +68,7 @@ TEST(Population, KeepsTheSharesUnderADensity) {
     const double size = 1.0 + 0.05 * std::sin(2.0 * std::numbers::pi * frame / 12);
     population.advance(mapped(shape, [&](const Vec3& p) { return Vec3(size * p); }).vertices);
     EXPECT_NEAR(dense_share(), first, 0.01) << "frame " << frame;
-    EXPECT_LE(population.samples().report.evenness.capacity_spread, 0.03) << "frame " << frame;
+    EXPECT_LE(population.samples().report.evenness.capacity_variation, 0.03) << "frame " << frame;
   }
 }
 

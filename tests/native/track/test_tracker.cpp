@@ -269,9 +269,9 @@ std::vector<Vec3> pull(const Shape& shape, int frame, int period) {
 }
 
 /// Mean distance from the start after some loops, in spacings.
-double hysteresis(double memory) {
+double hysteresis(double pattern_strength) {
   const Shape shape = blob(4);
-  Tracker tracker = tracker_of(shape, kCount, {.memory = memory});
+  Tracker tracker = tracker_of(shape, kCount, {.pattern_strength = pattern_strength});
   const std::vector<Vec3> start = tracker.samples().positions;
   constexpr int kPeriod = 30;
   for (int frame = 1; frame <= 5 * kPeriod; ++frame) tracker.advance(pull(shape, frame, kPeriod));
@@ -291,21 +291,21 @@ TEST(Tracker, ReturnsToTheFirstPatternAfterLoops) {
 
 TEST(Tracker, StickinessTradesSlideForEvenness) {
   const Shape shape = body();
-  double last_slide = 1.0, last_spread = 0.0;
+  double last_slide = 1.0, last_variation = 0.0;
   for (const double stickiness : {0.0, 3.0, 100.0}) {
-    TrackerOptions options{.memory = 0.0};
+    TrackerOptions options{.pattern_strength = 0.0};
     options.optimizer.stickiness = stickiness;
     Tracker tracker = tracker_of(shape, kCount, options);
-    double slide = 0.0, spread = 0.0;
+    double slide = 0.0, variation = 0.0;
     for (int frame = 1; frame <= 10; ++frame) {
       const Report& report = tracker.advance(deformed(shape.vertices, 0.15 * frame)).report;
       slide += report.slide_mean / 10.0;
-      spread += report.evenness.capacity_spread / 10.0;
+      variation += report.evenness.capacity_variation / 10.0;
     }
     EXPECT_LT(slide, last_slide) << "stickiness " << stickiness;
-    EXPECT_GT(spread, last_spread) << "stickiness " << stickiness;
+    EXPECT_GT(variation, last_variation) << "stickiness " << stickiness;
     last_slide = slide;
-    last_spread = spread;
+    last_variation = variation;
   }
 }
 

@@ -83,7 +83,7 @@ TEST(TrackWindow, SmoothsBothWaysAndClosesALoop) {
   check(surface, smooth[0]);
   for (std::size_t t = 1; t < smooth.size(); ++t) {
     check(surface.deformed(frames[t - 1]), smooth[t]);
-    worst = std::max(worst, smooth[t].report.evenness.capacity_spread);
+    worst = std::max(worst, smooth[t].report.evenness.capacity_variation);
     EXPECT_LE(smooth[t].report.slide_max, 0.5);
   }
   const Smoothness before = measure(surface, frames, plain);

@@ -35,7 +35,7 @@ TEST(Analysis, OfHexagonsIsOne) {
   const Evenness found = evenness(sheet.surface(), sites);
   EXPECT_NEAR(found.alpha_min, 1.0, 1e-12);
   EXPECT_NEAR(found.alpha_mean, 1.0, 1e-12);
-  EXPECT_LT(found.capacity_spread, 0.2);
+  EXPECT_LT(found.capacity_variation, 0.2);
 }
 
 /// Sites in rows of a sheet of unit squares, odd rows shifted by `shift`.
@@ -103,7 +103,7 @@ TEST(BondOrder, IsReported) {
   EXPECT_EQ(again.spacing, samples.report.spacing);
   EXPECT_NEAR(again.bond_order, samples.report.bond_order, 1e-6);
   EXPECT_NEAR(again.evenness.alpha_min, samples.report.evenness.alpha_min, 1e-9);
-  EXPECT_NEAR(again.evenness.capacity_spread, samples.report.evenness.capacity_spread, 1e-9);
+  EXPECT_NEAR(again.evenness.capacity_variation, samples.report.evenness.capacity_variation, 1e-9);
   EXPECT_NEAR(again.energy, samples.report.energy, 1e-9);
 }
 
@@ -172,7 +172,7 @@ TEST(Analysis, AgreesWithBruteForceInThePlane) {
     const Evenness found = measure_evenness(diagram);
     EXPECT_NEAR(found.alpha_min, least / surface.spacing(60), 1e-12);
     EXPECT_NEAR(found.alpha_mean, sum / 60.0 / surface.spacing(60), 1e-12);
-    EXPECT_NEAR(found.capacity_spread, std::sqrt(squares / 60.0) * 60.0, 1e-12);
+    EXPECT_NEAR(found.capacity_variation, std::sqrt(squares / 60.0) * 60.0, 1e-12);
   }
 }
 
@@ -185,7 +185,7 @@ TEST(Analysis, IsTheSameForAnyConstantDensity) {
       evenness(with_density(shape, [](const Vec3&) { return 7.0; }).surface(), sites);
   EXPECT_NEAR(plain.alpha_min, dense.alpha_min, 1e-12);
   EXPECT_NEAR(plain.alpha_mean, dense.alpha_mean, 1e-12);
-  EXPECT_NEAR(plain.capacity_spread, dense.capacity_spread, 1e-12);
+  EXPECT_NEAR(plain.capacity_variation, dense.capacity_variation, 1e-12);
 }
 
 /// Samples that follow a density are as even, each against its own spacing, as samples of a
@@ -214,7 +214,7 @@ TEST(Analysis, OfNoneAndOneIsFinite) {
     const Evenness found = evenness(shape.surface(), random_sites(shape, count, random));
     EXPECT_TRUE(std::isfinite(found.alpha_min));
     EXPECT_TRUE(std::isfinite(found.alpha_mean));
-    EXPECT_NEAR(found.capacity_spread, 0.0, 1e-12);
+    EXPECT_NEAR(found.capacity_variation, 0.0, 1e-12);
   }
 }
 

@@ -26,9 +26,9 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
         "Lambda, weight of equal capacities (no unit): more of it, less like a lattice; "
         "20 to 100 are useful.",
     ),
-    "gap_weight": (
+    "repulsion_weight": (
         NOT_NEGATIVE,
-        "Kappa, weight of the gap that keeps neighbors apart (no unit); 0 is none.",
+        "Kappa, weight of the repulsion that keeps neighbors apart (no unit); 0 is none.",
     ),
     "tolerance": (
         NOT_NEGATIVE,
@@ -60,7 +60,7 @@ KNOWN: dict[str, tuple[click.ParamType, str]] = {
         "Weight of staying where the surface carries a point (no unit): more of it, less slide, "
         "less even.",
     ),
-    "memory": (
+    "pattern_strength": (
         click.FloatRange(0, 1),
         "How strongly points return to the first frame's pattern; 0 lets it drift.",
     ),

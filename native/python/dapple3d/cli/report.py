@@ -47,5 +47,5 @@ def figures(report: dapple.Quality) -> str:
     """The most telling figures on one line."""
     return (
         f"alpha min {report.alpha_min:.3f}, psi6 {report.bond_order:.3f}, "
-        f"capacity spread {report.capacity_spread:.4f}"
+        f"capacity variation {report.capacity_variation:.4f}"
     )

@@ -23,7 +23,7 @@ ROWS = (
     ("spacing", "spacing", ".6g", "of a hexagonal lattice of as many points, in the mesh's units"),
     ("alpha_min", "alpha min", ".4f", "smallest distance / local spacing; 1 for hexagons"),
     ("alpha_mean", "alpha mean", ".4f", "the mean of the same ratio over the points"),
-    ("capacity_spread", "capacity spread", ".5f", "standard deviation / mean; 0 is the best"),
+    ("capacity_variation", "capacity variation", ".5f", "standard deviation / mean; 0 is the best"),
     ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
     ("energy", "energy", ".5f", "normalized; 0.16037 for hexagons"),
 )

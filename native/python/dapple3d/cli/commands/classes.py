@@ -71,7 +71,7 @@ class WantedType(click.ParamType):
 @click.option("--two-stages", is_flag=True, help="Each class alone first, then all, as the paper.")
 @options.library_options(
     dapple.sample_classes,
-    *("capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
+    *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"),
     *("method", "start", "cells", "threads"),
 )
 @options.weld_option

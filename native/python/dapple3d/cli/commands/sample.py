@@ -31,7 +31,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 )
 @options.library_options(
     dapple.sample,
-    *("seed", "capacity_weight", "gap_weight", "tolerance", "max_evaluations"),
+    *("seed", "capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"),
     *("method", "start", "cells", "threads"),
 )
 @options.weld_option

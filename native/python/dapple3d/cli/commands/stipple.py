@@ -34,7 +34,7 @@ from dapple3d.writing import replacing
 )
 @options.library_options(
     dapple.stipple_inks,
-    *("seed", "union_weight", "capacity_weight", "gap_weight"),
+    *("seed", "union_weight", "capacity_weight", "repulsion_weight"),
     *("tolerance", "max_evaluations", "threads"),
 )
 @options.report_options

@@ -22,7 +22,7 @@ from dapple3d.writing import replacing, write_npz
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 TRACKER = dapple.Tracker.__init__
 # Arguments of sample(), for the first frame, that mean the same to the tracker.
-START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threads")
+START = ("capacity_weight", "repulsion_weight", "tolerance", "method", "cells", "threads")
 
 
 @click.command("track", short_help="Points that stay put on a moving mesh.")
@@ -45,8 +45,8 @@ START = ("capacity_weight", "gap_weight", "tolerance", "method", "cells", "threa
 @options.library_options(dapple.sample, "seed")
 @options.library_options(
     TRACKER,
-    *("stickiness", "memory", "max_slide", "longest_motion"),
-    *("capacity_weight", "gap_weight", "tolerance", "max_evaluations", "method", "cells"),
+    *("stickiness", "pattern_strength", "max_slide", "longest_motion"),
+    *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations", "method", "cells"),
     "threads",
 )
 @options.weld_option

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optimize/gap.hpp"
+#include "optimize/repulsion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,22 +9,25 @@
 namespace dapple {
 namespace {
 
-// Of the gap's radius: a step may end this near. Nearer, the smallest distance of the next state is
-// what the step made of it; at 1 the steps lose too much (0.95 to 0.98 measured alike, 0.98 best).
+// Of the repulsion radius: a step may end this near. Nearer, the smallest distance of the next
+// state is what the step made of it; at 1 the steps lose too much (0.95 to 0.98 measured alike,
+// 0.98 best).
 constexpr double kNear = 0.98;
 
 /// \param d from j to i
-void add_pair(Gap& gap, std::size_t i, std::size_t j, const Vec3& d, double radius, double weight) {
+void add_pair(Repulsion& repulsion, std::size_t i, std::size_t j, const Vec3& d, double radius,
+              double weight) {
   const double distance = d.norm();
   if (distance >= radius || distance <= 0.0) return;
-  const double lack = 1.0 - distance / radius;
+  const double overlap = 1.0 - distance / radius;
   const Vec3 direction = d / distance;
-  const Vec3 force = 2.0 * weight * lack / radius * direction;
-  gap.energy += weight * lack * lack;
-  gap.gradient[i] -= force;
-  gap.gradient[j] += force;
-  gap.pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), lack,
-                       weight * lack * lack, 2.0 * weight / (radius * radius), direction});
+  const Vec3 force = 2.0 * weight * overlap / radius * direction;
+  repulsion.energy += weight * overlap * overlap;
+  repulsion.gradient[i] -= force;
+  repulsion.gradient[j] += force;
+  repulsion.pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), overlap,
+                             weight * overlap * overlap, 2.0 * weight / (radius * radius),
+                             direction});
 }
 
 /// Things of one radius, with their images around the torus.
@@ -72,18 +75,18 @@ class Crowd {
 
 }  // namespace
 
-Gap evaluate_gap(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                 double weight) {
-  Gap gap;
-  gap.gradient.assign(diagram.cells.size(), Vec3::Zero());
-  if (weight == 0.0 || radii.empty()) return gap;
+Repulsion evaluate_repulsion(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                             double weight) {
+  Repulsion repulsion;
+  repulsion.gradient.assign(diagram.cells.size(), Vec3::Zero());
+  if (weight == 0.0 || radii.empty()) return repulsion;
   for (std::size_t i = 0; i < diagram.cells.size(); ++i)
     for (const CellBoundary& side : diagram.boundary(i)) {
       const auto j = static_cast<std::size_t>(side.neighbor);
       if (j < i) continue;  // each pair once: rounding aside, both cells list their common boundary
-      add_pair(gap, i, j, -side.offset, 0.5 * (radii[i] + radii[j]), weight);
+      add_pair(repulsion, i, j, -side.offset, 0.5 * (radii[i] + radii[j]), weight);
     }
-  return gap;
+  return repulsion;
 }
 
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
@@ -102,10 +105,10 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
   return static_cast<std::size_t>(std::count(shortened.begin(), shortened.end(), true));
 }
 
-Gap evaluate_things(const Sites& sites, const Vectors& normals, const std::vector<double>& radii,
-                    double period, double weight) {
-  Gap gap;
-  gap.gradient.assign(sites.size(), Vec3::Zero());
+Repulsion evaluate_disc_repulsion(const Sites& sites, const Vectors& normals,
+                                  const std::vector<double>& radii, double period, double weight) {
+  Repulsion repulsion;
+  repulsion.gradient.assign(sites.size(), Vec3::Zero());
   std::map<double, std::vector<std::int32_t>> by_radius;
   for (std::size_t k = 0; k < radii.size(); ++k)
     if (radii[k] > 0.0) by_radius[radii[k]].push_back(static_cast<std::int32_t>(k));
@@ -123,18 +126,18 @@ Gap evaluate_things(const Sites& sites, const Vectors& normals, const std::vecto
             [&, r = large + small, same = small == large](std::int32_t other, const Vec3& d) {
               const auto j = static_cast<std::size_t>(other);
               if (j == i || (same && j < i)) return;
-              if (normals[i].dot(normals[j]) > -0.5) add_pair(gap, i, j, d, r, weight);
+              if (normals[i].dot(normals[j]) > -0.5) add_pair(repulsion, i, j, d, r, weight);
             });
       }
     }
-  return gap;
+  return repulsion;
 }
 
-const ClosePair* worst_pair(const Gap& gap) {
-  const auto worst =
-      std::max_element(gap.pairs.begin(), gap.pairs.end(),
-                       [](const ClosePair& a, const ClosePair& b) { return a.lack < b.lack; });
-  return worst == gap.pairs.end() ? nullptr : &*worst;
+const ClosePair* worst_pair(const Repulsion& repulsion) {
+  const auto worst = std::max_element(
+      repulsion.pairs.begin(), repulsion.pairs.end(),
+      [](const ClosePair& a, const ClosePair& b) { return a.overlap < b.overlap; });
+  return worst == repulsion.pairs.end() ? nullptr : &*worst;
 }
 
 }  // namespace dapple

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/restricted_voronoi.hpp>
+
+#include "base/vectors.hpp"
+
+namespace dapple {
+
+/// Two sites nearer than they should be.
+struct ClosePair {
+  std::int32_t i, j;
+  double overlap;    ///< 1 - distance / r_ij
+  double energy;     ///< what the pair adds to the energy
+  double stiffness;  ///< of the Gauss-Newton part along `direction`
+  Vec3 direction;    ///< unit, from j to i
+};
+
+/// The repulsion: E_rep = weight * sum over pairs of (1 - |x_i - x_j| / r_ij)^2 for pairs nearer
+/// than r_ij. It adds what capacities alone do not give, a smallest distance.
+struct Repulsion {
+  double energy = 0.0;
+  Vectors gradient;
+  std::vector<ClosePair> pairs;
+};
+
+/// The repulsion between sites whose cells touch.
+/// \param radii  r_i per site; r_ij is the mean of the two; empty for no repulsion
+/// \param weight kappa (|S|_phi / n)^2
+[[nodiscard]] Repulsion evaluate_repulsion(const RestrictedVoronoi& diagram,
+                                           const std::vector<double>& radii, double weight);
+
+/// Halve the moves of touching sites that would bring two of them nearer than r_ij and than they
+/// are: neither the repulsion's gradient nor its stiffness knows of pairs farther apart so far.
+/// \return how many sites that were
+std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
+                               Vectors& moves);
+
+/// The repulsion between discs: r_ij is the sum of their radii, and all count that are on the same
+/// side of a wall, whether their cells touch or not.
+/// \param normals of the surface, per site
+/// \param period of the torus; 0 elsewhere
+[[nodiscard]] Repulsion evaluate_disc_repulsion(const Sites& sites, const Vectors& normals,
+                                                const std::vector<double>& radii, double period,
+                                                double weight);
+
+/// The closest of the pairs; null if there is none.
+[[nodiscard]] const ClosePair* worst_pair(const Repulsion& repulsion);
+
+}  // namespace dapple
