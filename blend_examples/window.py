@@ -156,9 +156,9 @@ def window() -> Any:
 
 def only(names: tuple[str, ...]) -> None:
     """Open these of the sub-panels: Blender has no other way than to register them anew."""
-    ui = addon_host.part("blender.ui")
+    panels = addon_host.part("blender.panels")
     for name in PANELS:
-        panel = getattr(ui, f"DAPPLE_PT_{name}")
+        panel = getattr(panels, f"DAPPLE_PT_{name}")
         bpy.utils.unregister_class(panel)
         panel.bl_options = set() if name in names else {"DEFAULT_CLOSED"}
         panel.bl_idname = f"DAPPLE_PT_{name}_{'_'.join(names)}"  # the old one remembers its state

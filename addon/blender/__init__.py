@@ -9,25 +9,31 @@ import bpy
 
 from . import (
     asset_library,
+    bake_operators,
     copies,
     freshness,
     older_files,
     operators,
     overlay,
     pictures,
-    presets,
+    preferences,
+    preset_operators,
     preview,
     properties,
     renders,
+    shown,
     tools,
     translation,
     ui,
+    viewport_operators,
     workfiles,
 )
 
-_CLASSES = tuple(
-    one for room in (operators, tools, presets, ui, asset_library) for one in room.CLASSES
+_WITH_CLASSES: tuple[Any, ...] = (
+    *(operators, bake_operators, viewport_operators, tools, preset_operators),
+    *(ui, asset_library, preferences),
 )
+_CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
 Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back
 
 
@@ -62,12 +68,12 @@ def _register() -> None:
 
 
 def _steps() -> list[Step]:
-    rooms: Any = (translation, properties)
-    later: Any = (pictures, older_files, workfiles, freshness, renders, preview, overlay)
+    first: Any = (translation, properties)
+    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview, overlay)
     return [
-        *((room.register, room.unregister) for room in rooms),
+        *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),
-        *((room.register, room.unregister) for room in later),
+        *((module.register, module.unregister) for module in later),
     ]
 
 

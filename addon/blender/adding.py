@@ -14,13 +14,15 @@ from ..core.rest import AtRest
 from ..core.solve import Scattered, scatter
 from ..core.steps import Steps, Task
 from ..core.surface import SurfaceArrays, check_unchanged
-from . import presets
+from .bound import rest_of
 from .held import Held
 from .library import open_collections
-from .resting import kind_of_binding, rest_of, rest_position, rest_position_kept
+from .preset_fit import first_values, left_out_note
+from .presets import apply
+from .reading import read
+from .resting import kind_of_binding, rest_position, rest_position_kept
 from .store import new_scatter, write_scattered
 from .translation import reported
-from .work import read
 from .workfiles import new_key
 
 
@@ -46,12 +48,12 @@ def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
     What is not chosen (count, seed, bind_to) is as in the Default preset, as far as that fits.
     """
     surface = Held(context.object)
-    values, note = presets.first_values(surface.get(), context)
+    values, note = first_values(surface.get(), context)
     with rest_position_kept(surface):
         solved, left_out = yield from _as_far_as_it_fits(surface, values, chosen)
         with _new(surface.get()) as obj:
             obj.dapple.bake_key = new_key()
-            presets.apply(obj, solved.values)
+            apply(obj, solved.values)
             write_scattered(obj, solved.arrays, solved.scattered, solved.rest)
     return Added(obj, left_out or note)
 
@@ -69,7 +71,7 @@ def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) ->
             if not values:
                 raise
         else:
-            return solved, left_out and presets.left_out(f"{left_out} ({first})")
+            return solved, left_out and left_out_note(f"{left_out} ({first})")
     raise AssertionError("without a preset the error is raised")
 
 

@@ -5,16 +5,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty
 
-from .presets import draw_removal
 from .translation import reported, told
 
 Answer = set[str]
 NAME = "Dapple"
 FOLDER = Path(__file__).parents[1] / "assets"
 ASSETS = "dapple_nodes.blend"
-_PACKAGE = __package__.removesuffix(".blender")
+PACKAGE = __package__.removesuffix(".blender")
 
 
 def missing_assets() -> str:
@@ -89,33 +87,9 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
-    """Preferences of the extension."""
-
-    bl_idname = _PACKAGE
-
-    remove_library: BoolProperty(
-        name="Remove with the Add-on",
-        description="Remove the asset library from the preferences when the add-on is disabled",
-        default=False,
-    )
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        draw_removal(layout.column())
-        layout.label(text="The node groups can also be used on their own, from the asset browser.")
-        if library() is None:
-            layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")
-            if missing_assets():
-                layout.label(text=missing_assets(), icon="INFO")
-            return
-        layout.operator(DAPPLE_OT_remove_asset_library.bl_idname, icon="X")
-        layout.prop(self, "remove_library")
-
-
 def unregister() -> None:
     """Take the library back if the user asked for that."""
-    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    addon = bpy.context.preferences.addons.get(PACKAGE)
     wanted = addon is not None and addon.preferences is not None
     if wanted and addon.preferences.remove_library:
         remove()
@@ -124,5 +98,4 @@ def unregister() -> None:
 CLASSES = (
     DAPPLE_OT_add_asset_library,
     DAPPLE_OT_remove_asset_library,
-    DAPPLE_AP_preferences,
 )

@@ -10,9 +10,10 @@ from ..core.kinds import class_counts, with_area
 from ..core.sources import sources_from
 from ..core.surface import Floats, Ints
 from ..nodes import INSTANCE_INPUTS
+from .modifier import ensure_modifier, property_name, write_instance_inputs, write_warning
 from .played import places_now
-from .scatter import property_name, settings_of, write_instance_inputs, write_warning
-from .store import ensure_modifier, point_columns_of
+from .points import point_columns_of
+from .scatter import settings_of
 from .times import show_time
 
 

@@ -18,6 +18,7 @@ from ..core.errors import ScatterError
 from . import job
 from .held import Held
 from .present import AROUND, Present, depends_on
+from .sidebars import is_shown, redraw
 from .staleness import Verdict, verdict
 from .surroundings import picture_digest
 from .workfiles import all_work_files, left_over, unfinished
@@ -100,7 +101,7 @@ def tick() -> float | None:
         return max(wait, _PAUSE)
     for uid, one in list(_state.asked.items()):
         obj = _object(one)
-        if obj is None or not _is_shown(obj):
+        if obj is None or not is_shown(obj):
             del _state.asked[uid]
         elif one.doubtful:
             _look(one, obj)
@@ -116,7 +117,7 @@ def _look(one: _Asked, obj: bpy.types.Object) -> None:
     one.answer = _answer(obj, bpy.context, one.present)
     one.doubtful = False
     _state.took = time.monotonic() - begin
-    _redraw()
+    redraw()
 
 
 def _answer(obj: bpy.types.Object, context: bpy.types.Context, present: Present) -> Answer:
@@ -184,29 +185,6 @@ def _playing() -> Iterator[bool]:
     for manager in bpy.data.window_managers:
         yield manager.is_interface_locked
         yield from (window.screen.is_animation_playing for window in manager.windows)
-
-
-def _is_shown(obj: bpy.types.Object) -> bool:
-    """Whether a sidebar may show an object."""
-    return any(
-        window.view_layer.objects.active == obj
-        for manager in bpy.data.window_managers
-        for window in manager.windows
-        if any(_sidebars(window))
-    )
-
-
-def _sidebars(window: bpy.types.Window) -> Iterator[bpy.types.Region]:
-    for area in window.screen.areas:
-        if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
-            yield from (region for region in area.regions if region.type == "UI")
-
-
-def _redraw() -> None:
-    for manager in bpy.data.window_managers:
-        for window in manager.windows:
-            for region in _sidebars(window):
-                region.tag_redraw()
 
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -3,7 +3,6 @@
 
 import bpy
 
-from .scatter import is_scatter
 from .translation import Say, told
 
 
@@ -22,17 +21,6 @@ def read_only(obj: bpy.types.Object, say: Say = told) -> str:
             name=obj.name,
         )
     return ""
-
-
-def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active object is a scatter that keeps what is written to it."""
-    if not is_scatter(context.object):
-        cls.poll_message_set(told("The active object is not a Dapple scatter"))
-    elif read_only(context.object):
-        cls.poll_message_set(read_only(context.object))
-    else:
-        return True
-    return False
 
 
 def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:

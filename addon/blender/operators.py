@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that take their time: thin shells around work.py; and what takes a bake back."""
+"""Operators that take their time: thin shells around the steps of work.py and its like."""
 
 from typing import Any, ClassVar
 
@@ -7,40 +7,19 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from ..core.errors import ScatterError
-from ..core.native import missing
 from ..core.settings import Settings
 from ..core.steps import Steps
-from . import freshness, preview
+from . import preview
 from .adding import add_steps
 from .job import OPTIONS, Answer, StepsOperator
-from .library import writable
+from .polls import ready
 from .properties import BIND_TO
-from .scatter import is_scatter, is_surface, rest_note
-from .store import clear_keys
-from .translation import OWN, counted, operator_label, reported, told
-from .work import bake_steps, optimize_steps, rebind_steps, tile_steps
-from .workfiles import all_work_files, finished_files
+from .scatter import rest_note
+from .tiling import tile_steps
+from .translation import OWN, operator_label, reported, told
+from .work import optimize_steps, rebind_steps
 
 _DEFAULT = Settings()
-
-
-def _ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
-    """Whether the active object fits; tells the artist why not."""
-    obj = context.object
-    if missing():
-        cls.poll_message_set(missing())
-    elif context.mode != "OBJECT" or obj is None:
-        cls.poll_message_set(told("Needs an active object in Object Mode"))
-    elif scatter:
-        return writable(cls, context)
-    elif is_scatter(obj):
-        cls.poll_message_set(told("The active object is a scatter, not a surface"))
-    elif not is_surface(obj):
-        cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
-    else:
-        return True
-    return False
 
 
 class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
@@ -70,7 +49,7 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=False)
+        return ready(cls, context, scatter=False)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         chosen = ("count", "seed", "bind_to")
@@ -124,7 +103,7 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=True)
+        return ready(cls, context, scatter=True)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
         settings = context.object.dapple
@@ -159,45 +138,13 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=True)
+        return ready(cls, context, scatter=True)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         return optimize_steps(context)
 
     def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
         preview.solved_anew(result)
-
-
-class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
-    """Keep the points even in every frame of the scene range and store them as keyframes. Points
-    that were optimized with other settings are optimized again first"""
-
-    bl_idname = "dapple.bake"
-    bl_label = "Bake"
-    bl_options = OPTIONS
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=True)
-
-    def steps(self, context: bpy.types.Context) -> Steps:
-        scene = context.scene
-        return bake_steps(context, scene.frame_start, scene.frame_end)
-
-    def done(self, context: bpy.types.Context, result: Any) -> None:
-        if result.anew:
-            preview.solved_anew(context.object)
-            text = reported("The points were optimized again first: {reason}", reason=result.anew)
-            self.report({"INFO"}, text)
-        if result.trouble:
-            self.report({"WARNING"}, result.trouble)
-        if result.taken:
-            text = reported(
-                "{taken} of {done} frames were already solved by a stopped bake",
-                taken=result.taken,
-                done=result.done,
-            )
-            self.report({"INFO"}, text)
 
 
 class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
@@ -211,7 +158,7 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=True)
+        return ready(cls, context, scatter=True)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         return rebind_steps(context)
@@ -231,7 +178,7 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _ready(cls, context, scatter=True)
+        return ready(cls, context, scatter=True)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         return tile_steps(context)
@@ -247,71 +194,10 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
         self.report({"WARNING" if tiles.lost else "INFO"}, text)
 
 
-class DAPPLE_OT_clear_bake(bpy.types.Operator):
-    """Delete the baked keyframes; the points then stick to the surface where they were optimized"""
-
-    bl_idname = "dapple.clear_bake"
-    bl_label = "Clear Bake"
-    bl_options = OPTIONS
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        there = writable(cls, context) and context.mode == "OBJECT"
-        return there and context.object.dapple.baked_keys > 0
-
-    def execute(self, context: bpy.types.Context) -> Answer:
-        left = finished_files(context.object)
-        try:
-            clear_keys(context.object)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        for files in left:
-            files.clear()
-        return {"FINISHED"}
-
-
-class DAPPLE_OT_discard_bake(bpy.types.Operator):
-    """Delete the frames that stopped bakes left behind; the next bake starts at its first frame"""
-
-    bl_idname = "dapple.discard_bake"
-    bl_label = "Discard Unfinished Bake"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and freshness.has_work_files(context.object, context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
-        if bpy.app.background:
-            return self.execute(context)
-        count = sum(files.frames() for files in all_work_files(context.object))
-        return context.window_manager.invoke_confirm(
-            self,
-            event,
-            title=told("Discard the unfinished bake?"),
-            message=counted(
-                count,
-                "{count} solved frame will be deleted from disk",
-                "{count:,} solved frames will be deleted from disk",
-            ),
-            confirm_text=operator_label(self.bl_label),
-            icon="WARNING",
-        )
-
-    def execute(self, context: bpy.types.Context) -> Answer:
-        for files in all_work_files(context.object):
-            files.clear()
-        freshness.touch(context.object)
-        return {"FINISHED"}
-
-
 CLASSES = (
     DAPPLE_OT_add,
     DAPPLE_OT_drop_keys,
     DAPPLE_OT_optimize,
-    DAPPLE_OT_bake,
     DAPPLE_OT_rebind,
     DAPPLE_OT_tile,
-    DAPPLE_OT_clear_bake,
-    DAPPLE_OT_discard_bake,
 )

@@ -14,15 +14,11 @@ import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
-from numpy.typing import NDArray
 
+from ..core.density_colors import Singles, computed
 from ..core.errors import ScatterError, StoppedError
-from ..core.frames import vertex_normals
-from ..core.ground import Ground
 from ..core.settings import Settings
-from ..core.solve import named
 from ..core.steps import Stepper, Steps, Task
-from ..core.surface import Floats, SurfaceArrays
 from .held import Held
 from .parts import read_parts
 from .renders import busy, when_one_begins
@@ -34,11 +30,7 @@ _PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
 _LONG = 3600.0  # seconds that a Blender without windows waits for it
 _PART = 300_000  # corners that are handed to the graphics card at a time
-_LIFT = 2e-3  # above the surface, of its size
-_ALPHA = 0.75
-# From nothing to the most: dark, teal, yellow.
-_COLORS = np.array([[0.10, 0.06, 0.25], [0.13, 0.55, 0.55], [0.99, 0.90, 0.15]])
-Singles = NDArray[np.float32]
+Part = tuple[Singles, Singles]  # positions and colors of corners
 
 
 @dataclass(frozen=True)
@@ -61,7 +53,8 @@ class _Shown:
     positions: Singles = field(default_factory=lambda: np.empty((0, 3), dtype=np.float32))
     colors: Singles = field(default_factory=lambda: np.empty((0, 4), dtype=np.float32))
     batches: list[Any] = field(default_factory=list)  # that are drawn
-    coming: list[Any] = field(default_factory=list)  # of the newest colors, until all are there
+    waiting: list[Part] = field(default_factory=list)  # for the graphics card
+    coming: list[Any] = field(default_factory=list)  # batches of the newest, until all are there
     job: Stepper | None = None  # what goes on
     changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
     said: str = ""  # why it ended
@@ -111,7 +104,7 @@ def stop() -> None:
         _redraw()
     _shown.handle, _shown.scatter, _shown.asked = None, None, None
     _shown.positions, _shown.colors = np.empty((0, 3), np.float32), np.empty((0, 4), np.float32)
-    _shown.batches, _shown.coming, _shown.changed = [], [], 0.0
+    _shown.batches, _shown.coming, _shown.waiting, _shown.changed = [], [], [], 0.0
 
 
 def touch(obj: bpy.types.Object) -> None:
@@ -158,19 +151,8 @@ def _watched(obj: bpy.types.Object, settings: Settings) -> list[int]:
 
 def _steps(scatter: Held, surface: Held, asked: _Asked) -> Steps:
     read = yield from read_parts(asked.settings, surface, scatter)
-    return (yield Task(lambda context: _computed(read.arrays(), asked, context)))
-
-
-def _computed(arrays: SurfaceArrays, asked: _Asked, context: Any) -> tuple[Singles, Singles]:
-    """Corners of the triangles and their colors; for a worker."""
-    with named(arrays.name):
-        ground = Ground(arrays, asked.settings, context)
-        density = ground.at_corners(asked.density)
-    vertices, faces = ground.surface.vertices, ground.surface.faces
-    lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
-    lifted = (vertices + lift * vertex_normals(vertices, faces)).astype(np.float32)
-    shares = density.ravel() / max(float(density.max()), 1e-300)
-    return lifted[faces].reshape(-1, 3), colored(shares)
+    settings, density = asked.settings, asked.density
+    return (yield Task(lambda worker: computed(read.arrays(), settings, density, worker)))
 
 
 def _poll() -> None:
@@ -179,7 +161,7 @@ def _poll() -> None:
         return
     if _shown.job.result is not None:
         _shown.positions, _shown.colors = _shown.job.result
-        _shown.coming = []
+        _shown.waiting, _shown.coming = _parts(_shown.positions, _shown.colors), []
     _shown.job = None
     _redraw()
 
@@ -188,15 +170,6 @@ def _give_up() -> None:
     if _shown.job is not None:
         _shown.job.abandon()
     _shown.job = None
-
-
-def colored(shares: Floats) -> Singles:
-    """Colors (n, 4) of shares (n,) of the largest density."""
-    steps = np.linspace(0.0, 1.0, len(_COLORS))
-    found = np.full((len(shares), 4), _ALPHA, dtype=np.float32)
-    for k in range(3):
-        found[:, k] = np.interp(shares, steps, _COLORS[:, k])
-    return found
 
 
 def _tick() -> float | None:
@@ -213,7 +186,10 @@ def _tick() -> float | None:
         return None
     except StoppedError:  # a render took its place
         _shown.job, _shown.changed = None, time.monotonic()
-    return _POLL if _shown.job is not None else _PAUSE
+    uploads = bool(_shown.waiting) and _shown.handle is not None
+    if uploads:
+        _redraw()
+    return _POLL if uploads or _shown.job is not None else _PAUSE
 
 
 def _look(obj: bpy.types.Object) -> None:
@@ -225,30 +201,35 @@ def _look(obj: bpy.types.Object) -> None:
 
 
 def _draw() -> None:
-    """Draw what is there; hand some of what is new to the graphics card."""
+    """Draw what is there; hand a part of what is new to the graphics card."""
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    _take_over(shader)
+    _upload(shader)
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
-    for _, batch in _shown.batches:
+    for batch in _shown.batches:
         batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
 
 
-def _take_over(shader: Any) -> None:
-    """One more part of the newest colors; drawn in place of the old ones when all are there."""
-    known = bool(_shown.batches) and _shown.batches[0][0] is _shown.positions
-    if known or not len(_shown.positions):
+def _parts(positions: Singles, colors: Singles) -> list[Part]:
+    """So many corners as are handed over at a time."""
+    firsts = range(0, len(positions), _PART)
+    return [(positions[k : k + _PART], colors[k : k + _PART]) for k in firsts]
+
+
+def _upload(shader: Any) -> None:
+    """One more part, as the graphics card takes them only while it draws.
+
+    The newest colors are drawn in place of the old ones when all of them are there.
+    """
+    if not _shown.waiting:
         return
-    first = len(_shown.coming) * _PART
-    part = slice(first, first + _PART)
-    content = {"pos": _shown.positions[part], "color": _shown.colors[part]}
-    batch = batch_for_shader(shader, "TRIS", content)
-    _shown.coming.append((_shown.positions, batch))
-    if part.stop >= len(_shown.positions):
+    positions, colors = _shown.waiting.pop(0)
+    content = {"pos": positions, "color": colors}
+    _shown.coming.append(batch_for_shader(shader, "TRIS", content))
+    if not _shown.waiting:
         _shown.batches, _shown.coming = _shown.coming, []
-    _redraw()
 
 
 def _redraw() -> None:

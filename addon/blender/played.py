@@ -7,11 +7,10 @@ import numpy as np
 from ..core.errors import ScatterError
 from ..core.records import Binding
 from ..core.surface import Floats
+from .bound import current_binding
+from .key_stores import check_keys, frames, stored_object
 from .meshio import read_surface
-from .resting import current_binding
 from .scatter import surface_of
-from .staleness import frames
-from .store import check_keys, stored_object
 from .times import time_of
 
 

@@ -25,9 +25,10 @@ from ..core.sources import (
 )
 from ..core.stale import Sketched, sketched
 from ..core.surface import SurfaceArrays, topology_digest
+from .key_stores import key_tables, stores_of
 from .meshio import evaluated_mesh, read_surface
+from .points import points_digest
 from .scatter import settings_of
-from .store import key_tables, points_digest, stores_of
 from .surroundings import own_objects, read_around
 from .weights import read_weights
 

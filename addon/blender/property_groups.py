@@ -17,7 +17,7 @@ from bpy.props import (
 from ..core.settings import DensitySettings
 from ..core.tiles import TileSettings
 from . import freshness, overlay
-from .scatter import write_instance_inputs, write_warning
+from .modifier import write_instance_inputs, write_warning
 from .translation import OWN
 from .weights import weight_names
 

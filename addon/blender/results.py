@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel says of a result: its figures, whether it still fits, and pictures of it."""
+"""What the panel says of a result: its figures, and whether it still fits."""
 
 import bpy
 
-from ..core.details import FARTHEST, Details, details_from
-from . import freshness, pictures
-from .labels import at_right
-from .scatter import is_scatter
+from . import freshness
 from .translation import counted, told
 
 _NOTICED = 0.02  # of an area variation, that is worth a line ...
@@ -81,51 +78,3 @@ def baked_line(obj: bpy.types.Object) -> str:
         mean=report.key_error_mean,
         most=report.key_error_max,
     )
-
-
-class DAPPLE_PT_details(bpy.types.Panel):
-    """How the last optimization went, in pictures"""
-
-    bl_label = "Details"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "HEADER"
-    bl_ui_units_x = 18
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, report = self.layout, context.object.dapple.report
-        details = details_from(report.details)
-        sides = layout.row()
-        column = sides.column(align=True)
-        column.label(text="Distance to the nearest point")
-        column.template_icon(icon_value=pictures.gaps_icon(details), scale=7.0)
-        row = column.row()
-        row.label(text="0")
-        at_right(row, told("{share:.0%} of ideal", share=FARTHEST))
-        if len(details.energies) > 1:
-            _draw_energies(sides.column(align=True), details)
-        column = layout.column(align=True)
-        for name in (
-            "spacing",
-            "alpha_min",
-            "alpha_mean",
-            "capacity_variation",
-            "whole_count_variation",
-        ):
-            column.prop(report, name)
-        column.prop(report, "evaluations")
-        column.enabled = False
-
-
-def _draw_energies(column: bpy.types.UILayout, details: Details) -> None:
-    steps = len(details.energies) - 1
-    column.label(
-        text=counted(steps, "Energy over {count} iteration", "Energy over {count} iterations")
-    )
-    column.template_icon(icon_value=pictures.energy_icon(details), scale=7.0)
-    row = column.row()
-    row.label(text=f"{details.energies[0]:.4g}")
-    at_right(row, f"{details.energies[-1]:.4g}")

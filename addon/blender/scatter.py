@@ -11,20 +11,11 @@ from ..core.settings import BakeSettings, ClassSettings, DensitySettings, Settin
 from ..core.solve import Report
 from ..core.stale import changed_baking, changed_settings
 from ..core.tiles import TileSettings
-from ..nodes import INSTANCE_INPUTS, has_input, input_name, set_input, version_of
-from .translation import Say, english, label_of, told
+from .translation import Say, label_of, told
 
 # Settings whose property has another name.
 _PROPERTIES = {"per_area": "points_per_area", "smoothing": "bake_smoothing", "fade": "fade_frames"}
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-
-
-def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """The modifier that plays the scatter back."""
-    for modifier in obj.modifiers:
-        if modifier.type == "NODES" and version_of(modifier.node_group) > 0:
-            return modifier
-    return None
 
 
 def is_scatter(obj: bpy.types.Object | None) -> bool:
@@ -62,14 +53,6 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
     if is_scatter(obj):
         return obj.dapple.surface
     return obj if is_surface(obj) else None
-
-
-def write_warning(obj: bpy.types.Object) -> None:
-    """Have the modifier warn when the settings are not those of the result."""
-    modifier = scatter_modifier(obj)
-    if modifier is not None and has_input(modifier, "Warning"):
-        set_input(modifier, "Warning", settings_reason(obj, english))
-        obj.update_tag()
 
 
 def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
@@ -113,34 +96,6 @@ def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
     if obj.dapple.baked_keys:
         return say("{reason}: bake again", reason=reason)
     return say("{reason}: optimize again", reason=reason)
-
-
-def write_instance_inputs(obj: bpy.types.Object) -> None:
-    """Tell the node group what to instance and how."""
-    modifier = scatter_modifier(obj)
-    if modifier is None:
-        return
-    if has_input(modifier, "Hidden"):
-        set_input(modifier, "Hidden", 1.0 - obj.dapple.viewport_share)
-    if not obj.dapple.classes:
-        _write_kind(modifier, obj.dapple, None)
-    for index, kind in enumerate(obj.dapple.classes):
-        _write_kind(modifier, kind, index)
-    obj.update_tag()
-
-
-def property_name(label: str) -> str:
-    """The property that one of INSTANCE_INPUTS is told."""
-    return label.lower().replace(" ", "_")
-
-
-def _write_kind(
-    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
-) -> None:
-    for name, _ in INSTANCE_INPUTS:
-        label = input_name(name, index)
-        if has_input(modifier, label):
-            set_input(modifier, label, getattr(kind, property_name(name)))
 
 
 def settings_of(obj: bpy.types.Object) -> Settings:

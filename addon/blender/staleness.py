@@ -4,34 +4,13 @@
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 
 from ..core.errors import ScatterError
-from ..core.records import FRAME_ATTRIBUTES
-from ..core.sources import (
-    PLACES,
-    UNKNOWN,
-    Sources,
-    differing,
-    is_of_faces,
-    sources_from,
-    value_roles,
-)
-from ..core.stale import changed_settings, moved
-from ..core.surface import SurfaceArrays
-from ..nodes import get_input, has_input
-from .meshio import read_columns
+from .bake_staleness import bake_reason, bound_vertices
+from .contents import contents, other_surface
+from .key_stores import key_points
 from .present import Looked, Present
-from .scatter import (
-    is_surface,
-    scatter_modifier,
-    settings_changed,
-    settings_of,
-    settings_reason,
-    solve_again,
-)
-from .store import key_points, stored_object
-from .times import time_of, times_of, whole_time
+from .scatter import is_surface, settings_reason, solve_again
 from .translation import counted, told
 
 
@@ -71,40 +50,12 @@ def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Pre
     reason = reason or settings_reason(obj)
     if reason:
         return Verdict(reason)
-    reasons, note = _contents(obj, present.sources(obj, depsgraph))
+    reasons, note = contents(obj, present.sources(obj, depsgraph))
     if reasons:
         return Verdict(solve_again(obj, reasons[0]))
     if obj.dapple.baked_keys:
-        return Verdict(_bake_reason(obj, depsgraph.scene, present, looked))
+        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
     return Verdict("", note)
-
-
-def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
-    """Why a solution is not that of the settings and contents now; empty when it is.
-
-    What is on a later frame as it is because it moves is no reason.
-    """
-    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
-    if names and obj.dapple.solved_settings:
-        return settings_changed(names)
-    if _other_surface(obj):
-        return _other_surface(obj)
-    before = sources_from(obj.dapple.solved_from)
-    if before is None:
-        return ""
-    reasons, _ = _compared(obj, before, now)
-    return reasons[0] if reasons else ""
-
-
-def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
-    """How the faces are not those the points are bound to; empty when they are."""
-    bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
-    if bound != now:
-        return f"attached to {bound} vertices, surface '{arrays.name}' has {now}"
-    known = obj.dapple.surface_topology.split()
-    if known and arrays.topology != known[0]:
-        return f"surface '{arrays.name}' has {now} vertices as before, but other faces"
-    return ""
 
 
 def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
@@ -136,7 +87,7 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looke
         reason = told(
             "Surface '{surface}': {trouble}", surface=surface.name, trouble=looked.trouble
         )
-    reason = reason or _other_surface(obj)
+    reason = reason or other_surface(obj)
     return solve_again(obj, reason) if reason else ""
 
 
@@ -147,7 +98,7 @@ def _rest_reason(surface: bpy.types.Object) -> str:
 
 
 def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
-    bound, now = _bound_vertices(obj, depsgraph.scene), looked.vertices
+    bound, now = bound_vertices(obj, depsgraph.scene), looked.vertices
     known = obj.dapple.surface_topology.split()
     if now not in bound:
         return told(
@@ -159,21 +110,6 @@ def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked:
             surface=looked.name,
         )
     return ""
-
-
-def _other_surface(obj: bpy.types.Object) -> str:
-    """Whether points are played on another surface than the one that is chosen."""
-    modifier = scatter_modifier(obj)
-    if modifier is None or not has_input(modifier, "Surface"):
-        return ""
-    played = get_input(modifier, "Surface")
-    if played is None or played == obj.dapple.surface:
-        return ""
-    return told(
-        "The points are on '{played}', not on '{chosen}'",
-        played=played.name,
-        chosen=obj.dapple.surface.name,
-    )
 
 
 def _points_reason(obj: bpy.types.Object, present: Present) -> str:
@@ -200,154 +136,3 @@ def _added_or_removed(added: int) -> str:
         "{count} point was removed by hand: reattach to keep the others, or optimize",
         "{count:,} points were removed by hand: reattach to keep the others, or optimize",
     )
-
-
-def _contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
-    """What has other contents than when the result was solved; what is only so in this frame."""
-    baked = bool(obj.dapple.baked_keys)
-    before = sources_from(obj.dapple.baked_from if baked else obj.dapple.solved_from)
-    if before is not None:
-        return _compared(obj, before, now)
-    if baked or not obj.dapple.report.count:
-        return [], ""
-    return [], told("Made by an older version: only settings and faces are compared")
-
-
-def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
-    """Reasons, and a note of what differs from the frame of before as what moves does."""
-    roles = [role for role in differing(before, now) if role != "faces"]
-    same = before.exact.get("faces") == now.exact.get("faces")
-    roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
-    if before.frame == now.frame:
-        return [_said(obj, role) for role in roles], _unknown(before)
-    if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
-        moving = {*before.moving, "shape"}
-        return [_said(obj, role) for role in roles if role not in moving], ""
-    places = [role for role in roles if role in PLACES]
-    still = [_said(obj, role) for role in roles if role not in PLACES]
-    return still, _note(before.frame, places) if places else _unknown(before)
-
-
-def _unknown(before: Sources) -> str:
-    if UNKNOWN not in before.exact.values():
-        return ""
-    return told("Attached to other faces since then: values of the surface are not compared")
-
-
-def _note(frame: float, roles: list[str]) -> str:
-    labels = {
-        "shape": told("shape of the surface"),
-        "scale": told("shape of the surface"),
-        "up": told("direction and height of the surface"),
-        "camera": told("camera"),
-        "obstacles": told("avoided objects"),
-        "others": told("avoided objects"),
-    }
-    listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
-    return told(
-        "Differs from frame {frame:g}, where the points were optimized: {what}",
-        frame=frame,
-        what=listed,
-    )
-
-
-def _said(obj: bpy.types.Object, role: str) -> str:
-    """That a role has other contents."""
-    settings, surface = settings_of(obj), obj.dapple.surface.name
-    named = value_roles(settings)
-    if role in named:
-        return told("Values of '{name}' were changed", name=named[role])
-    if role == "image":
-        return told("Image '{name}' was changed", name=settings.density.image)
-    if role == "uv":
-        return told("UV map of '{surface}' was changed", surface=surface)
-    if role == "camera":
-        return told("The camera was moved or changed")
-    if role in ("obstacles", "others"):
-        return told("Avoided objects were moved or changed")
-    if role == "up":
-        return told(
-            "Surface '{surface}' was rotated or moved, and the density depends on it",
-            surface=surface,
-        )
-    return told("Surface '{surface}' has another shape or scale than before", surface=surface)
-
-
-def _bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:
-    """Numbers of vertices that fit now: between two frames, that of either."""
-    if not obj.dapple.baked_keys:
-        return [obj.dapple.surface_vertices]
-    table = frames(obj)["dapple_vertices"]
-    if not len(table):
-        raise ScatterError(f"Scatter '{obj.name}' has no baked frame: bake again")
-    time = time_of(scene) - obj.dapple.baked_start
-    around = np.clip([np.floor(time), np.ceil(time)], 0, len(table) - 1).astype(int)
-    return [int(count) for count in table[around]]
-
-
-def _bake_reason(
-    obj: bpy.types.Object, scene: bpy.types.Scene, present: Present, looked: Looked
-) -> str:
-    reasons = (
-        _key_reason(obj, present),
-        _range_reason(obj, scene),
-        _motion_reason(obj, scene, looked),
-    )
-    return next((solve_again(obj, reason) for reason in reasons if reason), "")
-
-
-def _key_reason(obj: bpy.types.Object, present: Present) -> str:
-    wrong = present.wrong_key(obj)
-    return told("The keyframes are damaged: {wrong}", wrong=wrong) if wrong else ""
-
-
-def _range_reason(obj: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    first = obj.dapple.baked_start
-    last = first + obj.dapple.baked_frames - 1
-    start, end = times_of(scene, scene.frame_start, scene.frame_end)
-    if first <= start and end <= last:
-        return ""
-    return told(
-        "Frames {first} to {last} are baked, the scene has {start} to {end}",
-        first=first,
-        last=last,
-        start=start,
-        end=end,
-    )
-
-
-def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> str:
-    frame = _baked_frame(obj, scene)
-    if frame is None:
-        return ""
-    columns = frames(obj)
-    if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
-        return ""  # other faces of the same shape, which vertices do not tell
-    stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
-    if not moved(stored, looked.sketched):
-        return ""
-    return told(
-        "Surface '{surface}' moves differently than when it was baked (frame {frame})",
-        surface=obj.dapple.surface.name,
-        frame=whole_time(scene),
-    )
-
-
-def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
-    """Index of the time that is shown in the bake, if it is a whole one of it."""
-    time = whole_time(scene)
-    if time is None or not 0 <= time - obj.dapple.baked_start < obj.dapple.baked_frames:
-        return None
-    return time - obj.dapple.baked_start
-
-
-def frames(obj: bpy.types.Object) -> dict[str, np.ndarray]:
-    """The table of the baked frames."""
-    found = read_columns(stored_object(obj, "Frames").data, FRAME_ATTRIBUTES)
-    count = len(found["dapple_key"])
-    if count != obj.dapple.baked_frames:
-        raise ScatterError(
-            f"Scatter '{obj.name}' has {count} baked frames, not {obj.dapple.baked_frames}: bake "
-            "again"
-        )
-    return found

@@ -20,8 +20,8 @@ from ..core.errors import ScatterError
 from ..core.native import missing
 from ..core.records import ROW_ATTRIBUTES
 from ..core.sidecar import Sidecar, start_digest
+from .points import own_columns
 from .scatter import is_scatter, settings_of
-from .store import own_columns
 from .translation import told
 
 _FOLDER = re.compile(r".*?-([0-9a-f]{8})(-[0-9a-f]{8})?")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .binding import binding_of
+from .binding import binding_of, bound_nearest
 from .details import Details, details_of
 from .errors import ScatterError, StoppedError
 from .forward import pointing
@@ -107,6 +107,12 @@ def with_own_ids(columns: Columns, new: NDArray[np.bool_], seed: int) -> Columns
     for name, values in joined.items():
         values[new] = own[name]
     return joined
+
+
+def nearest_binding(points: Floats, surface: SurfaceArrays) -> Binding:
+    """Binding of points (n, 3) to the nearest places of a surface; errors name it."""
+    with named(surface.name):
+        return bound_nearest(points, surface)
 
 
 def report_of(report: Any) -> Report:

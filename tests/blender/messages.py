@@ -15,7 +15,7 @@ def shown():
     found = set()
     for kind in _classes():
         found |= set(_of_class(kind))
-    for path in sorted((addon_host.sources() / "blender").glob("*.py")):
+    for path in sorted((addon_host.sources() / "blender").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call):
                 found |= set(_of_call(node))

@@ -262,11 +262,12 @@ def libraries():
     return [Path(one.path) for one in bpy.context.preferences.filepaths.asset_libraries]
 
 
-def drawn(module, **settings):
+def drawn(**settings):
     shown = []
     preferences = types.SimpleNamespace(layout=Layout(shown), bl_rna=None, **settings)
     preferences.layout.prop = lambda data, name, **_: shown.append(name)
-    module.DAPPLE_AP_preferences.draw(preferences, bpy.context)
+    preferred = addon_host.part("blender.preferences")
+    preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     return shown
 
 
@@ -274,12 +275,12 @@ def test_the_library_is_added_once_and_removed(library, assets, capfd):
     before = libraries()
     assert assets.parent not in before
     assert not bpy.ops.dapple.remove_asset_library.poll()
-    assert "dapple.add_asset_library" in drawn(library)
+    assert "dapple.add_asset_library" in drawn()
     assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
     assert bpy.ops.dapple.add_asset_library() == {"FINISHED"}
     assert "The asset library 'Dapple' is there already" in capfd.readouterr().out
     assert libraries() == [*before, assets.parent]
-    assert drawn(library)[-2:] == ["dapple.remove_asset_library", "remove_library"]
+    assert drawn()[-2:] == ["dapple.remove_asset_library", "remove_library"]
     assert bpy.ops.dapple.remove_asset_library() == {"FINISHED"}
     assert libraries() == before
 
@@ -287,7 +288,7 @@ def test_the_library_is_added_once_and_removed(library, assets, capfd):
 def test_without_the_file_the_button_says_why(library, tmp_path, monkeypatch):
     monkeypatch.setattr(library, "FOLDER", tmp_path)
     assert not bpy.ops.dapple.add_asset_library.poll()
-    assert drawn(library)[-1].startswith("dapple_nodes.blend is missing: it is only part")
+    assert drawn()[-1].startswith("dapple_nodes.blend is missing: it is only part")
     with pytest.raises(RuntimeError, match=r"dapple_nodes\.blend is missing"):
         bpy.ops.dapple.add_asset_library()
     (tmp_path / "dapple_nodes.blend").write_bytes(b"")

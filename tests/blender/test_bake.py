@@ -42,7 +42,7 @@ def at(frame, subframe=0.0):
 
 def key_rows(obj):
     """Stored keys: corners (F, n, 3), barycentric (F, n, 3)."""
-    stored, count = addon_host.part("blender.store").read_baked(obj), len(obj.data.vertices)
+    stored, count = addon_host.part("blender.key_stores").read_baked(obj), len(obj.data.vertices)
     bindings = [stored.binding(frame, count)[0] for frame in range(stored.frame_count)]
     corners = np.stack([binding.corners for binding in bindings])
     return corners, np.stack([binding.barycentric for binding in bindings])
@@ -98,7 +98,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     obj.dapple.key_every = 3
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (obj.dapple.baked_keys, obj.dapple.baked_frames) == (3, FRAMES)  # 1, 4, 6
-    stored = addon_host.part("blender.store").read_baked(obj)
+    stored = addon_host.part("blender.key_stores").read_baked(obj)
     apart = []
     for frame, samples in enumerate(tracked, start=1):
         at(frame)
@@ -241,7 +241,7 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     subdivided_from(surface, 4)
     obj.dapple.on_topology_change, obj.dapple.key_every = "REBIND", every
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    table = addon_host.part("blender.store").read_baked(obj).frames
+    table = addon_host.part("blender.key_stores").read_baked(obj).frames
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
     assert table["dapple_span"][2] == 0  # nothing is mixed across the change
     dapple, before = addon_host.part("core.native").package(), None
@@ -266,7 +266,7 @@ def test_an_interrupted_bake_over_a_change_of_topology_gives_the_same_bytes(tmp_
     subdivided_from(surface, 3)
     obj.dapple.on_topology_change = "REBIND"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    read = addon_host.part("blender.store").read_baked
+    read = addon_host.part("blender.key_stores").read_baked
     expected = read(obj)
     files = addon_host.part("blender.workfiles").work_files(obj)
     for frame in (5, 6):
@@ -318,10 +318,10 @@ def test_an_empty_range_is_refused():
     scene = bpy.context.scene
     scene.frame_end, scene.frame_start = 2, 2
     scene.frame_preview_start = 1
-    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    baking, steps = addon_host.part("blender.baking"), addon_host.part("core.steps")
     errors = addon_host.part("core.errors")
     with pytest.raises(errors.ScatterError, match="frame range is empty: 5 to 4"):
-        steps.run_now(work.bake_steps(bpy.context, 5, 4))
+        steps.run_now(baking.bake_steps(bpy.context, 5, 4))
 
 
 def test_a_broken_record_is_refused():
@@ -334,10 +334,10 @@ def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
     surface = scenes.tail()
     obj = scenes.scattered(surface)
     meshio, binding = addon_host.part("blender.meshio"), addon_host.part("core.binding")
-    store = addon_host.part("blender.store")
+    points = addon_host.part("blender.points")
     dapple = addon_host.part("core.native").package()
     arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    stored, columns = store.read_binding(obj, len(arrays.vertices))
+    stored, columns = points.read_binding(obj, len(arrays.vertices))
     quads = [polygon.vertices[:] for polygon in evaluated_polygons(surface)]
     other = np.array(
         [t for q in quads for t in ((q[0], q[1], q[3]), (q[1], q[2], q[3]))], dtype=np.int32

@@ -608,14 +608,14 @@ def test_every_vertex_counts_in_a_large_surface(seen):
 
 
 def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
-    work, steps = addon_host.part("blender.work"), addon_host.part("core.steps")
+    baking, steps = addon_host.part("blender.baking"), addon_host.part("core.steps")
     package = addon_host.part("core.native").package()
     surface, found = scenes.tail(frames=4), []
     for stopped in (False, True):
         obj = scenes.scattered(surface)
         obj.dapple.count = 40
         if stopped:
-            going = work.bake_steps(bpy.context, 1, 4)
+            going = baking.bake_steps(bpy.context, 1, 4)
             task = next(going)
             for _ in range(5):  # the points, and what two frames take
                 task = going.send(task.call(package.Context()))
@@ -623,11 +623,11 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
             assert reason(obj) == "Settings were changed (Count): optimize again"
             assert addon_host.part("blender.workfiles").unfinished(obj) == 2
-        baker = steps.run_now(work.bake_steps(bpy.context, 1, 4))
+        baker = steps.run_now(baking.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)
         assert baker.anew == "Settings were changed (Count)"
         assert reason(obj) == ""
-        found.append(addon_host.part("blender.store").read_baked(obj))
+        found.append(addon_host.part("blender.key_stores").read_baked(obj))
     for name in ("keys", "triangles", "frames"):
         for column, values in getattr(found[0], name).items():
             assert getattr(found[1], name)[column].tobytes() == values.tobytes()

@@ -46,8 +46,7 @@ def reason(obj):
 
 
 def columns(obj):
-    store = addon_host.part("blender.store")
-    return store.point_columns_of(obj)
+    return addon_host.part("blender.points").point_columns_of(obj)
 
 
 def test_after_deleting_points_all_goes_on(obj):

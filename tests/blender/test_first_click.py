@@ -228,7 +228,8 @@ def test_faces_that_change_in_every_frame_are_baked(tracked):
     obj.dapple.bind_to = "REST"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert obj.dapple.bound_to == "REST"
-    assert len(set(addon_host.part("blender.store").read_baked(obj).frames["dapple_vertices"])) > 1
+    stored = addon_host.part("blender.key_stores").read_baked(obj)
+    assert len(set(stored.frames["dapple_vertices"])) > 1
     before = None
     for frame in np.arange(1.0, 4.1, 0.25):
         bpy.context.scene.frame_set(int(frame), subframe=frame % 1.0)
@@ -273,8 +274,8 @@ def test_a_stopped_bake_leaves_rest_position_off():
     surface = scenes.tail(frames=3)
     obj = scenes.scattered(surface)
     obj.dapple.bind_to = "REST"
-    work = addon_host.part("blender.work")
-    running = work.bake_steps(bpy.context, 1, 3)
+    baking = addon_host.part("blender.baking")
+    running = baking.bake_steps(bpy.context, 1, 3)
     next(running)
     assert surface.add_rest_position_attribute
     running.close()

@@ -23,14 +23,14 @@ def waiting(monkeypatch):
     """As in a window: who asks is told what a timer has found; how often things were read."""
     freshness, reads = part(), Counter()
     monkeypatch.setattr(freshness, "at_once", False)
-    monkeypatch.setattr(freshness, "_is_shown", lambda obj: obj == bpy.context.object)
+    monkeypatch.setattr(freshness, "is_shown", lambda obj: obj == bpy.context.object)
     for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
         "blender.present": ("read_surface", "read_weights", "read_around", "points_digest"),
         "blender.freshness": ("verdict", "all_work_files", "unfinished", "picture_digest"),
         "blender.meshio": ("evaluated_mesh", "topology"),
-        "blender.operators": ("all_work_files",),
+        "blender.bake_operators": ("all_work_files",),
     }
     for module, names in counted.items():
         for name in names:

@@ -83,9 +83,11 @@ def test_a_baked_lean_is_played(randomness):
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=40)
     obj.dapple.turn_randomness = randomness
-    store, meshio = (addon_host.part(f"blender.{name}") for name in ("store", "meshio"))
+    points, writing, meshio = (
+        addon_host.part(f"blender.{name}") for name in ("points", "key_writing", "meshio")
+    )
     arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    binding, _ = store.read_binding(obj, len(arrays.vertices))
+    binding, _ = points.read_binding(obj, len(arrays.vertices))
     faces = part("binding").faces_with_corners(binding.corners, arrays.faces)
     corners = arrays.faces[faces]
     order = np.argmax(corners[:, None, :] == binding.corners[:, :, None], axis=1)
@@ -96,7 +98,7 @@ def test_a_baked_lean_is_played(randomness):
     for lean in (None, vectors):
         placed = part("keys").Placed(faces, binding, lean=lean)
         keyframes.add(placed, arrays, arrays, 0.1)
-    store.write_baked(obj, keyframes.packed(), 1, part("solve").Report(count=40))
+    writing.write_baked(obj, keyframes.packed(), 1, part("solve").Report(count=40))
     normals = part("frames").vertex_normals(arrays.vertices, arrays.faces)
     own = part("frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
     turn = np.empty(40, np.float32)
@@ -139,7 +141,7 @@ def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
     obj = scenes.scattered(scenes.tail(), count=60)
     obj.dapple.count_over_time = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    keys = addon_host.part("blender.store").stored_object(obj, "Keys").data
+    keys = addon_host.part("blender.key_stores").stored_object(obj, "Keys").data
     assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)
     assert len(keys.vertices) == obj.dapple.baked_keys * len(obj.data.vertices)
     bpy.context.scene.frame_set(4)

@@ -198,6 +198,7 @@ class Window:
     def __init__(self, monkeypatch, answer=True):
         self.asked, self.started, self.answer = [], [], answer
         self.operators = addon_host.part("blender.operators")
+        self.of_bakes = addon_host.part("blender.bake_operators")
         bpy_there = SimpleNamespace(
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
@@ -206,7 +207,8 @@ class Window:
                 )
             ),
         )
-        monkeypatch.setattr(self.operators, "bpy", bpy_there)
+        for module in (self.operators, self.of_bakes):
+            monkeypatch.setattr(module, "bpy", bpy_there)
         started = lambda operator, *_: self._start("MODAL", True)  # noqa: E731
         monkeypatch.setattr(self.operators.StepsOperator, "invoke", started)
 
@@ -268,7 +270,7 @@ def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     obj.dapple.bake_fingerprint = ""  # as if it had been stopped
     files = addon_host.part("blender.workfiles").work_files(obj)
     window = Window(monkeypatch, answer)
-    window.press(window.operators.DAPPLE_OT_discard_bake)
+    window.press(window.of_bakes.DAPPLE_OT_discard_bake)
     said = "6 solved frames will be deleted from disk"
     assert window.asked == [("Discard the unfinished bake?", said)]
     assert files.frames() == (0 if answer else 6)

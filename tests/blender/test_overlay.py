@@ -35,7 +35,7 @@ def test_colors_tell_where_points_will_be(overlay):
     assert overlay.is_on(obj)
     positions, colors = overlay.triangles()
     above, below = positions[:, 2] > 0.1, positions[:, 2] < -0.1
-    most, none = overlay.colored(np.array([1.0, 0.0]))
+    most, none = addon_host.part("core.density_colors").colored(np.array([1.0, 0.0]))
     np.testing.assert_allclose(colors[above], np.tile(most, (above.sum(), 1)))
     np.testing.assert_allclose(colors[below], np.tile(none, (below.sum(), 1)))
     assert bpy.ops.dapple.show_density() == {"FINISHED"}
@@ -114,7 +114,7 @@ def test_the_class_that_is_chosen_later_is_shown(overlay):
     positions, first = overlay.triangles()
     obj.dapple.class_index = 1
     _, second = looked(overlay)
-    most = overlay.colored(np.array([1.0]))
+    most = addon_host.part("core.density_colors").colored(np.array([1.0]))
     assert (first[positions[:, 2] > 0.3] == most).all()
     assert (second[positions[:, 2] < -0.3] == most).all()
 
@@ -200,7 +200,7 @@ def test_colors_are_computed_by_a_worker_and_the_last_ones_are_shown_until_then(
     bpy.ops.dapple.show_density()
     before, colors = overlay.triangles()
     monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
-    event, threads = windowed.held_back(monkeypatch, overlay, "_computed")
+    event, threads = windowed.held_back(monkeypatch, overlay, "computed")
     obj.dapple.density.height_from = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
     for _ in range(3):
@@ -245,7 +245,7 @@ def test_a_render_stops_the_worker_and_colors_come_afterwards(overlay, monkeypat
     bpy.ops.dapple.show_density()
     before, _ = overlay.triangles()
     monkeypatch.setattr(overlay, "bpy", windowed.Windowed())
-    event, threads = windowed.held_back(monkeypatch, overlay, "_computed")
+    event, threads = windowed.held_back(monkeypatch, overlay, "computed")
     obj.dapple.density.height_from = 0.5
     windowed.until(lambda: threads, lambda: wait(overlay))
     with probe.registered():

@@ -65,7 +65,7 @@ class Layout:
 
     def template_list(self, kind, _, data, name, active_data, active):
         assert active in active_data.bl_rna.properties
-        kind = addon_host.part("blender.ui").DAPPLE_UL_classes
+        kind = addon_host.part("blender.panels").DAPPLE_UL_classes
         for index, item in enumerate(getattr(data, name)):
             draw = types.SimpleNamespace()
             kind.draw_item(draw, bpy.context, self, data, item, 0, active_data, active, index)

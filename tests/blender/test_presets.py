@@ -200,7 +200,7 @@ def test_presets_can_be_removed_where_no_scatter_is_selected(folder, where):
     else:
         preferences = types.SimpleNamespace(layout=Layout(shown), remove_library=False)
         preferences.layout.prop = lambda *_, **__: None
-        library = addon_host.part("blender.asset_library")
-        library.DAPPLE_AP_preferences.draw(preferences, bpy.context)
+        preferred = addon_host.part("blender.preferences")
+        preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     assert "dapple.remove_preset" in shown
     assert "dapple.load_preset" not in shown

@@ -190,7 +190,8 @@ def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monk
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(preview, "bpy", windowed.Windowed())
     follower = addon_host.part("core.follow").Follower
-    made, makers = windowed.held_back(monkeypatch, preview, "Follower")
+    steps = addon_host.part("blender.preview_steps")
+    made, makers = windowed.held_back(monkeypatch, steps, "Follower")
     toggled()
     windowed.until(lambda: makers, preview.tick)
     assert preview.note(patient) == "The preview is being prepared"

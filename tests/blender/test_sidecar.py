@@ -280,9 +280,9 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
 
 def stop_after(count):
     """Bake in steps, canceled when so many frames are kept; what was said."""
-    steps, work = addon_host.part("core.steps"), addon_host.part("blender.work")
+    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.baking")
     files = files_of(bpy.context.object)
-    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, FRAMES))
+    stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, FRAMES))
     try:
         while not stepper.poll(wait=5.0):
             if files.frames() >= count:
@@ -318,8 +318,8 @@ def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
 def test_a_folder_that_cannot_be_written_does_not_stop_the_bake(tmp_path):
     obj = saved_scatter(tmp_path / "blocked.blend")
     (tmp_path / "blocked.dapple").write_text("a file where the folder should be")
-    steps, work = addon_host.part("core.steps"), addon_host.part("blender.work")
-    baker = steps.run_now(work.bake_steps(bpy.context, 1, FRAMES))
+    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.baking")
+    baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
     assert baker.trouble.startswith(f"Frames cannot be kept in '{tmp_path}")
     assert obj.dapple.baked_frames == FRAMES
 

@@ -59,13 +59,13 @@ def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
 
 
 def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
-    work = addon_host.part("blender.work")
+    baking = addon_host.part("blender.baking")
     obj = scenes.scattered(scenes.tail())
     bpy.context.scene.frame_set(3)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = scenes.positions(obj)
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
-    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, 6))
     progress = [stepper.progress]
     while not stepper.poll():
         progress.append(stepper.progress)
@@ -77,11 +77,11 @@ def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
 
 @pytest.mark.parametrize("polls", [0, 1, 3])
 def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
-    work = addon_host.part("blender.work")
+    baking = addon_host.part("blender.baking")
     scenes.scattered(scenes.tail(), count=300)
     bpy.context.scene.frame_set(3)
     before = scenes.snapshot()
-    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, 6))
     for _ in range(polls):
         stepper.poll()
     stepper.cancel()
@@ -106,11 +106,11 @@ def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
 
 
 def test_closing_stops_the_worker_and_restores_the_frame(steps):
-    work = addon_host.part("blender.work")
+    baking = addon_host.part("blender.baking")
     scenes.scattered(scenes.tail())
     bpy.context.scene.frame_set(2)
     before = scenes.snapshot()
-    stepper = steps.Stepper(work.bake_steps(bpy.context, 1, 6))
+    stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, 6))
     stepper.poll()
     stepper.close()
     assert scenes.snapshot() == before

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for moving surfaces: the bake, the frames that it has left, and the preview."""
+
+import bpy
+
+from .. import freshness, preview
+from ..bake_operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
+from ..labels import lines_of
+from ..results import baked_line
+from ..translation import counted, told
+from ..viewport_operators import DAPPLE_OT_preview
+from ..workfiles import unsaved_note
+from .base import ScatterPanel
+
+
+class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
+    bl_label = "Animation"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        layout.prop(context.scene, "frame_start", text="Frame Start")
+        layout.prop(context.scene, "frame_end", text="End")
+        layout.prop(settings, "count_over_time")
+        if settings.count_over_time == "KEEP_DENSITY":
+            layout.prop(settings, "fade_frames")
+        else:
+            layout.prop(settings, "bake_smoothing")
+        layout.prop(settings, "stickiness")
+        layout.prop(settings, "key_every")
+        layout.prop(settings, "on_topology_change")
+        row = layout.row(align=True)
+        row.operator(DAPPLE_OT_bake.bl_idname, icon="REC")
+        row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
+        if settings.baked_keys:
+            lines_of(layout, baked_line(context.object), "CHECKMARK")
+        else:
+            lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
+        row = layout.row(align=True)
+        row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
+        row.prop(settings, "preview_budget", text="ms", translate=False)
+        if preview.note(context.object):
+            lines_of(layout, preview.note(context.object), "INFO")
+        _draw_work_files(layout, freshness.answer(context.object, context))
+        if unsaved_note():
+            lines_of(layout, unsaved_note(), "INFO")
+
+
+def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Answer | None) -> None:
+    if known is None:
+        return
+    if known.unfinished:
+        text = counted(
+            known.unfinished,
+            "Unfinished bake: {count} frame is solved, Bake continues",
+            "Unfinished bake: {count} frames are solved, Bake continues",
+        )
+        lines_of(layout, text, "INFO")
+    if known.left_over:
+        text = counted(
+            known.left_over,
+            "{count} frame solved from other settings or points is kept",
+            "{count} frames solved from other settings or points are kept",
+        )
+        lines_of(layout, text, "INFO")
+    if known.unfinished or known.left_over:
+        layout.operator(DAPPLE_OT_discard_bake.bl_idname, icon="TRASH")

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for what is put on the points, and the list of object types."""
+
+import bpy
+
+from .. import shown
+from ..tools import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
+from ..translation import told
+from .base import ScatterPanel
+
+_SIZE = ("scale", "scale_randomness", "density_scale")
+_DIRECTION = ("align", "turn_randomness", "tilt")
+
+
+class DAPPLE_UL_classes(bpy.types.UIList):
+    """Name of each class, and how many points it gets."""
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: bpy.types.AnyType,
+        item: bpy.types.AnyType,
+        icon: int,
+        active_data: bpy.types.AnyType,
+        active_property: str,
+        index: int = 0,
+        flt_flag: int = 0,
+    ) -> None:
+        row = layout.row()
+        icon_name = "OUTLINER_COLLECTION" if item.collection else "OBJECT_DATA"
+        row.prop(item, "name", text="", emboss=False, icon=icon_name)
+        counts = shown.CLASS_COUNTS.of(data.id_data)
+        part = row.row()
+        part.alignment = "RIGHT"
+        part.label(text=counts[index] if index < len(counts) else "")
+
+
+class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
+    bl_label = "Instances"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        _draw_class_list(layout, settings)
+        kinds, at = settings.classes, settings.class_index
+        shown = kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
+        if kinds:
+            _draw_class(layout, shown)
+        for names in (("instance", "collection"), _SIZE, _DIRECTION):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(shown, name)
+        layout.prop(settings, "forward")
+        layout.prop(settings, "viewport_share")
+        if settings.report.worst_overlap > 0:
+            row = layout.row()
+            row.label(text=_overlap(settings))
+            row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _overlap(settings: bpy.types.AnyType) -> str:
+    report = settings.report
+    share = 100 * report.worst_overlap
+    if not settings.baked_keys:
+        return told("Max overlap {share:.0f} %", share=share)
+    frame = report.overlap_frame
+    return told("Max overlap {share:.0f} % in frame {frame}", share=share, frame=frame)
+
+
+def _draw_class_list(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
+    edit = DAPPLE_OT_edit_classes.bl_idname
+    if not settings.classes:
+        layout.operator(edit, text="Add Object Type", icon="ADD").action = "ADD"
+        return
+    row = layout.row()
+    row.template_list(DAPPLE_UL_classes.__name__, "", settings, "classes", settings, "class_index")
+    column = row.column(align=True)
+    icons = {"ADD": "ADD", "REMOVE": "REMOVE", "UP": "TRIA_UP", "DOWN": "TRIA_DOWN"}
+    for action, icon in icons.items():
+        column.operator(edit, text="", icon=icon).action = action
+
+
+def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
+    row = layout.row(heading="Exact Count")
+    row.prop(kind, "use_count", text="")
+    part = row.row()
+    part.active = kind.use_count
+    part.prop(kind, "count", text="")
+    part = layout.row()
+    part.active = not kind.use_count
+    part.prop(kind, "share")
+    layout.prop(kind, "radius")
+    layout.prop(kind, "density")

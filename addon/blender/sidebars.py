@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the add-on's panels are: whether they may show an object, and drawing them again."""
+
+from collections.abc import Iterator
+
+import bpy
+
+
+def is_shown(obj: bpy.types.Object) -> bool:
+    """Whether a sidebar may show an object."""
+    return any(
+        window.view_layer.objects.active == obj
+        for manager in bpy.data.window_managers
+        for window in manager.windows
+        if any(_sidebars(window))
+    )
+
+
+def redraw() -> None:
+    """Have the panels be drawn again, and the preferences."""
+    for manager in bpy.data.window_managers:
+        for window in manager.windows:
+            for region in (*_sidebars(window), *_preferences(window)):
+                region.tag_redraw()
+
+
+def _sidebars(window: bpy.types.Window) -> Iterator[bpy.types.Region]:
+    for area in window.screen.areas:
+        if area.type == "VIEW_3D" and area.spaces.active.show_region_ui:
+            yield from (region for region in area.regions if region.type == "UI")
+
+
+def _preferences(window: bpy.types.Window) -> Iterator[bpy.types.Region]:
+    for area in window.screen.areas:
+        if area.type == "PREFERENCES":
+            yield from area.regions
