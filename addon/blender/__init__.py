@@ -7,27 +7,14 @@ from typing import Any
 
 import bpy
 
-from . import (
-    asset_library,
-    bake_operators,
-    copies,
-    freshness,
-    older_files,
-    operators,
-    overlay,
-    pictures,
-    preferences,
-    preset_operators,
-    preview,
-    properties,
-    renders,
-    shown,
-    tools,
-    translation,
-    ui,
-    viewport_operators,
-    workfiles,
-)
+from . import copies, ui
+from .base import renders, translation
+from .data import older_files
+from .ops import bake_operators, operators, tools, viewport_operators
+from .panels import asset_library, pictures, preferences, preset_operators, shown
+from .settings import properties
+from .status import freshness, workfiles
+from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
     *(operators, bake_operators, viewport_operators, tools, preset_operators),

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from .labels import lines_of
-from .translation import english, told
+from .base.extension import PACKAGE
+from .base.labels import lines_of
+from .base.translation import english, told
 
-_PACKAGE = __package__.removesuffix(".blender")
 _LOOK = 1.0  # seconds between two looks
 
 
@@ -28,7 +28,7 @@ def other() -> str:
     """Module of another copy that is enabled; empty when there is none."""
     shown = getattr(bpy.types, "DAPPLE_PT_main", None)
     package = "" if shown is None else shown.__module__.removesuffix(".blender.ui")
-    return "" if package == _PACKAGE else package
+    return "" if package == PACKAGE else package
 
 
 def waits() -> bool:
@@ -70,14 +70,14 @@ def note(say: Callable[..., str] = told) -> str:
         "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
         "until it is disabled",
         other=other(),
-        own=_PACKAGE,
+        own=PACKAGE,
     )
 
 
 class DAPPLE_AP_waiting(bpy.types.AddonPreferences):
     """Preferences of a copy that waits."""
 
-    bl_idname = _PACKAGE
+    bl_idname = PACKAGE
 
     def draw(self, context: bpy.types.Context) -> None:
         lines_of(self.layout, note(), "ERROR")

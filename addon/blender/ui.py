@@ -4,17 +4,18 @@
 import bpy
 
 from ..core.native import missing
-from . import panels, shown
-from .labels import lines_of
-from .operators import DAPPLE_OT_add, DAPPLE_OT_optimize, DAPPLE_OT_rebind
+from . import panels
+from .base.labels import lines_of
+from .base.translation import counted, told
+from .data.scatter import active_surface, is_scatter, rest_note
+from .ops.operators import DAPPLE_OT_add, DAPPLE_OT_optimize, DAPPLE_OT_rebind
+from .ops.tools import DAPPLE_OT_lock
+from .ops.viewport_operators import DAPPLE_OT_match_subdivision
+from .panels import shown
 from .panels.base import Panel
 from .panels.details import DAPPLE_PT_details
-from .preset_operators import DAPPLE_MT_presets
-from .results import result_lines
-from .scatter import active_surface, is_scatter, rest_note
-from .tools import DAPPLE_OT_lock
-from .translation import counted, told
-from .viewport_operators import DAPPLE_OT_match_subdivision
+from .panels.preset_operators import DAPPLE_MT_presets
+from .panels.results import result_lines
 
 
 class DAPPLE_PT_main(Panel, bpy.types.Panel):

@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.meshio import read_surface
+from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
 from benchmarks.addon.playback import measure_playback
 from benchmarks.addon.redraw import measure_redraw

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-from addon.blender.meshio import read_surface
+from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 _FRAMES = range(2, 10)

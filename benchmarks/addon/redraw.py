@@ -11,8 +11,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from addon.blender import freshness, ui
-from addon.blender.meshio import read_surface
+from addon.blender import ui
+from addon.blender.status import freshness
+from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 _FRAMES = 10

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 import addon
-from addon.blender.meshio import read_surface
+from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 GOAL = 120.0  # MB for 250 frames x 20,000 sites

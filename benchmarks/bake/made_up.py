@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from addon.blender.key_writing import write_baked
-from addon.blender.store import new_scatter, write_scattered
+from addon.blender.data.key_writing import write_baked
+from addon.blender.data.store import new_scatter, write_scattered
 from addon.core.keys import Keyframes, Placed
 from addon.core.records import Binding
 from addon.core.solve import Report, Scattered, point_columns

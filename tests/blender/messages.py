@@ -23,7 +23,10 @@ def shown():
 
 
 def _classes():
-    return [*addon_host.part("blender")._CLASSES, *addon_host.part("blender.properties").CLASSES]
+    return [
+        *addon_host.part("blender")._CLASSES,
+        *addon_host.part("blender.settings.properties").CLASSES,
+    ]
 
 
 def _of_class(kind):

@@ -49,8 +49,8 @@ bpy.ops.extensions.package_install_files(
 )
 import scenes
 obj = scenes.scattered(scenes.sphere())
-module = next(name for name in sys.modules if name.endswith("dapple.blender.work"))
-print(len(scenes.positions(obj)), "points in", module.removesuffix(".blender.work"))
+module = next(name for name in sys.modules if name.endswith("dapple.blender.steps.work"))
+print(len(scenes.positions(obj)), "points in", module.removesuffix(".blender.steps.work"))
 bpy.ops.preferences.addon_disable(module="bl_ext.user_default.dapple")
 """
 
@@ -139,7 +139,7 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
 
 
 def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
-    results = addon_host.part("blender.results")
+    results = addon_host.part("blender.panels.results")
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=120)
     lines = [text for text, _ in results.result_lines(obj, bpy.context)]
@@ -218,7 +218,7 @@ def test_a_class_that_cannot_be_registered_leaves_nothing_behind(disabled, monke
 
 
 def test_what_fails_while_disabling_does_not_keep_the_rest(disabled, monkeypatch):
-    root, preview = addon_host.part("blender"), addon_host.part("blender.preview")
+    root, preview = addon_host.part("blender"), addon_host.part("blender.viewport.preview")
     root.register()
     kept = preview.unregister
 

@@ -40,9 +40,13 @@ def at(frame, subframe=0.0):
     bpy.context.scene.frame_set(frame, subframe=subframe)
 
 
+def read_baked(obj):
+    return addon_host.part("blender.data.key_stores").read_baked(obj)
+
+
 def key_rows(obj):
     """Stored keys: corners (F, n, 3), barycentric (F, n, 3)."""
-    stored, count = addon_host.part("blender.key_stores").read_baked(obj), len(obj.data.vertices)
+    stored, count = read_baked(obj), len(obj.data.vertices)
     bindings = [stored.binding(frame, count)[0] for frame in range(stored.frame_count)]
     corners = np.stack([binding.corners for binding in bindings])
     return corners, np.stack([binding.barycentric for binding in bindings])
@@ -98,7 +102,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     obj.dapple.key_every = 3
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert (obj.dapple.baked_keys, obj.dapple.baked_frames) == (3, FRAMES)  # 1, 4, 6
-    stored = addon_host.part("blender.key_stores").read_baked(obj)
+    stored = read_baked(obj)
     apart = []
     for frame, samples in enumerate(tracked, start=1):
         at(frame)
@@ -116,7 +120,7 @@ def test_keys_every_few_frames_play_and_their_error_is_told(tracked):
     assert report.key_error_max == pytest.approx(np.max(apart), rel=1e-3)
     assert report.key_error_mean == pytest.approx(np.mean(apart), rel=1e-3)
     assert report.key_error_max > 1e-3
-    line = addon_host.part("blender.results").baked_line(obj)
+    line = addon_host.part("blender.panels.results").baked_line(obj)
     assert line.startswith("Baked: frames 1 to 6, 3 keyframes; between them points are off by ")
 
 
@@ -241,17 +245,18 @@ def test_a_topology_that_changes_is_bound_again_when_asked(every):
     subdivided_from(surface, 4)
     obj.dapple.on_topology_change, obj.dapple.key_every = "REBIND", every
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    table = addon_host.part("blender.key_stores").read_baked(obj).frames
+    table = read_baked(obj).frames
     assert table["dapple_vertices"].tolist() == [410, 410, 410, 1634, 1634, 1634]
     assert table["dapple_span"][2] == 0  # nothing is mixed across the change
     dapple, before = addon_host.part("core.native").package(), None
-    meshio, staleness = addon_host.part("blender.meshio"), addon_host.part("blender.staleness")
+    reading = addon_host.part("blender.surface.surface_mesh")
+    staleness = addon_host.part("blender.status.staleness")
     for frame in np.arange(1.0, FRAMES + 0.1, 0.25):
         at(int(frame), frame % 1.0)
         shown = scenes.positions(obj)
         assert len(shown) == 60
         assert staleness.stale_reason(obj, bpy.context) == ""
-        arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+        arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
         native = dapple.Surface(arrays.vertices, arrays.faces)
         apart = np.linalg.norm(dapple.project(native, shown).positions - shown, axis=1)
         assert apart.max() < 0.02 * scenes.size(arrays.vertices)
@@ -266,13 +271,12 @@ def test_an_interrupted_bake_over_a_change_of_topology_gives_the_same_bytes(tmp_
     subdivided_from(surface, 3)
     obj.dapple.on_topology_change = "REBIND"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    read = addon_host.part("blender.key_stores").read_baked
-    expected = read(obj)
-    files = addon_host.part("blender.workfiles").work_files(obj)
+    expected = read_baked(obj)
+    files = addon_host.part("blender.status.workfiles").work_files(obj)
     for frame in (5, 6):
         files.path(frame).unlink()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    found = read(obj)
+    found = read_baked(obj)
     for name in ("keys", "triangles", "frames"):
         for column, values in getattr(expected, name).items():
             assert getattr(found, name)[column].tobytes() == values.tobytes()
@@ -318,7 +322,7 @@ def test_an_empty_range_is_refused():
     scene = bpy.context.scene
     scene.frame_end, scene.frame_start = 2, 2
     scene.frame_preview_start = 1
-    baking, steps = addon_host.part("blender.baking"), addon_host.part("core.steps")
+    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
     errors = addon_host.part("core.errors")
     with pytest.raises(errors.ScatterError, match="frame range is empty: 5 to 4"):
         steps.run_now(baking.bake_steps(bpy.context, 5, 4))
@@ -333,10 +337,11 @@ def test_a_broken_record_is_refused():
 def test_a_quad_that_is_cut_the_other_way_keeps_its_points():
     surface = scenes.tail()
     obj = scenes.scattered(surface)
-    meshio, binding = addon_host.part("blender.meshio"), addon_host.part("core.binding")
-    points = addon_host.part("blender.points")
+    reading = addon_host.part("blender.surface.surface_mesh")
+    binding = addon_host.part("core.binding")
+    points = addon_host.part("blender.data.points")
     dapple = addon_host.part("core.native").package()
-    arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     stored, columns = points.read_binding(obj, len(arrays.vertices))
     quads = [polygon.vertices[:] for polygon in evaluated_polygons(surface)]
     other = np.array(

@@ -27,7 +27,7 @@ def solid(name, location=(0.0, 0.0, 0.0)):
 
 
 def classes_of(obj):
-    meshio = addon_host.part("blender.meshio")
+    meshio = addon_host.part("blender.base.meshio")
     return meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
 
 
@@ -195,7 +195,7 @@ def test_the_list_is_edited_and_the_node_group_follows():
 
 
 def test_changed_classes_are_stale():
-    stale = addon_host.part("blender.scatter").settings_reason
+    stale = addon_host.part("blender.data.scatter").settings_reason
     obj = with_classes(scenes.sphere(), {"share": 1.0}, {"share": 1.0})
     assert stale(obj) == ""
     obj.dapple.classes[0].share = 2.0
@@ -313,7 +313,7 @@ def test_an_overlap_of_points_that_were_deleted_is_said_or_found_by_their_ids():
 
 
 def test_counts_of_classes_are_told_for_points_per_area():
-    labels = addon_host.part("blender.classes").count_labels
+    labels = addon_host.part("blender.steps.classes").count_labels
     obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
     obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 20.0
     assert bpy.ops.dapple.optimize() == {"FINISHED"}

@@ -12,12 +12,12 @@ import scenes
 
 def reason(obj):
     bpy.context.view_layer.update()
-    return addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
 
 
 def note(obj):
     bpy.context.view_layer.update()
-    return addon_host.part("blender.staleness").verdict(obj, bpy.context).note
+    return addon_host.part("blender.status.staleness").verdict(obj, bpy.context).note
 
 
 def linked(obj, collection=None):
@@ -608,7 +608,7 @@ def test_every_vertex_counts_in_a_large_surface(seen):
 
 
 def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
-    baking, steps = addon_host.part("blender.baking"), addon_host.part("core.steps")
+    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
     package = addon_host.part("core.native").package()
     surface, found = scenes.tail(frames=4), []
     for stopped in (False, True):
@@ -622,12 +622,12 @@ def test_a_stopped_bake_of_changed_settings_goes_on_to_the_same_bytes():
             going.close()
             assert (len(obj.data.vertices), obj.dapple.baked_keys) == (60, 0)
             assert reason(obj) == "Settings were changed (Count): optimize again"
-            assert addon_host.part("blender.workfiles").unfinished(obj) == 2
+            assert addon_host.part("blender.status.workfiles").unfinished(obj) == 2
         baker = steps.run_now(baking.bake_steps(bpy.context, 1, 4))
         assert baker.taken == (2 if stopped else 0)
         assert baker.anew == "Settings were changed (Count)"
         assert reason(obj) == ""
-        found.append(addon_host.part("blender.key_stores").read_baked(obj))
+        found.append(addon_host.part("blender.data.key_stores").read_baked(obj))
     for name in ("keys", "triangles", "frames"):
         for column, values in getattr(found[0], name).items():
             assert getattr(found[1], name)[column].tobytes() == values.tobytes()

@@ -16,7 +16,7 @@ def everything():
         found[f"{mesh.name} has"] = sorted(one.name for one in mesh.attributes)
         found[f"{mesh.name} is"] = sorted(mesh.keys())
     found["presets"] = addon_host.part("core.presets").names(
-        addon_host.part("blender.presets").folder()
+        addon_host.part("blender.steps.presets").folder()
     )
     return repr(found)  # in which also what is not finite is the same
 

@@ -15,7 +15,7 @@ UNKNOWN, FITS = "Not compared with the scene yet", "Up to date"
 
 
 def part():
-    return addon_host.part("blender.freshness")
+    return addon_host.part("blender.status.freshness")
 
 
 @pytest.fixture
@@ -27,10 +27,10 @@ def waiting(monkeypatch):
     for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
-        "blender.present": ("read_surface", "read_weights", "read_around", "points_digest"),
-        "blender.freshness": ("verdict", "all_work_files", "unfinished", "picture_digest"),
-        "blender.meshio": ("evaluated_mesh", "topology"),
-        "blender.bake_operators": ("all_work_files",),
+        "blender.status.present": ("read_surface", "read_weights", "read_around", "points_digest"),
+        "blender.status.freshness": ("verdict", "all_work_files", "unfinished", "picture_digest"),
+        "blender.surface.surface_mesh": ("evaluated_mesh", "topology"),
+        "blender.ops.bake_operators": ("all_work_files",),
     }
     for module, names in counted.items():
         for name in names:

@@ -274,20 +274,20 @@ def draw(obj):
 
 def look(obj):
     """What the panel and the modifier say of it."""
-    addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
     scenes.node_warnings(obj) if obj.modifiers else None
 
 
 def preview(obj):
     if bpy.ops.dapple.preview.poll():
         bpy.ops.dapple.preview()
-        addon_host.part("blender.preview").tick()
-        if addon_host.part("blender.preview").is_on(obj):
+        addon_host.part("blender.viewport.preview").tick()
+        if addon_host.part("blender.viewport.preview").is_on(obj):
             bpy.ops.dapple.preview()
 
 
 def show_density(obj):
-    overlay = addon_host.part("blender.overlay")
+    overlay = addon_host.part("blender.viewport.overlay")
     bpy.ops.dapple.show_density()
     overlay._tick()
     if overlay.is_on(obj):
@@ -373,7 +373,7 @@ SAID = {
 @pytest.mark.parametrize("name", SAID)
 def test_the_first_value_that_is_wrong_is_named(files, name):
     obj = opened(files["FACES"], WRONG[name])
-    said = [addon_host.part("blender.staleness").stale_reason(obj, bpy.context)]
+    said = [addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)]
     try:
         bpy.ops.dapple.tile()
     except RuntimeError as error:

@@ -83,10 +83,11 @@ def test_a_baked_lean_is_played(randomness):
     surface = scenes.sphere()
     obj = scenes.scattered(surface, count=40)
     obj.dapple.turn_randomness = randomness
-    points, writing, meshio = (
-        addon_host.part(f"blender.{name}") for name in ("points", "key_writing", "meshio")
+    points, writing, reading = (
+        addon_host.part(f"blender.{name}")
+        for name in ("data.points", "data.key_writing", "surface.surface_mesh")
     )
-    arrays = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     binding, _ = points.read_binding(obj, len(arrays.vertices))
     faces = part("binding").faces_with_corners(binding.corners, arrays.faces)
     corners = arrays.faces[faces]
@@ -141,7 +142,7 @@ def test_a_bake_with_births_bounds_its_turns_too(monkeypatch):
     obj = scenes.scattered(scenes.tail(), count=60)
     obj.dapple.count_over_time = "KEEP_DENSITY"
     assert bpy.ops.dapple.bake() == {"FINISHED"}
-    keys = addon_host.part("blender.key_stores").stored_object(obj, "Keys").data
+    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys").data
     assert len(keys.attributes["dapple_lean"].data) == len(keys.vertices)
     assert len(keys.vertices) == obj.dapple.baked_keys * len(obj.data.vertices)
     bpy.context.scene.frame_set(4)

@@ -12,7 +12,7 @@ def older_scatter():
     """A scatter as it was stored when some of its settings and figures had other names."""
     obj = scenes.scattered(scenes.sphere(), count=30)
     bpy.ops.dapple.optimize()
-    stored_values = addon_host.part("blender.older_files").stored_values
+    stored_values = addon_host.part("blender.data.older_files").stored_values
     stored_values(obj.dapple.tiles)["colour_by"] = 1
     for group, old, new in (
         (obj.dapple, "gap_weight", "repulsion_weight"),
@@ -36,7 +36,7 @@ def test_an_older_file_keeps_its_settings(tmp_path):
     assert settings.tiles.color_by == "CLASS"
     assert (settings.repulsion_weight, settings.report.capacity_variation) == (4.0, 4.0)
     staleness = addon_host.part("core.stale")
-    now = addon_host.part("blender.scatter").settings_of(bpy.data.objects[name])
+    now = addon_host.part("blender.data.scatter").settings_of(bpy.data.objects[name])
     assert "repulsion_weight" not in staleness.changed_settings(settings.solved_settings, now)
     settings.tiles.color_by = "RANDOM"
     bpy.ops.wm.save_as_mainfile(filepath=path)
@@ -56,7 +56,7 @@ def test_scatters_appended_and_linked_from_an_older_file_keep_their_settings(tmp
 
 def test_an_older_preset_keeps_its_settings():
     obj = scenes.scattered(scenes.sphere(), count=30)
-    folder = addon_host.part("blender.presets").folder()
+    folder = addon_host.part("blender.steps.presets").folder()
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "Older.json"
     stored = {"schema": 1, "settings": {"tiles": {"grout": 0.25, "colour_by": "CLASS"}}}

@@ -30,7 +30,7 @@ def test_add_makes_exactly_the_points_asked_for():
 
 
 def test_add_stores_every_record():
-    records, meshio = addon_host.part("core.records"), addon_host.part("blender.meshio")
+    records, meshio = addon_host.part("core.records"), addon_host.part("blender.base.meshio")
     obj = scenes.scattered(scenes.sphere(), count=40)
     columns = meshio.read_columns(obj.data, {**records.ROW_ATTRIBUTES, **records.POINT_ATTRIBUTES})
     assert sorted(columns["id"].tolist()) == list(range(40))
@@ -85,8 +85,8 @@ def test_optimize_follows_the_settings_and_the_frame():
     assert len(scenes.positions(obj)) == 90
     dapple = pytest.importorskip("dapple3d")
     vertices = scenes.world_vertices(surface)
-    meshio = addon_host.part("blender.meshio")
-    faces = meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get()).faces
+    reading = addon_host.part("blender.surface.surface_mesh")
+    faces = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get()).faces
     distances = dapple.project(dapple.Surface(vertices, faces), scenes.positions(obj)).distances
     assert np.max(distances) < 1e-5 * scenes.size(vertices)
 
@@ -159,10 +159,11 @@ def test_a_surface_out_of_the_view_layer_is_evaluated_all_the_same():
 
 
 def test_an_object_that_is_not_evaluated_cannot_be_read():
-    errors, meshio = addon_host.part("core.errors"), addon_host.part("blender.meshio")
+    errors = addon_host.part("core.errors")
+    reading = addon_host.part("blender.surface.surface_mesh")
     loose = bpy.data.objects.new("Loose", bpy.data.meshes.new("Loose"))
     with pytest.raises(errors.ScatterError, match="'Loose' is not evaluated"):
-        meshio.read_surface(loose, bpy.context.evaluated_depsgraph_get())
+        reading.read_surface(loose, bpy.context.evaluated_depsgraph_get())
 
 
 def test_operators_need_object_mode_and_the_right_object():
@@ -178,7 +179,7 @@ def test_operators_need_object_mode_and_the_right_object():
 
 
 def test_a_mesh_that_changed_meanwhile_is_not_written_to():
-    adding, steps = addon_host.part("blender.adding"), addon_host.part("core.steps")
+    adding, steps = addon_host.part("blender.steps.adding"), addon_host.part("core.steps")
     errors = addon_host.part("core.errors")
     surface = scenes.sphere()
     running = adding.add_steps(bpy.context, count=30)
@@ -197,8 +198,8 @@ class Window:
 
     def __init__(self, monkeypatch, answer=True):
         self.asked, self.started, self.answer = [], [], answer
-        self.operators = addon_host.part("blender.operators")
-        self.of_bakes = addon_host.part("blender.bake_operators")
+        self.operators = addon_host.part("blender.ops.operators")
+        self.of_bakes = addon_host.part("blender.ops.bake_operators")
         bpy_there = SimpleNamespace(
             app=SimpleNamespace(background=False),
             ops=SimpleNamespace(
@@ -268,7 +269,7 @@ def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name)
 def test_discarding_frames_asks_as_it_cannot_be_undone(monkeypatch, answer):
     obj = baked()
     obj.dapple.bake_fingerprint = ""  # as if it had been stopped
-    files = addon_host.part("blender.workfiles").work_files(obj)
+    files = addon_host.part("blender.status.workfiles").work_files(obj)
     window = Window(monkeypatch, answer)
     window.press(window.of_bakes.DAPPLE_OT_discard_bake)
     said = "6 solved frames will be deleted from disk"

@@ -12,7 +12,7 @@ import windowed
 
 @pytest.fixture
 def overlay():
-    return addon_host.part("blender.overlay")
+    return addon_host.part("blender.viewport.overlay")
 
 
 def sloped(**density):

@@ -13,7 +13,7 @@ import test_panels
 @pytest.fixture
 def prepared(monkeypatch):
     """As in a window: what is asked for is found by the timer's next tick."""
-    module = addon_host.part("blender.prepared")
+    module = addon_host.part("blender.base.prepared")
     monkeypatch.setattr(module, "at_once", False)
     yield module
     module._notes.clear()
@@ -28,10 +28,10 @@ def redrawn(prepared, monkeypatch):
 
 
 COSTLY = {
-    "blender.shown": ("differences", "count_labels", "details_from", "settings_of"),
+    "blender.panels.shown": ("differences", "count_labels", "details_from", "settings_of"),
     "core.pictures": ("curve", "bars", "pattern"),
     "core.presets": ("names",),
-    "blender.asset_library": ("library", "missing_assets"),
+    "blender.panels.asset_library": ("library", "missing_assets"),
 }
 
 
@@ -54,7 +54,7 @@ def preferences():
     shown = []
     of = types.SimpleNamespace(layout=test_panels.Layout(shown), remove_library=False)
     of.layout.prop = lambda *_, **__: None
-    addon_host.part("blender.preferences").DAPPLE_AP_preferences.draw(of, bpy.context)
+    addon_host.part("blender.panels.preferences").DAPPLE_AP_preferences.draw(of, bpy.context)
     return shown
 
 

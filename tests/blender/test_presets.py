@@ -16,7 +16,7 @@ from test_panels import Layout
 @pytest.fixture
 def folder():
     """Of this test's user; empty before and after."""
-    found = addon_host.part("blender.presets").folder()
+    found = addon_host.part("blender.steps.presets").folder()
     for path in found.glob("*.json"):
         path.unlink()
     yield found
@@ -53,7 +53,7 @@ def test_new_scatters_begin_with_the_default(folder):
     new = bpy.context.object
     assert (new.dapple.count, new.dapple.seed) == (40, 11)
     assert scenes.positions(new)[:, 2].min() > -0.1
-    assert addon_host.part("blender.scatter").settings_reason(new) == ""
+    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
     bpy.context.view_layer.objects.active = surface
     bpy.ops.dapple.add(count=25)
     assert len(scenes.positions(bpy.context.object)) == 25
@@ -143,7 +143,7 @@ def test_a_default_that_does_not_fit_is_left_out_and_told(folder, text, said, ca
     assert new.dapple.density.curvature == 0.5
     told = capfd.readouterr().out
     assert re.search(f"Warning: Preset 'Default' does not fit here, skipped: .*{said}", told)
-    assert addon_host.part("blender.scatter").settings_reason(new) == ""
+    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_presets_can_be_removed_where_no_scatter_is_selected(folder, where):
     else:
         preferences = types.SimpleNamespace(layout=Layout(shown), remove_library=False)
         preferences.layout.prop = lambda *_, **__: None
-        preferred = addon_host.part("blender.preferences")
+        preferred = addon_host.part("blender.panels.preferences")
         preferred.DAPPLE_AP_preferences.draw(preferences, bpy.context)
     assert "dapple.remove_preset" in shown
     assert "dapple.load_preset" not in shown

@@ -13,7 +13,7 @@ import windowed
 
 @pytest.fixture
 def preview():
-    return addon_host.part("blender.preview")
+    return addon_host.part("blender.viewport.preview")
 
 
 @pytest.fixture
@@ -190,7 +190,7 @@ def test_points_are_found_by_a_worker_and_ride_until_then(preview, patient, monk
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(preview, "bpy", windowed.Windowed())
     follower = addon_host.part("core.follow").Follower
-    steps = addon_host.part("blender.preview_steps")
+    steps = addon_host.part("blender.viewport.preview_steps")
     made, makers = windowed.held_back(monkeypatch, steps, "Follower")
     toggled()
     windowed.until(lambda: makers, preview.tick)

@@ -121,7 +121,7 @@ def test_fingerprints_tell_inputs_apart(sidecar):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.store").read_baked(obj)
+    stored = addon_host.part("blender.data.store").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 
@@ -138,7 +138,7 @@ def opened(path):
 
 
 def files_of(obj):
-    return addon_host.part("blender.workfiles").work_files(obj)
+    return addon_host.part("blender.status.workfiles").work_files(obj)
 
 
 KILLED = """
@@ -184,7 +184,7 @@ def test_a_killed_bake_goes_on_to_the_same_bytes(tmp_path, moment, kept):
     files = files_of(obj)
     assert files.folder.parent == tmp_path / "kill me.dapple"
     assert files.frames() == kept
-    assert addon_host.part("blender.workfiles").unfinished(obj) == kept
+    assert addon_host.part("blender.status.workfiles").unfinished(obj) == kept
     stores, advances = counted_solves(), counted_advances()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     resumed = packed(obj)
@@ -280,7 +280,7 @@ def test_work_files_of_an_unfinished_bake_outlive_saving(tmp_path):
 
 def stop_after(count):
     """Bake in steps, canceled when so many frames are kept; what was said."""
-    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.baking")
+    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
     files = files_of(bpy.context.object)
     stepper = steps.Stepper(baking.bake_steps(bpy.context, 1, FRAMES))
     try:
@@ -307,7 +307,7 @@ def test_canceling_says_what_is_kept_and_baking_goes_on(tmp_path):
 
 def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
     obj = scenes.scattered(scenes.tail(frames=FRAMES))
-    workfiles = addon_host.part("blender.workfiles")
+    workfiles = addon_host.part("blender.status.workfiles")
     assert Path(bpy.app.tempdir) in files_of(obj).folder.parents
     assert "after Blender closes" in workfiles.unsaved_note()
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -318,7 +318,7 @@ def test_an_unsaved_file_keeps_its_frames_in_the_temporary_folder_and_says_so():
 def test_a_folder_that_cannot_be_written_does_not_stop_the_bake(tmp_path):
     obj = saved_scatter(tmp_path / "blocked.blend")
     (tmp_path / "blocked.dapple").write_text("a file where the folder should be")
-    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.baking")
+    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
     baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
     assert baker.trouble.startswith(f"Frames cannot be kept in '{tmp_path}")
     assert obj.dapple.baked_frames == FRAMES
@@ -335,11 +335,11 @@ def stopped(path=None):
 
 
 def going_on(obj):
-    return addon_host.part("blender.workfiles").unfinished(obj)
+    return addon_host.part("blender.status.workfiles").unfinished(obj)
 
 
 def left_over(obj):
-    return addon_host.part("blender.workfiles").left_over(obj)
+    return addon_host.part("blender.status.workfiles").left_over(obj)
 
 
 def expect_to_go_on(obj, kept):
@@ -507,7 +507,7 @@ def test_a_stopped_bake_over_a_finished_one_is_said_to_go_on(tmp_path):
 def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, monkeypatch):
     obj = stopped(tmp_path / "first.blend")
     kept = going_on(obj)
-    workfiles = addon_host.part("blender.workfiles")
+    workfiles = addon_host.part("blender.status.workfiles")
     for name in ("_count", "start_digest"):
         monkeypatch.setattr(workfiles, name, lambda *_: pytest.fail("it was looked up anew"))
     assert going_on(obj) == kept

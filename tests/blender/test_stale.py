@@ -11,7 +11,7 @@ import scenes
 
 
 def reason(obj):
-    return addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
 
 
 @pytest.fixture

@@ -59,7 +59,7 @@ def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
 
 
 def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
-    baking = addon_host.part("blender.baking")
+    baking = addon_host.part("blender.steps.baking")
     obj = scenes.scattered(scenes.tail())
     bpy.context.scene.frame_set(3)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
@@ -77,7 +77,7 @@ def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
 
 @pytest.mark.parametrize("polls", [0, 1, 3])
 def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
-    baking = addon_host.part("blender.baking")
+    baking = addon_host.part("blender.steps.baking")
     scenes.scattered(scenes.tail(), count=300)
     bpy.context.scene.frame_set(3)
     before = scenes.snapshot()
@@ -92,7 +92,7 @@ def test_a_canceled_bake_leaves_the_scene_as_it_was(steps, errors, polls):
 
 
 def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
-    work = addon_host.part("blender.work")
+    work = addon_host.part("blender.steps.work")
     obj = scenes.scattered(scenes.tail())
     obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 3000, 1e-9, 100_000
     before = scenes.snapshot()
@@ -106,7 +106,7 @@ def test_a_canceled_optimization_leaves_the_scene_as_it_was(steps, errors):
 
 
 def test_closing_stops_the_worker_and_restores_the_frame(steps):
-    baking = addon_host.part("blender.baking")
+    baking = addon_host.part("blender.steps.baking")
     scenes.scattered(scenes.tail())
     bpy.context.scene.frame_set(2)
     before = scenes.snapshot()
@@ -118,7 +118,7 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):
-    work = addon_host.part("blender.work")
+    work = addon_host.part("blender.steps.work")
     obj = scenes.scattered(scenes.tail())
     name = obj.name
     stepper = steps.Stepper(work.optimize_steps(bpy.context))

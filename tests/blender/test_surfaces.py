@@ -13,8 +13,8 @@ dapple = pytest.importorskip("dapple3d")
 
 
 def arrays_of(surface):
-    meshio = addon_host.part("blender.meshio")
-    return meshio.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    reading = addon_host.part("blender.surface.surface_mesh")
+    return reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
 
 
 def fits(surface, obj, count=60):
@@ -32,7 +32,7 @@ def fits(surface, obj, count=60):
 
 
 def reason(obj):
-    return addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
 
 
 def of_mesh(*data):
@@ -295,7 +295,7 @@ def test_curves_and_texts_are_surfaces_too(make):
     surface.location.z = 5.0
     bpy.context.view_layer.update()
     assert fits(surface, obj)
-    assert addon_host.part("blender.weights").weight_names(surface) == []
+    assert addon_host.part("blender.surface.weights").weight_names(surface) == []
 
 
 @pytest.mark.parametrize(

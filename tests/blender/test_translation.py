@@ -31,7 +31,7 @@ def blenders_languages():
 
 
 def part():
-    return addon_host.part("blender.translation")
+    return addon_host.part("blender.base.translation")
 
 
 def catalog(locale):
@@ -130,7 +130,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
-    monkeypatch.setattr(addon_host.part("blender.labels"), "letters", lambda _icon: 10_000)
+    monkeypatch.setattr(addon_host.part("blender.base.labels"), "letters", lambda _icon: 10_000)
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):
@@ -174,7 +174,9 @@ def test_a_file_keeps_english(german):
     obj.dapple.seed = 9
     get_input = addon_host.part("nodes").get_input
     assert get_input(obj.modifiers[0], "Warning") == "Settings were changed (Seed): optimize again"
-    assert "Einstellungen" in addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    assert "Einstellungen" in addon_host.part("blender.status.staleness").stale_reason(
+        obj, bpy.context
+    )
     obj.dapple.surface = None
     with pytest.raises(RuntimeError, match="has no surface: choose a mesh object"):
         bpy.ops.dapple.optimize()
@@ -187,7 +189,7 @@ def test_names_with_braces_are_shown_as_they_are(german):
     bpy.data.collections.new("Away").objects.link(surface)
     for collection in list(surface.users_collection):
         collection.objects.unlink(surface)
-    reason = addon_host.part("blender.staleness").stale_reason(obj, bpy.context)
+    reason = addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
     assert reason.startswith("Oberfläche '{0} {count} }{'")
 
 

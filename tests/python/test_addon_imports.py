@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No module of the add-on needs so many names of the others that it cannot be read by itself.
+"""Modules of the add-on import only from rooms above their own, and few names.
 
-What counts is what runs: each name that is imported from another module of the add-on, and of a
-module that is imported as a whole each name that is used of it. Types that only annotate do not
-count: they say what a value is, and are no work that is done elsewhere.
+The rooms and their order are the table in CONTRIBUTING.md. No module needs so many names of others
+that it cannot be read by itself. What counts is what runs: each name that is imported from another
+module of the add-on, and of a module that is imported as a whole each name that is used of it.
+Types that only annotate do not count: they say what a value is, and are no work done elsewhere.
 """
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
 
-ADDON = Path(__file__).resolve().parents[2] / "addon"
+ROOT = Path(__file__).resolve().parents[2]
+ADDON = ROOT / "addon"
 MODULES = sorted(ADDON.rglob("*.py"))
 MOST = 20
 
@@ -43,20 +46,21 @@ class Uses(ast.NodeVisitor):
 
 
 def imported(path):
-    """Names that a module imports from others of the add-on: (name, whether it is a module)."""
+    """What a module imports from others of the add-on: (name, its module, whether it is that)."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level:
-            folder = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            source = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             for one in node.names:
-                whole = (folder / f"{one.name}.py").is_file() or (folder / one.name).is_dir()
-                yield one.asname or one.name, whole
+                inside = source / one.name
+                whole = inside.with_suffix(".py").is_file() or inside.is_dir()
+                yield one.asname or one.name, inside if whole else source, whole
 
 
 def needed(path):
     """The names that count."""
     uses = Uses()
     uses.visit(ast.parse(path.read_text()))
-    for name, whole in imported(path):
+    for name, _, whole in imported(path):
         if whole:
             yield from (f"{name}.{used}" for owner, used in uses.attributes if owner == name)
         elif name in uses.names or path.name == "__init__.py":
@@ -81,3 +85,37 @@ def test_names_are_counted(tmp_path):
     )
     found = set(needed(tmp_path / "reads.py"))
     assert found == {"second", "other", "two.does", "two.CONSTANT"}
+
+
+def rooms():
+    """Those of CONTRIBUTING.md, in order."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text.split("## The add-on's rooms")[1].split("\n## ")[0]
+    return re.findall(r"^\| `([a-z/]+)` \|", table, re.MULTILINE)
+
+
+def room_of(path, listed):
+    """Index of a module's room; modules of no room stand below all of them."""
+    folders = [
+        str(folder.relative_to(ADDON))
+        for folder in (path, *path.parents[:-1])
+        if folder.is_relative_to(ADDON)
+    ]
+    return next((listed.index(name) for name in folders if name in listed), len(listed))
+
+
+def test_every_folder_with_modules_is_a_room():
+    folders = {path.parent.relative_to(ADDON).as_posix() for path in MODULES}
+    assert folders - {".", "blender"} == set(rooms())
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ADDON)))
+def test_only_rooms_above_are_imported(path):
+    listed = rooms()
+    own = room_of(path, listed)
+    below = {
+        str(source.relative_to(ADDON))
+        for _, source, _ in imported(path)
+        if room_of(source, listed) > own
+    }
+    assert not below, f"{path.relative_to(ADDON)} imports from rooms below its own: {below}"

@@ -3,14 +3,15 @@
 
 import bpy
 
-from .. import freshness, preview
-from ..bake_operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
-from ..labels import lines_of
-from ..results import baked_line
-from ..translation import counted, told
-from ..viewport_operators import DAPPLE_OT_preview
-from ..workfiles import unsaved_note
+from ..base.labels import lines_of
+from ..base.translation import counted, told
+from ..ops.bake_operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
+from ..ops.viewport_operators import DAPPLE_OT_preview
+from ..status import freshness
+from ..status.workfiles import unsaved_note
+from ..viewport import preview
 from .base import ScatterPanel
+from .results import baked_line
 
 
 class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):

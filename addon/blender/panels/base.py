@@ -4,7 +4,7 @@
 import bpy
 
 from ...core.native import missing
-from ..scatter import is_scatter
+from ..data.scatter import is_scatter
 
 
 class Panel:

@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import bpy
 
-from .. import overlay
-from ..labels import lines_of
-from ..viewport_operators import DAPPLE_OT_show_density
+from ..base.labels import lines_of
+from ..ops.viewport_operators import DAPPLE_OT_show_density
+from ..viewport import overlay
 from .base import ScatterPanel
 
 _RANGES = {

@@ -4,10 +4,10 @@
 import bpy
 
 from ...core.details import FARTHEST
-from .. import shown
-from ..labels import at_right
-from ..scatter import is_scatter
-from ..translation import counted, told
+from ..base.labels import at_right
+from ..base.translation import counted, told
+from ..data.scatter import is_scatter
+from . import shown
 
 
 class DAPPLE_PT_details(bpy.types.Panel):

@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import bpy
 
-from .. import shown
-from ..tools import DAPPLE_OT_set_quality
+from ..ops.tools import DAPPLE_OT_set_quality
+from . import shown
 from .base import ScatterPanel
 
 

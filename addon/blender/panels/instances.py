@@ -3,9 +3,9 @@
 
 import bpy
 
-from .. import shown
-from ..tools import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
-from ..translation import told
+from ..base.translation import told
+from ..ops.tools import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
+from . import shown
 from .base import ScatterPanel
 
 _SIZE = ("scale", "scale_randomness", "density_scale")

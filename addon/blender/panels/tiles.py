@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import bpy
 
-from ..operators import DAPPLE_OT_tile
+from ..ops.operators import DAPPLE_OT_tile
 from .base import ScatterPanel
 
 

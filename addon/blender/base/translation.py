@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the artist reads, in the language that Blender is set to.
+
+addon/translations/LOCALE.json holds {context: {English message: text}}. Blender looks up labels,
+names, tooltips and the texts that a layout is given; what is composed at run time goes through
+told, counted and reported, which look up a template and then fill it in. Numbers are written
+alike in all languages, as Blender writes them.
+
+English everywhere are errors, which core raises without knowing Blender and which people search
+for and pass on, and all that a file keeps (names of data-blocks, warnings of the node group):
+whoever opens it next may read another language.
+"""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.app.translations import pgettext_iface, pgettext_rpt
+
+from . import extension
+
+FOLDER = extension.FOLDER / "translations"
+OWN = "Dapple"  # context of names that Blender translates as something else
+Messages = dict[tuple[str, str], str]  # (context, English message): text
+Say = Callable[..., str]  # told or english
+
+
+def told(template: str, **values: Any) -> str:
+    """A message of the interface, its {placeholders} filled in."""
+    return _filled(pgettext_iface(template), template, values)
+
+
+def counted(count: int, one: str, many: str) -> str:
+    """The message for 1, or that for other numbers, with its {count}.
+
+    Where a language has more forms, its text for many is to be worded without: "Points: {count}".
+    """
+    return told(one if count == 1 else many, count=count)
+
+
+def reported(template: str, **values: Any) -> str:
+    """As told, for what an operator reports."""
+    return _filled(pgettext_rpt(template), template, values)
+
+
+def english(template: str, **values: Any) -> str:
+    """As told, in English: for errors, and for what is written to a file."""
+    return template.format(**values)
+
+
+def label_of(prop: bpy.types.Property, say: Say = told) -> str:
+    """The name of a property, as the panel shows it; in English if that is what says it."""
+    return prop.name if say is english else pgettext_iface(prop.name, prop.translation_context)
+
+
+def operator_label(label: str) -> str:
+    """The label of an operator, as its button shows it."""
+    return pgettext_iface(label, "Operator")
+
+
+def _filled(text: str, template: str, values: dict[str, Any]) -> str:
+    """A catalog with other placeholders than the template's costs the translation only."""
+    try:
+        return text.format(**values)
+    except (LookupError, ValueError, AttributeError, TypeError):
+        return template.format(**values)
+
+
+def catalogs(folder: Path) -> dict[str, Messages]:
+    """Those of a folder, by locale; what is no catalog is named on the console and left out."""
+    found = {}
+    for path in sorted(folder.glob("*.json")):
+        try:
+            found[path.stem] = _read(path)
+        except (OSError, ValueError) as error:
+            print(f"Dapple: '{path}' is no translation: {error}")
+    return found
+
+
+def _read(path: Path) -> Messages:
+    stored = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(stored, dict):
+        raise ValueError("it must hold contexts")
+    messages: Messages = {}
+    for context, own in stored.items():
+        if not isinstance(own, dict) or not all(isinstance(text, str) for text in own.values()):
+            raise ValueError(f"context '{context}' must hold messages and their texts")
+        messages |= {(context, message): text for message, text in own.items()}
+    return messages
+
+
+def register() -> None:
+    """Give Blender the catalogs."""
+    bpy.app.translations.register(extension.PACKAGE, catalogs(FOLDER))
+
+
+def unregister() -> None:
+    """Take them back."""
+    bpy.app.translations.unregister(extension.PACKAGE)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Datablocks of other files and shared ones: what may be written, and to which mesh."""
+
+import bpy
+
+from ..base.translation import Say, told
+
+
+def read_only(obj: bpy.types.Object, say: Say = told) -> str:
+    """Why nothing that is written to an object would be kept; empty when it is."""
+    if obj.library is not None:
+        return say(
+            "'{name}' is linked from '{file}': make it local, make a library override, or "
+            "edit that file",
+            name=obj.name,
+            file=bpy.path.basename(obj.library.filepath),
+        )
+    if obj.override_library is not None and obj.override_library.is_system_override:
+        return say(
+            "'{name}' is a library override that is not editable: make it editable first",
+            name=obj.name,
+        )
+    return ""
+
+
+def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh to write an object's points to: one that neither a linked duplicate nor the file
+    that an override comes from has too, copied if need be.
+    """
+    mesh = obj.data
+    if mesh.library is not None or mesh.users - mesh.use_fake_user > 1:
+        obj.data = mesh.copy()
+    return obj.data
+
+
+def open_collections(obj: bpy.types.Object) -> list[bpy.types.Collection]:
+    """The collections of an object that another object can be linked to."""
+    return [one for one in obj.users_collection if not (one.library or one.override_library)]

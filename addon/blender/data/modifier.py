@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The modifier that plays a scatter back: its node group, and the inputs of that."""
+
+from typing import Any
+
+import bpy
+
+from ...nodes import (
+    GROUP_NAME,
+    INPUTS,
+    INSTANCE_INPUTS,
+    KEPT_SINCE,
+    ensure_group,
+    get_input,
+    has_input,
+    input_name,
+    is_current,
+    set_input,
+    version_of,
+)
+from ..base.translation import english
+from .scatter import is_fluid, settings_reason
+
+
+def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The modifier that plays the scatter back."""
+    for modifier in obj.modifiers:
+        if modifier.type == "NODES" and version_of(modifier.node_group) > 0:
+            return modifier
+    return None
+
+
+def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
+    """The modifier with the group of this version; keys of an older one were cleared."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        modifier = obj.modifiers.new(GROUP_NAME, "NODES")
+    # One that is linked may stay: an override keeps only what it changes in the linked modifier.
+    if not is_current(modifier.node_group, len(obj.dapple.classes)):
+        before = _inputs(modifier)
+        modifier.node_group = ensure_group(len(obj.dapple.classes))
+        for name, value in before.items():
+            if has_input(modifier, name):
+                set_input(modifier, name, value)
+        write_surface_inputs(obj, modifier)
+        write_instance_inputs(obj)
+    return modifier
+
+
+def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
+    """Inputs that a group for another number of classes has too; none of old versions."""
+    if version_of(modifier.node_group) < KEPT_SINCE:
+        return {}
+    names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
+    return {name: get_input(modifier, name) for name in names if has_input(modifier, name)}
+
+
+def write_inputs(obj: bpy.types.Object) -> None:
+    """Give the node group all that it takes from the scatter's properties."""
+    write_surface_inputs(obj, ensure_modifier(obj))
+    write_instance_inputs(obj)
+
+
+def write_surface_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
+    """Give the node group what the points are bound to."""
+    set_input(modifier, "Surface", obj.dapple.surface)
+    set_input(modifier, "Surface Vertices", obj.dapple.surface_vertices)
+    set_input(modifier, "Rest Binding", obj.dapple.bound_to == "REST")
+    set_input(modifier, "Rest Parts", obj.dapple.bound_parts)
+    set_input(modifier, "Rest Vertices", _rest_vertices(obj))
+    set_input(modifier, "Spacing", obj.dapple.report.spacing)
+
+
+def _rest_vertices(obj: bpy.types.Object) -> int:
+    """Vertices of the surface on which faces are played, which is faster, and the same; 0: none.
+
+    Where the artist chose the rest position, modifiers may make other faces of as many vertices.
+    """
+    surface, topologies = obj.dapple.surface, obj.dapple.surface_topology.split()
+    by_itself = obj.dapple.bind_to == "AUTO" and surface is not None and not is_fluid(surface)
+    return obj.dapple.surface_vertices if by_itself and len(topologies) == 1 else 0
+
+
+def write_instance_inputs(obj: bpy.types.Object) -> None:
+    """Give the node group what to instance and how."""
+    modifier = scatter_modifier(obj)
+    if modifier is None:
+        return
+    if has_input(modifier, "Hidden"):
+        set_input(modifier, "Hidden", 1.0 - obj.dapple.viewport_share)
+    if not obj.dapple.classes:
+        _write_kind(modifier, obj.dapple, None)
+    for index, kind in enumerate(obj.dapple.classes):
+        _write_kind(modifier, kind, index)
+    obj.update_tag()
+
+
+def property_name(label: str) -> str:
+    """The property that one of INSTANCE_INPUTS takes."""
+    return label.lower().replace(" ", "_")
+
+
+def _write_kind(
+    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
+) -> None:
+    for name, _ in INSTANCE_INPUTS:
+        label = input_name(name, index)
+        if has_input(modifier, label):
+            set_input(modifier, label, getattr(kind, property_name(name)))
+
+
+def write_warning(obj: bpy.types.Object) -> None:
+    """Have the modifier warn when the settings are not those of the result."""
+    modifier = scatter_modifier(obj)
+    if modifier is not None and has_input(modifier, "Warning"):
+        set_input(modifier, "Warning", settings_reason(obj, english))
+        obj.update_tag()

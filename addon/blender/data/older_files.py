@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of older versions: their settings get the names of today when they are opened."""
+
+from typing import Any
+
+import bpy
+
+from ...core.older_names import RENAMED, rename
+from .scatter import is_scatter
+
+
+def stored_values(group: bpy.types.PropertyGroup) -> Any:
+    """Values that a group stores, by name, also those of names that it has no more."""
+    if hasattr(group, "bl_system_properties_get"):  # Blender 5.0 has taken them out of the group
+        return group.bl_system_properties_get(do_create=True)
+    return group
+
+
+def _renew(*_: Any) -> None:
+    for obj in filter(is_scatter, bpy.data.objects):
+        for name in RENAMED:
+            rename(name, stored_values(getattr(obj.dapple, name) if name else obj.dapple))
+
+
+def _begin() -> None:
+    _renew()
+
+
+def _handlers() -> list[Any]:
+    return [bpy.app.handlers.load_post, bpy.app.handlers.blend_import_post]
+
+
+def register() -> None:
+    """Watch files being opened, and data-blocks being linked and appended."""
+    for handlers in _handlers():
+        bpy.app.handlers.persistent(_renew)
+        handlers.append(_renew)
+    bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)  # no file is there yet
+
+
+def unregister() -> None:
+    """Stop watching."""
+    if bpy.app.timers.is_registered(_begin):
+        bpy.app.timers.unregister(_begin)
+    for handlers in _handlers():
+        if _renew in handlers:
+            handlers.remove(_renew)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scatter object between its properties, the core and the node group: what is read and told."""
+
+from dataclasses import fields
+
+import bpy
+
+from ...core.errors import ScatterError
+from ...core.records import SCHEMA_KEY
+from ...core.settings import BakeSettings, ClassSettings, DensitySettings, Settings
+from ...core.solve import Report
+from ...core.stale import changed_baking, changed_settings
+from ...core.tiles import TileSettings
+from ..base.translation import Say, label_of, told
+
+# Settings whose property has another name.
+_PROPERTIES = {"per_area": "points_per_area", "smoothing": "bake_smoothing", "fade": "fade_frames"}
+_SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+
+def is_scatter(obj: bpy.types.Object | None) -> bool:
+    """Whether the object was made by Dapple."""
+    return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
+
+
+def is_surface(obj: bpy.types.Object | None) -> bool:
+    """Whether Blender may evaluate the object to faces that points can be bound to."""
+    return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)
+
+
+def is_fluid(obj: bpy.types.Object) -> bool:
+    """Whether a surface has other faces whenever it moves, and in the render."""
+    return obj.type == "META"
+
+
+def surface_of(obj: bpy.types.Object) -> bpy.types.Object:
+    """The surface of a scatter object; ScatterError if none is chosen, or no surface."""
+    surface = obj.dapple.surface
+    if surface is None:
+        raise ScatterError(f"Scatter '{obj.name}' has no surface: choose a mesh object")
+    if not is_surface(surface):
+        kind = "scatter" if is_scatter(surface) else surface.type.lower()
+        raise ScatterError(
+            f"Surface '{surface.name}' of '{obj.name}' is a {kind}, not a mesh, curve, text "
+            "or metaball: choose another object"
+        )
+    return surface
+
+
+def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object, or the surface of the active scatter."""
+    obj = context.object
+    if is_scatter(obj):
+        return obj.dapple.surface
+    return obj if is_surface(obj) else None
+
+
+def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
+    """Which settings are not those that the result was solved with; empty when all are."""
+    if not obj.dapple.solved_settings:
+        return ""
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if obj.dapple.baked_keys:
+        names += changed_baking(_baked_settings(obj), bake_settings_of(obj))
+    if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
+        names.append("bind_to")
+    return solve_again(obj, settings_changed(names, say), say) if names else ""
+
+
+def _baked_settings(obj: bpy.types.Object) -> str:
+    """Older bakes have kept the settings of the solution only, and stickiness with them."""
+    return str(obj.dapple.baked_settings or obj.dapple.solved_settings)
+
+
+def settings_changed(names: list[str], say: Say = told) -> str:
+    """That settings of these names were changed, as the panel calls them."""
+    known = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
+    listed = ", ".join(label_of(known[_PROPERTIES.get(name, name)], say) for name in names)
+    return say("Settings were changed ({names})", names=listed)
+
+
+def rest_note(obj: bpy.types.Object, say: Say = told) -> str:
+    """That points hold on to the rest position by themselves, and why; empty where not."""
+    surface, chosen = obj.dapple.surface, obj.dapple.bind_to
+    if surface is None or chosen != "AUTO" or obj.dapple.bound_to != "REST":
+        return ""
+    if is_fluid(surface):
+        return say("Metaballs change their faces: points are attached to the nearest places")
+    return say(
+        "Viewport and renders have different faces: points are attached to the rest position"
+    )
+
+
+def solve_again(obj: bpy.types.Object, reason: str, say: Say = told) -> str:
+    """A reason why a result does not fit, and what makes one that does."""
+    if obj.dapple.baked_keys:
+        return say("{reason}: bake again", reason=reason)
+    return say("{reason}: optimize again", reason=reason)
+
+
+def settings_of(obj: bpy.types.Object) -> Settings:
+    """The options that the native package takes."""
+    names = {field.name for field in fields(Settings)} - {"per_area", "classes", "density"}
+    values = {name: getattr(obj.dapple, name) for name in names}
+    return Settings(
+        **values,
+        per_area=obj.dapple.points_per_area if obj.dapple.amount == "PER_AREA" else 0.0,
+        classes=tuple(map(_class_settings, obj.dapple.classes)),
+        density=_density_settings(obj.dapple.density),
+    )
+
+
+def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
+    """What a bake takes beside them."""
+    own = obj.dapple
+    fade = own.fade_frames if own.count_over_time == "KEEP_DENSITY" else 0
+    return BakeSettings(
+        own.stickiness, own.key_every, own.bake_smoothing, own.count_over_time, fade
+    )
+
+
+def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
+    """Data-blocks by their full names: two files may have one of the same name."""
+    values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
+    for name in ("image", "obstacles"):
+        values[name] = values[name].name_full if values[name] else ""
+    return DensitySettings(**values)
+
+
+def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
+    """How the tiles of a scatter are cut."""
+    tiles = obj.dapple.tiles
+    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.color_by)
+
+
+def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
+    share, count = (0.0, kind.count) if kind.use_count else (kind.share, 0)
+    return ClassSettings(share, count, kind.radius, kind.density)
+
+
+def write_report(obj: bpy.types.Object, report: Report) -> None:
+    """Show these figures."""
+    for field in fields(Report):
+        setattr(obj.dapple.report, field.name, getattr(report, field.name))
+
+
+def copy_report(source: bpy.types.PropertyGroup, target: bpy.types.PropertyGroup) -> None:
+    """Figures of one result, kept or shown again."""
+    for prop in source.bl_rna.properties:
+        if not prop.is_readonly and prop.identifier != "name":
+            setattr(target, prop.identifier, getattr(source, prop.identifier))

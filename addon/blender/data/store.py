@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writing a solution into the file: a new scatter object, its points and their binding."""
+
+import bpy
+
+from ...core.records import (
+    ADDED_ATTRIBUTES,
+    POINT_ATTRIBUTES,
+    REST_ATTRIBUTES,
+    ROW_ATTRIBUTES,
+    SCHEMA,
+    SCHEMA_KEY,
+    Binding,
+    Columns,
+)
+from ...core.rest import AtRest
+from ...core.solve import Scattered
+from ...core.sources import on_other_faces, sources_from, sources_of
+from ...core.stale import settings_text
+from ...core.surface import SurfaceArrays
+from ..base.meshio import to_local, write_columns, write_points
+from .key_writing import clear_keys
+from .library import own_mesh
+from .modifier import ensure_modifier, write_inputs, write_warning
+from .points import points_digest
+from .scatter import write_report
+
+
+def new_scatter(surface: bpy.types.Object, collection: bpy.types.Collection) -> bpy.types.Object:
+    """Empty scatter object on a surface."""
+    name = f"{surface.name} Scatter"
+    obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    obj.data[SCHEMA_KEY] = SCHEMA
+    collection.objects.link(obj)
+    obj.dapple.surface = surface
+    ensure_modifier(obj)
+    return obj
+
+
+def write_scattered(
+    obj: bpy.types.Object, arrays: SurfaceArrays, solved: Scattered, rest: AtRest | None = None
+) -> None:
+    """Store a result: points, bindings, figures. Keys of an older result go."""
+    places = to_local(obj, solved.positions)
+    clear_keys(obj)
+    mesh = own_mesh(obj)
+    write_points(mesh, places)
+    write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
+    mesh[SCHEMA_KEY] = SCHEMA
+    obj.dapple.solved_settings = settings_text(solved.settings)
+    obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.mass).text()
+    obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
+    write_report(obj, solved.report)
+    obj.dapple.report.details = solved.details.text()
+    write_binding(obj, arrays, solved.binding, rest)
+    write_warning(obj)
+
+
+def write_binding(
+    obj: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, rest: AtRest | None = None
+) -> None:
+    """Store where the points sit on a surface, or on its rest shape. Keys of an older one go."""
+    clear_keys(obj)
+    write_columns(own_mesh(obj), binding.rows(), ROW_ATTRIBUTES)
+    if rest is not None:
+        write_columns(obj.data, rest.columns, REST_ATTRIBUTES)
+        obj.dapple.bound_parts = rest.parts
+    obj.dapple.bound_to = "FACES" if rest is None else "REST"
+    obj.dapple.surface_vertices = len(arrays.vertices)
+    obj.dapple.surface_topology = arrays.topology
+    obj.dapple.solved_from = _on_faces(obj.dapple.solved_from, arrays)
+    obj.dapple.solved_points = points_digest(obj)
+    write_inputs(obj)
+
+
+def _on_faces(stored: str, arrays: SurfaceArrays) -> str:
+    """What a solution was solved from; once it is bound to other faces, in their shape."""
+    before = sources_from(stored)
+    if before is None or before.exact.get("faces") == arrays.topology:
+        return stored
+    return on_other_faces(before, arrays).text()
+
+
+def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
+    """Store what columns_with_own_ids returned; keys were cleared."""
+    types = {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES}
+    write_columns(own_mesh(obj), columns, {name: types[name] for name in columns})
+    obj.dapple.report.count = len(columns["id"])
+    obj.dapple.solved_points = points_digest(obj)

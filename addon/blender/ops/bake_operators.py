@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators of a bake: it is made, taken out, and the frames of a stopped one are deleted."""
+
+from typing import Any
+
+import bpy
+
+from ...core.errors import ScatterError
+from ...core.steps import Steps
+from ..base.job import OPTIONS, Answer, StepsOperator
+from ..base.translation import counted, operator_label, reported, told
+from ..data.key_writing import clear_keys
+from ..data.scatter import is_scatter
+from ..status import freshness
+from ..status.workfiles import all_work_files, finished_files
+from ..steps.baking import bake_steps
+from ..viewport import preview
+from .polls import ready, writable
+
+
+class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
+    """Keep the points even in every frame of the scene range and store them as keyframes. Points
+    that were optimized with other settings are optimized again first"""
+
+    bl_idname = "dapple.bake"
+    bl_label = "Bake"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        scene = context.scene
+        return bake_steps(context, scene.frame_start, scene.frame_end)
+
+    def done(self, context: bpy.types.Context, result: Any) -> None:
+        if result.anew:
+            preview.solved_anew(context.object)
+            text = reported("The points were optimized again first: {reason}", reason=result.anew)
+            self.report({"INFO"}, text)
+        if result.trouble:
+            self.report({"WARNING"}, result.trouble)
+        if result.taken:
+            text = reported(
+                "{taken} of {done} frames were already solved by a stopped bake",
+                taken=result.taken,
+                done=result.done,
+            )
+            self.report({"INFO"}, text)
+
+
+class DAPPLE_OT_clear_bake(bpy.types.Operator):
+    """Delete the baked keyframes; the points then stick to the surface where they were optimized"""
+
+    bl_idname = "dapple.clear_bake"
+    bl_label = "Clear Bake"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        there = writable(cls, context) and context.mode == "OBJECT"
+        return there and context.object.dapple.baked_keys > 0
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        left = finished_files(context.object)
+        try:
+            clear_keys(context.object)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for files in left:
+            files.clear()
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_discard_bake(bpy.types.Operator):
+    """Delete the frames that stopped bakes left behind; the next bake starts at its first frame"""
+
+    bl_idname = "dapple.discard_bake"
+    bl_label = "Discard Unfinished Bake"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object) and freshness.has_work_files(context.object, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        if bpy.app.background:
+            return self.execute(context)
+        count = sum(files.frames() for files in all_work_files(context.object))
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=told("Discard the unfinished bake?"),
+            message=counted(
+                count,
+                "{count} solved frame will be deleted from disk",
+                "{count:,} solved frames will be deleted from disk",
+            ),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        for files in all_work_files(context.object):
+            files.clear()
+        freshness.touch(context.object)
+        return {"FINISHED"}
+
+
+CLASSES = (DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake)

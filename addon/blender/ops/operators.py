@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that take their time: thin shells around the steps of work.py and its like."""
+
+from typing import Any, ClassVar
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, IntProperty
+
+from ...core.settings import Settings
+from ...core.steps import Steps
+from ..base.job import OPTIONS, Answer, StepsOperator
+from ..base.translation import OWN, operator_label, reported, told
+from ..data.scatter import rest_note
+from ..settings.properties import BIND_TO
+from ..steps.adding import add_steps
+from ..steps.tiling import tile_steps
+from ..steps.work import optimize_steps, rebind_steps
+from ..viewport import preview
+from .polls import ready
+
+_DEFAULT = Settings()
+
+
+class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
+    """Scatter points evenly on the active object"""
+
+    bl_idname = "dapple.add"
+    bl_label = "Dapple Scatter"
+    bl_options = OPTIONS
+
+    count: IntProperty(
+        name="Count", description="Exact number of points", default=_DEFAULT.count, min=1
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Seed of the random start; each seed gives another scatter",
+        default=_DEFAULT.seed,
+        min=0,
+    )
+
+    bind_to: EnumProperty(
+        name="Attach To",
+        description="What the points are attached to while the surface deforms",
+        items=BIND_TO,
+        translation_context=OWN,
+        default="AUTO",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=False)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        chosen = ("count", "seed", "bind_to")
+        given = {
+            name: getattr(self, name) for name in chosen if self.properties.is_property_set(name)
+        }
+        return add_steps(context, **given)
+
+    def done(self, context: bpy.types.Context, result: Any) -> None:
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        result.obj.select_set(True)
+        context.view_layer.objects.active = result.obj
+        if result.note:
+            self.report({"WARNING"}, result.note)
+        elif rest_note(result.obj):
+            self.report({"INFO"}, rest_note(result.obj, reported))
+
+
+class _DropsKeys(StepsOperator):
+    """Asks before it takes a bake away, when a button was pressed."""
+
+    _action: ClassVar[str]
+    drop_keys: BoolProperty(
+        name="Delete Keyframes",
+        description="Delete baked keyframes without asking",
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        if not context.object.dapple.baked_keys or self.drop_keys or bpy.app.background:
+            return StepsOperator.invoke(self, context, event)
+        bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=self._action)
+        return {"CANCELLED"}  # it begins anew once that is answered
+
+
+class DAPPLE_OT_drop_keys(bpy.types.Operator):
+    """Continue with the operation that deletes the baked keyframes"""
+
+    bl_idname = "dapple.drop_keys"
+    bl_label = "Delete Baked Keyframes"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    action: EnumProperty(
+        name="Action",
+        items=[
+            ("OPTIMIZE", "Optimize", "Optimize the points again"),
+            ("REBIND", "Reattach", "Attach the points to the nearest places"),
+        ],
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        settings = context.object.dapple
+        last = settings.baked_start + settings.baked_frames - 1
+        return context.window_manager.invoke_confirm(
+            self,
+            event,
+            title=told("Delete the bake?"),
+            message=told(
+                "The keyframes of frames {first} to {last} will be deleted",
+                first=settings.baked_start,
+                last=last,
+            ),
+            confirm_text=operator_label(self.bl_label),
+            icon="WARNING",
+        )
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        operator = getattr(bpy.ops.dapple, self.action.lower())
+        operator("INVOKE_DEFAULT", drop_keys=True)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
+    """Distribute the points evenly on the surface in the current frame. Baked keyframes are
+    deleted"""
+
+    bl_idname = "dapple.optimize"
+    bl_label = "Optimize"
+    bl_options = OPTIONS
+    _action = "OPTIMIZE"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return optimize_steps(context)
+
+    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+        preview.solved_anew(result)
+
+
+class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
+    """Attach the points to the nearest places of a surface whose faces changed. Go to the frame
+    and pose in which they were optimized first. Baked keyframes are deleted"""
+
+    bl_idname = "dapple.rebind"
+    bl_label = "Reattach"
+    bl_options = OPTIONS
+    _action = "REBIND"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return rebind_steps(context)
+
+    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
+        preview.solved_anew(result)
+
+
+class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
+    """Turn the area of each point into a tile, on the surface in the current frame. The points are
+    those that were optimized, not those of the bake. Existing tiles are replaced and keep their
+    modifiers"""
+
+    bl_idname = "dapple.tile"
+    bl_label = "Make Tiles"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        return tile_steps(context)
+
+    def done(self, context: bpy.types.Context, result: Any) -> None:
+        made, tiles = result
+        count = len(np.unique(tiles.cells))
+        text = reported("'{name}': {count:,} tiles", name=made.name, count=count)
+        if tiles.lost:
+            text = reported(
+                "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
+            )
+        self.report({"WARNING" if tiles.lost else "INFO"}, text)
+
+
+CLASSES = (
+    DAPPLE_OT_add,
+    DAPPLE_OT_drop_keys,
+    DAPPLE_OT_optimize,
+    DAPPLE_OT_rebind,
+    DAPPLE_OT_tile,
+)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether an operator can run on the active object, and the message that says why not."""
+
+import bpy
+
+from ...core.native import missing
+from ..base.translation import told
+from ..data.library import read_only
+from ..data.scatter import is_scatter, is_surface
+
+
+def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
+    """Whether the active object fits: a scatter that is writable, or a surface."""
+    obj = context.object
+    if missing():
+        cls.poll_message_set(missing())
+    elif context.mode != "OBJECT" or obj is None:
+        cls.poll_message_set(told("Needs an active object in Object Mode"))
+    elif scatter:
+        return writable(cls, context)
+    elif is_scatter(obj):
+        cls.poll_message_set(told("The active object is a scatter, not a surface"))
+    elif not is_surface(obj):
+        cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
+    else:
+        return True
+    return False
+
+
+def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter that keeps what is written to it."""
+    if not is_scatter(context.object):
+        cls.poll_message_set(told("The active object is not a Dapple scatter"))
+    elif read_only(context.object):
+        cls.poll_message_set(read_only(context.object))
+    else:
+        return True
+    return False

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that are done at once: the list of classes, locks, quality, the worst overlap."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ...core.errors import ScatterError
+from ...core.quality import QUALITIES, quality_settings
+from ..base.job import OPTIONS, Answer
+from ..base.translation import OWN, reported, told
+from ..data.locking import lock_points
+from ..steps.classes import change_classes, select_overlap
+from .polls import writable
+
+
+class DAPPLE_OT_edit_classes(bpy.types.Operator):
+    """Edit the list of object types; optimize again to apply"""
+
+    bl_idname = "dapple.edit_classes"
+    bl_label = "Edit Object Types"
+    bl_options = OPTIONS
+
+    action: EnumProperty(
+        name="Action",
+        items=[
+            (
+                "ADD",
+                "Add",
+                "Add an object type; the first one takes over the current instance settings",
+            ),
+            ("REMOVE", "Remove", "Remove the active object type"),
+            ("UP", "Move Up", "Move the active object type up"),
+            ("DOWN", "Move Down", "Move the active object type down"),
+        ],
+        default="ADD",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not writable(cls, context):
+            return False
+        if context.object.override_library:
+            cls.poll_message_set(told("A library override keeps the object types of its library"))
+        return not context.object.override_library
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        change_classes(context.object, self.action)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_lock(bpy.types.Operator):
+    """Keep the selected points in place when the scatter is optimized, or unlock them. Points can
+    be moved, added and deleted in Edit Mode first. In a bake all points move"""
+
+    bl_idname = "dapple.lock"
+    bl_label = "Lock Points"
+    bl_options = OPTIONS
+
+    lock: BoolProperty(
+        name="Lock", description="Lock the points; if disabled, unlock them", default=True
+    )
+    every: BoolProperty(name="All Points", description="Include points that are not selected")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        try:
+            count = lock_points(context.object, self.lock, self.every)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if self.lock:
+            self.report({"INFO"}, reported("{count:,} points locked", count=count))
+        else:
+            self.report({"INFO"}, reported("{count:,} points unlocked", count=count))
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_set_quality(bpy.types.Operator):
+    """Set how even and how regular the points become; optimize again to apply"""
+
+    bl_idname = "dapple.set_quality"
+    bl_label = "Quality"
+    bl_options = OPTIONS
+
+    quality: EnumProperty(
+        name="Quality", items=QUALITIES, translation_context=OWN, default="NATURAL"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        for name, value in quality_settings(self.quality).items():
+            setattr(context.object.dapple, name, value)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_select_overlap(bpy.types.Operator):
+    """Select the two points whose instances overlap most and place the 3D cursor between them; if
+    baked, go to the frame with the largest overlap"""
+
+    bl_idname = "dapple.select_overlap"
+    bl_label = "Select Overlap"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        there = writable(cls, context) and context.mode == "OBJECT"
+        return there and context.object.dapple.report.worst_overlap > 0
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        try:
+            context.scene.cursor.location = select_overlap(context.object, context)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (
+    DAPPLE_OT_edit_classes,
+    DAPPLE_OT_lock,
+    DAPPLE_OT_set_quality,
+    DAPPLE_OT_select_overlap,
+)

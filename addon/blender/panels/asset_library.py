@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node groups as an asset library of Blender's preferences, if the user wants it there."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+from ..base import extension
+from ..base.translation import reported, told
+
+Answer = set[str]
+NAME = "Dapple"
+FOLDER = extension.FOLDER / "assets"
+ASSETS = "dapple_nodes.blend"
+
+
+def missing_assets() -> str:
+    """Why there is no library to add; empty when there is one."""
+    if (FOLDER / ASSETS).is_file():
+        return ""
+    return told(
+        "{file} is missing: it is only part of the extension that Blender installs from a zip",
+        file=ASSETS,
+    )
+
+
+def library() -> bpy.types.UserAssetLibrary | None:
+    """The entry of the preferences that leads to the assets."""
+    libraries = bpy.context.preferences.filepaths.asset_libraries
+    return next((one for one in libraries if one.path and Path(one.path) == FOLDER), None)
+
+
+def remove() -> None:
+    """Take the assets out of the preferences."""
+    found = library()
+    if found is not None:
+        bpy.context.preferences.filepaths.asset_libraries.remove(found)
+
+
+class _LibraryOperator:
+    bl_options = {"INTERNAL"}  # noqa: RUF012 - as Blender wants it
+    report: Callable[[set[str], str], None]
+
+
+class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
+    """Add the folder of Dapple's node groups to the asset libraries in the preferences, so that
+    the asset browser shows them"""
+
+    bl_idname = "dapple.add_asset_library"
+    bl_label = "Add Asset Library"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if missing_assets():
+            cls.poll_message_set(missing_assets())
+        return not missing_assets()
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        found = library()
+        if found is not None:
+            text = reported("The asset library '{name}' is there already", name=found.name)
+            self.report({"INFO"}, text)
+            return {"FINISHED"}
+        libraries = context.preferences.filepaths.asset_libraries
+        added = libraries.new(name=NAME, directory=str(FOLDER))
+        context.preferences.is_dirty = True
+        self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
+    """Remove Dapple's node groups from the asset browser; groups in use stay in their files"""
+
+    bl_idname = "dapple.remove_asset_library"
+    bl_label = "Remove Asset Library"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if library() is None:
+            cls.poll_message_set(told("The preferences have no Dapple asset library"))
+        return library() is not None
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        remove()
+        context.preferences.is_dirty = True
+        return {"FINISHED"}
+
+
+def unregister() -> None:
+    """Take the library back if the user asked for that."""
+    addon = bpy.context.preferences.addons.get(extension.PACKAGE)
+    wanted = addon is not None and addon.preferences is not None
+    if wanted and addon.preferences.remove_library:
+        remove()
+
+
+CLASSES = (
+    DAPPLE_OT_add_asset_library,
+    DAPPLE_OT_remove_asset_library,
+)

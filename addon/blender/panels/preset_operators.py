@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Saving, loading and removing presets: the operators and the menu."""
+
+from collections.abc import Callable
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core import presets
+from ...core.errors import ScatterError
+from ..base.job import OPTIONS, Answer
+from ..base.translation import told
+from ..data.scatter import is_scatter
+from ..ops.polls import writable
+from ..steps.presets import apply, folder, values_of
+from . import shown
+
+
+class _PresetOperator:
+    report: Callable[[set[str], str], None]
+
+    name: StringProperty(name="Name", description="Name of the preset")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return is_scatter(context.object)
+
+    def work(self, obj: bpy.types.Object | None) -> None:
+        """What is done, for the active scatter if it is about one."""
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> Answer:
+        try:
+            self.work(context.object)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
+    """Save the settings of this scatter as a preset. New scatters start with the preset named
+    Default"""
+
+    bl_idname = "dapple.save_preset"
+    bl_label = "Save Preset"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, obj: bpy.types.Object) -> None:
+        presets.store(folder(), self.name, values_of(obj))
+
+
+class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
+    """Apply the settings of the preset; optimize again to see them"""
+
+    bl_idname = "dapple.load_preset"
+    bl_label = "Load Preset"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def work(self, obj: bpy.types.Object) -> None:
+        apply(obj, presets.load(folder(), self.name))
+
+
+class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
+    """Delete the preset file"""
+
+    bl_idname = "dapple.remove_preset"
+    bl_label = "Remove Preset"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return True  # a preset is of no object
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+        return context.window_manager.invoke_confirm(self, event)
+
+    def work(self, obj: bpy.types.Object | None) -> None:
+        presets.remove(folder(), self.name)
+
+
+class DAPPLE_MT_presets(bpy.types.Menu):
+    """Saved presets"""
+
+    bl_label = "Presets"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        found = shown.PRESETS.of()
+        if is_scatter(context.object):
+            for name in found:
+                load = DAPPLE_OT_load_preset.bl_idname
+                self.layout.operator(load, text=name, translate=False).name = name
+            if found:
+                self.layout.separator()
+            self.layout.operator(DAPPLE_OT_save_preset.bl_idname, icon="ADD")
+            save = self.layout.operator(DAPPLE_OT_save_preset.bl_idname, text="Save as Default")
+            save.name = presets.DEFAULT
+        draw_removal(self.layout)
+
+
+def draw_removal(layout: bpy.types.UILayout) -> None:
+    """A button for each preset that removes it."""
+    for name in shown.PRESETS.of():
+        text = told("Remove '{name}'", name=name)
+        remove = layout.operator(DAPPLE_OT_remove_preset.bl_idname, text=text, icon="TRASH")
+        remove.name = name
+
+
+CLASSES = (
+    DAPPLE_OT_save_preset,
+    DAPPLE_OT_load_preset,
+    DAPPLE_OT_remove_preset,
+    DAPPLE_MT_presets,
+)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What has other contents than when a result was solved, and what only moves."""
+
+import bpy
+
+from ...core.sources import (
+    PLACES,
+    UNKNOWN,
+    Sources,
+    differing,
+    is_of_faces,
+    sources_from,
+    value_roles,
+)
+from ...core.stale import changed_settings
+from ...nodes import get_input, has_input
+from ..base.translation import told
+from ..data.modifier import scatter_modifier
+from ..data.scatter import settings_changed, settings_of
+
+
+def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
+    """Why a solution is not that of the settings and contents now; empty when it is.
+
+    What is on a later frame as it is because it moves is no reason.
+    """
+    names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
+    if names and obj.dapple.solved_settings:
+        return settings_changed(names)
+    if other_surface(obj):
+        return other_surface(obj)
+    before = sources_from(obj.dapple.solved_from)
+    if before is None:
+        return ""
+    reasons, _ = _compared(obj, before, now)
+    return reasons[0] if reasons else ""
+
+
+def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
+    """What has other contents than when the result was solved; what is only so in this frame."""
+    baked = bool(obj.dapple.baked_keys)
+    before = sources_from(obj.dapple.baked_from if baked else obj.dapple.solved_from)
+    if before is not None:
+        return _compared(obj, before, now)
+    if baked or not obj.dapple.report.count:
+        return [], ""
+    return [], told("Made by an older version: only settings and faces are compared")
+
+
+def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:
+    """Reasons, and a note of what differs from the frame of before as what moves does."""
+    roles = [role for role in differing(before, now) if role != "faces"]
+    same = before.exact.get("faces") == now.exact.get("faces")
+    roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
+    if before.frame == now.frame:
+        return [_said(obj, role) for role in roles], _unknown(before)
+    if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
+        moving = {*before.moving, "shape"}
+        return [_said(obj, role) for role in roles if role not in moving], ""
+    places = [role for role in roles if role in PLACES]
+    still = [_said(obj, role) for role in roles if role not in PLACES]
+    return still, _note(before.frame, places) if places else _unknown(before)
+
+
+def _unknown(before: Sources) -> str:
+    if UNKNOWN not in before.exact.values():
+        return ""
+    return told("Attached to other faces since then: values of the surface are not compared")
+
+
+def _note(frame: float, roles: list[str]) -> str:
+    labels = {
+        "shape": told("shape of the surface"),
+        "scale": told("shape of the surface"),
+        "up": told("direction and height of the surface"),
+        "camera": told("camera"),
+        "obstacles": told("avoided objects"),
+        "others": told("avoided objects"),
+    }
+    listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
+    return told(
+        "Differs from frame {frame:g}, where the points were optimized: {what}",
+        frame=frame,
+        what=listed,
+    )
+
+
+def _said(obj: bpy.types.Object, role: str) -> str:
+    """That a role has other contents."""
+    settings, surface = settings_of(obj), obj.dapple.surface.name
+    named = value_roles(settings)
+    if role in named:
+        return told("Values of '{name}' were changed", name=named[role])
+    if role == "image":
+        return told("Image '{name}' was changed", name=settings.density.image)
+    if role == "uv":
+        return told("UV map of '{surface}' was changed", surface=surface)
+    if role == "camera":
+        return told("The camera was moved or changed")
+    if role in ("obstacles", "others"):
+        return told("Avoided objects were moved or changed")
+    if role == "up":
+        return told(
+            "Surface '{surface}' was rotated or moved, and the density depends on it",
+            surface=surface,
+        )
+    return told("Surface '{surface}' has another shape or scale than before", surface=surface)
+
+
+def other_surface(obj: bpy.types.Object) -> str:
+    """Whether points are played on another surface than the one that is chosen."""
+    modifier = scatter_modifier(obj)
+    if modifier is None or not has_input(modifier, "Surface"):
+        return ""
+    played = get_input(modifier, "Surface")
+    if played is None or played == obj.dapple.surface:
+        return ""
+    return told(
+        "The points are on '{played}', not on '{chosen}'",
+        played=played.name,
+        chosen=obj.dapple.surface.name,
+    )

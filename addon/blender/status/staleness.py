@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Why a result does not fit any more: surface, faces, points, settings, contents, keys, motion."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...core.errors import ScatterError
+from ..base.translation import counted, told
+from ..data.key_stores import key_points
+from ..data.scatter import is_surface, settings_reason, solve_again
+from .bake_staleness import bake_reason, bound_vertices
+from .contents import contents, other_surface
+from .present import Looked, Present
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a result fits what is there now."""
+
+    reason: str = ""  # why not, the first of the reasons; empty when it fits
+    note: str = ""  # what cannot be compared in this frame
+
+
+def stale_reason(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """The first of the reasons in words; empty when the result fits."""
+    return verdict(obj, context).reason
+
+
+def verdict(
+    obj: bpy.types.Object, context: bpy.types.Context, present: Present | None = None
+) -> Verdict:
+    """Compare a result with what is there now: present, as far as it was read before.
+
+    Motion is compared on whole frames that are baked: call it again on another frame.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    try:
+        return _verdict(obj, depsgraph, present or Present())
+    except ScatterError as error:  # nothing could be solved from what is there
+        return Verdict(str(error))
+
+
+def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Present) -> Verdict:
+    reason = _object_reason(obj, depsgraph)
+    if reason:
+        return Verdict(reason)
+    looked = present.surface(obj, depsgraph)
+    reason = _surface_reason(obj, depsgraph, looked) or _points_reason(obj, present)
+    reason = reason or settings_reason(obj)
+    if reason:
+        return Verdict(reason)
+    reasons, note = contents(obj, present.sources(obj, depsgraph))
+    if reasons:
+        return Verdict(solve_again(obj, reasons[0]))
+    if obj.dapple.baked_keys:
+        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
+    return Verdict("", note)
+
+
+def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
+    """What keeps the surface from being looked at."""
+    surface = obj.dapple.surface
+    if surface is None:
+        return told("The surface is gone")
+    if not is_surface(surface):
+        return told(
+            "Surface '{surface}' is not a mesh, curve, text or metaball", surface=surface.name
+        )
+    if not surface.evaluated_get(depsgraph).is_evaluated:
+        return told("Surface '{surface}' is not in the view layer", surface=surface.name)
+    if not surface.users_collection and surface.library is None:
+        return told(
+            "Surface '{surface}' was deleted or is in no collection: choose another one",
+            surface=surface.name,
+        )
+    return ""
+
+
+def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
+    surface = obj.dapple.surface
+    if obj.dapple.bound_to == "REST":
+        reason = _rest_reason(surface)
+    else:
+        reason = _faces_reason(obj, depsgraph, looked)
+    if looked.trouble and not reason:
+        reason = told(
+            "Surface '{surface}': {trouble}", surface=surface.name, trouble=looked.trouble
+        )
+    reason = reason or other_surface(obj)
+    return solve_again(obj, reason) if reason else ""
+
+
+def _rest_reason(surface: bpy.types.Object) -> str:
+    if surface.type == "MESH" and not surface.add_rest_position_attribute:
+        return told("Rest Position of '{surface}' is off", surface=surface.name)
+    return ""
+
+
+def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
+    bound, now = bound_vertices(obj, depsgraph.scene), looked.vertices
+    known = obj.dapple.surface_topology.split()
+    if now not in bound:
+        return told(
+            "Attached to {bound:,} vertices, the surface has {now:,}", bound=bound[0], now=now
+        )
+    if known and looked.outline.topology not in known:
+        return told(
+            "The faces of '{surface}' are not those that the points are attached to",
+            surface=looked.name,
+        )
+    return ""
+
+
+def _points_reason(obj: bpy.types.Object, present: Present) -> str:
+    """Whether points were edited by hand, or added and removed under the keys."""
+    if obj.dapple.baked_keys:
+        if len(obj.data.vertices) != key_points(obj):
+            return solve_again(obj, told("Points were added or removed since the bake"))
+    elif obj.dapple.report.count != len(obj.data.vertices):
+        return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
+    if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
+        return ""
+    return told("Points were edited by hand: reattach them, or lock them and optimize")
+
+
+def _added_or_removed(added: int) -> str:
+    if added > 0:
+        return counted(
+            added,
+            "{count} point was added by hand: reattach it, or lock it and optimize",
+            "{count:,} points were added by hand: reattach them, or lock them and optimize",
+        )
+    return counted(
+        -added,
+        "{count} point was removed by hand: reattach to keep the others, or optimize",
+        "{count:,} points were removed by hand: reattach to keep the others, or optimize",
+    )

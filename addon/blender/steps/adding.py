@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add: a new scatter over a surface, and how much of the Default preset fits there."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.errors import ChangedError, ScatterError
+from ...core.presets import Values, settings_with
+from ...core.rest import AtRest
+from ...core.solve import Scattered, scatter
+from ...core.steps import Steps, Task
+from ...core.surface import SurfaceArrays, check_unchanged
+from ..base.held import Held
+from ..base.translation import reported
+from ..data.library import open_collections
+from ..data.store import new_scatter, write_scattered
+from ..status.workfiles import new_key
+from ..surface.bound import rest_of
+from ..surface.reading import read
+from ..surface.resting import kind_of_binding, rest_position, rest_position_kept
+from .preset_fit import first_values, left_out_note
+from .presets import apply
+
+
+@dataclass(frozen=True)
+class Added:
+    """What Add has made."""
+
+    obj: bpy.types.Object
+    note: str  # what of the Default preset was left out, and why; empty if nothing was
+
+
+@dataclass(frozen=True)
+class _Solved:
+    values: Values
+    arrays: SurfaceArrays
+    scattered: Scattered
+    rest: AtRest | None
+
+
+def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
+    """Scatter over the active object; returns what was Added.
+
+    What is not chosen (count, seed, bind_to) is as in the Default preset, as far as that fits.
+    """
+    surface = Held(context.object)
+    values, note = first_values(surface.get(), context)
+    with rest_position_kept(surface):
+        solved, left_out = yield from _as_far_as_it_fits(surface, values, chosen)
+        with _new(surface.get()) as obj:
+            obj.dapple.bake_key = new_key()
+            apply(obj, solved.values)
+            write_scattered(obj, solved.arrays, solved.scattered, solved.rest)
+    return Added(obj, left_out or note)
+
+
+def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) -> Any:
+    """The first of what the preset makes with less and less of it, and what is said of that."""
+    first: ScatterError | None = None
+    for values, left_out in _less_and_less(preset, chosen):
+        try:
+            solved = yield from _solved(surface, _with_chosen(values, chosen))
+        except ChangedError:
+            raise
+        except ScatterError as error:
+            first = first or error
+            if not values:
+                raise
+        else:
+            return solved, left_out and left_out_note(f"{left_out} ({first})")
+    raise AssertionError("without a preset the error is raised")
+
+
+def _less_and_less(preset: Values, chosen: dict[str, Any]) -> Iterator[tuple[Values, str]]:
+    """Values of a preset without more and more of them, and what they are without."""
+    yield preset, ""
+    if not preset:
+        return
+    bound = {name: value for name, value in preset.get("", {}).items() if name != "bind_to"}
+    even = {name: group for name, group in preset.items() if name != "density"}
+    if "bind_to" in preset.get("", {}) and "bind_to" not in chosen:
+        yield {**preset, "": bound}, reported("attachment")
+    if "density" in preset:
+        yield even, reported("density")
+        yield {**even, "": bound}, reported("attachment and density")
+    yield {}, reported("all settings")
+
+
+def _with_chosen(values: Values, chosen: dict[str, Any]) -> Values:
+    own = {**values.get("", {}), **chosen}
+    if "count" in chosen:
+        own["amount"] = "COUNT"
+    return {**values, "": own}
+
+
+def _solved(surface: Held, values: Values) -> Any:
+    settings = settings_with(values)
+    kind = kind_of_binding(surface.get(), bpy.context, values[""].get("bind_to", "AUTO"))
+    arrays = read(surface.get(), settings)
+    found = yield Task(lambda worker: scatter(arrays, settings, worker))
+    check_unchanged(arrays, read(surface.get(), settings))
+    with rest_position(surface, kind):
+        rest = rest_of(surface.get(), arrays, found.binding, kind)
+    return _Solved(values, arrays, found, rest)
+
+
+@contextmanager
+def _new(surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """A new scatter object, which is gone again if what is done with it fails."""
+    groups = set(bpy.data.node_groups)
+    obj = new_scatter(surface, _collection_of(surface, bpy.context))
+    try:
+        yield obj
+    except BaseException:
+        bpy.data.meshes.remove(obj.data)  # and the object with it
+        bpy.data.batch_remove(set(bpy.data.node_groups) - groups)
+        raise
+
+
+def _collection_of(surface: bpy.types.Object, context: bpy.types.Context) -> bpy.types.Collection:
+    """The surface's own collection, so that both are shown and hidden together."""
+    inside = set(context.scene.collection.children_recursive) | {context.scene.collection}
+    for collection in open_collections(surface):
+        if collection in inside:
+            return collection
+    return context.scene.collection

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake starts with: the points of the first frame, and what they were solved from."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...core.errors import ScatterError
+from ...core.settings import Settings
+from ...core.solve import Scattered, scatter
+from ...core.sources import Sources, differing, sources_of
+from ...core.steps import Task
+from ...core.surface import SurfaceArrays
+from ..base.held import Held
+from ..data.points import locked_points
+from ..status.contents import solution_reason
+from ..surface.reading import read
+from .bakers import _check_faces
+
+_SOLVING = 0.1  # of the progress of a bake whose points are optimized anew first
+
+
+@dataclass
+class Begun:
+    """What a bake begins with, in its first frame."""
+
+    arrays: SurfaceArrays
+    sources: Sources
+    solved: Scattered | None = None  # the points anew; None: those that are stored
+    anew: str = ""  # why
+    progress: float = 0.0  # of the bake, so far
+
+
+def begin_bake(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
+    """The points of the first frame: those that are stored, where they are of these settings and
+    of what is there; else they are optimized anew.
+    """
+    obj, sources = held.get(), sources_of(arrays, settings)
+    _check_faces(obj, arrays)
+    reason = solution_reason(obj, sources)
+    if not reason:
+        return Begun(arrays, sources)
+    locked = locked_points(obj)
+    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked), 0.0, _SOLVING)
+    return Begun(arrays, sources, solved, reason, _SOLVING)
+
+
+def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings) -> None:
+    """Note what is not as in the first frame: later that is no sign of a change."""
+    try:
+        now = sources_of(read(surface.get(), settings, held.get()), settings)
+    except ScatterError:  # a density of the first frame only
+        now = replace(begun.sources, exact={}, near={})
+    moving = {*begun.sources.moving, *differing(begun.sources, now)}
+    begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))

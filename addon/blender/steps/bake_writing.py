@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writing a finished bake: its points, its keys, and the faces that it has seen."""
+
+import bpy
+
+from ...core.bake import Baker
+from ...core.population import PopulationBaker
+from ...core.rest import at_rest
+from ..base.meshio import to_local
+from ..data.key_writing import write_baked
+from ..data.modifier import ensure_modifier, write_surface_inputs
+from ..data.store import write_binding, write_scattered
+from .bake_start import Begun
+
+
+def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> None:
+    """Store what a baker has solved; what cannot be stored is found before anything is lost."""
+    rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
+    born = baker.born() if isinstance(baker, PopulationBaker) else None
+    if born is not None:
+        to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
+    if begun.solved is not None:
+        write_scattered(obj, baker.first_surface, begun.solved, rest)
+    elif "REST" in (kind, obj.dapple.bound_to):
+        write_binding(obj, baker.first_surface, baker.begin, rest)
+    write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
+    obj.dapple.bake_fingerprint = baker.fingerprint
+    known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
+    obj.dapple.surface_topology = " ".join(known)
+    write_surface_inputs(obj, ensure_modifier(obj))

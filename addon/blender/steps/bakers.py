@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baker that the settings of a scatter ask for, from its first frame on."""
+
+import bpy
+
+from ...core.bake import Baker, Start
+from ...core.errors import ScatterError
+from ...core.keys import Keyframes
+from ...core.population import PopulationBaker
+from ...core.records import Binding, Columns, as_stored, check_ids
+from ...core.rest import told_apart
+from ...core.solve import Scattered, nearest_binding
+from ...core.surface import SurfaceArrays
+from ...core.together import TogetherBaker
+from ..data.points import places_of, point_columns_of
+from ..data.scatter import settings_of
+from ..status.workfiles import work_files
+from ..surface.bound import current_binding, other_faces
+
+
+def new_baker(
+    obj: bpy.types.Object,
+    surface: bpy.types.Object,
+    arrays: SurfaceArrays,
+    first: int,
+    count: int,
+    solved: Scattered | None,
+) -> Baker:
+    """A baker of so many frames; solved are the points if they were optimized anew."""
+    rebind = obj.dapple.on_topology_change == "REBIND" or arrays.rest is not None
+    if solved is not None:
+        binding, columns = as_stored(solved.binding), solved.columns
+    else:
+        binding, columns = _binding(obj, surface, arrays)
+    if arrays.rest is not None:
+        arrays = told_apart(binding, arrays)
+    start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
+    keyframes = Keyframes(count, obj.dapple.key_every)
+    smoothing = obj.dapple.bake_smoothing
+    if obj.dapple.count_over_time == "KEEP_DENSITY":
+        return PopulationBaker(arrays, start, keyframes, first=first, fade=obj.dapple.fade_frames)
+    if smoothing != "FORWARDS":
+        return TogetherBaker(arrays, start, keyframes, first=first, closed=smoothing == "LOOP")
+    return Baker(arrays, start, keyframes, work_files(obj, first), first, rebind)
+
+
+def _binding(
+    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
+) -> tuple[Binding, Columns]:
+    """The stored binding, or one to the places nearest to the points as they were optimized."""
+    if obj.dapple.bound_to == "REST" or not other_faces(obj, arrays):
+        return current_binding(obj, surface, arrays)
+    columns = point_columns_of(obj)
+    check_ids(columns["id"], obj.name)
+    return nearest_binding(places_of(obj), arrays), columns
+
+
+def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
+    reason = "" if obj.dapple.bound_to == "REST" else other_faces(obj, arrays)
+    if reason and obj.dapple.on_topology_change != "REBIND":
+        raise ScatterError(
+            f"Scatter '{obj.name}' is out of date: {reason}. Optimize the scatter first, or "
+            "set On Topology Change to Reattach"
+        )

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake, as steps: read a frame, let the worker solve it, go on; write all when all are done."""
+
+from typing import Any
+
+import bpy
+
+from ...core.bake import Baker
+from ...core.errors import ScatterError, StoppedError
+from ...core.steps import Steps, Task
+from ...core.surface import SurfaceArrays, check_unchanged
+from ...core.together import TogetherBaker
+from ..base.held import Held
+from ..base.times import times_of
+from ..base.translation import reported
+from ..data.points import own_points
+from ..data.scatter import settings_of, surface_of
+from ..surface.reading import at_frame, frame_kept
+from ..surface.resting import kind_of_binding, rest_position
+from .bake_start import begin_bake, note_moving
+from .bake_writing import write_bake
+from .bakers import new_baker
+from .crossing import crossed
+
+_READING = 0.2  # of the progress of a bake that solves all frames together
+
+
+def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
+    """Keys of the frames from first to last, each re-optimized; returns the Baker."""
+    held, surface = Held(context.object), Held(surface_of(context.object))
+    first, last = times_of(context.scene, first, last)
+    if last < first:
+        raise ScatterError(f"The frame range is empty: {first} to {last}")
+    count = own_points(context.object).sum()
+    with frame_kept(context.scene, show=first):
+        kind = kind_of_binding(surface.get(), bpy.context, context.object.dapple.bind_to)
+    with rest_position(surface, kind):
+        with frame_kept(context.scene):
+            begun, baker = yield from _carry(held, surface, first, last, kind)
+        _check_points_kept(held.get(), count)
+        write_bake(held.get(), begun, baker, kind)
+    return baker
+
+
+def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:
+    count = last - first + 1
+    settings = settings_of(held.get())
+    arrays = at_frame(surface, first, settings=settings, own=held, kind=kind)
+    begun = yield from begin_bake(held, arrays, settings)
+    baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
+    baker.anew = begun.anew
+    begin = begun.progress
+    end = _READING if isinstance(baker, TogetherBaker) else 1.0
+    for step in range(count):
+        if step:
+            arrays = at_frame(surface, first + step, kind=kind)
+        if step in (count // 2, count - 1):
+            note_moving(begun, held, surface, settings)
+        at = begin + (end - begin) * step / count
+        yield from _solve(baker, held, surface, arrays, (at, at + (end - begin) / count))
+    if isinstance(baker, TogetherBaker):
+        yield Task(baker.solve, end, 1.0)
+    check_unchanged(begun.arrays, at_frame(surface, first, settings=settings, own=held))
+    return begun, baker
+
+
+def _solve(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, share: tuple[float, float]
+) -> Any:
+    """The next frame: what a stopped bake left, or solved now."""
+    if baker.changes(arrays):
+        arrays = crossed(baker, held, surface, arrays)
+    baker.enter(arrays)
+    try:
+        if (yield Task(lambda _: baker.take(), *share)):
+            return
+        yield Task(baker.advance, *share)
+    except StoppedError as error:
+        raise StoppedError(_stopped(baker)) from error
+
+
+def _stopped(baker: Baker) -> str:
+    if baker.sidecar is None or not baker.done:
+        return reported("Canceled: nothing was written")
+    return reported(
+        "Canceled: the scatter is unchanged; {count} solved frames are kept in '{folder}', "
+        "Bake continues from there",
+        count=baker.done,
+        folder=baker.sidecar.folder,
+    )
+
+
+def _check_points_kept(obj: bpy.types.Object, count: int) -> None:
+    if own_points(obj).sum() != count:
+        raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")

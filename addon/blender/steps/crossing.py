@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the faces change during a bake: the surface just before and just after."""
+
+from dataclasses import replace
+
+from ...core.bake import Baker
+from ...core.surface import SurfaceArrays
+from ..base.held import Held
+from ..surface.reading import at_frame
+
+_SEAM_STEPS = 6
+
+
+def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> SurfaceArrays:
+    """Have a baker cross to the faces of its next frame, which is returned as read again."""
+    number = baker.first + baker.done
+    before, after = baker.now, arrays
+    if arrays.rest is None:
+        before, after = _seam(surface, number, baker.bound.topology)
+    then = at_frame(surface, number, settings=baker.start.settings, own=held)
+    baker.cross(before, replace(after, weights=then.weights, around=then.around))
+    return replace(at_frame(surface, number), rest=arrays.rest)
+
+
+def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
+    """The surface just before and just after it loses its topology, on the way to a frame.
+
+    Bisected, so that it hardly moves between both, however far it moves in a frame.
+    """
+    begin, end = 0.0, 1.0
+    before, after = at_frame(surface, frame - 1), at_frame(surface, frame)
+    for _ in range(_SEAM_STEPS):
+        middle = (begin + end) / 2
+        arrays = at_frame(surface, frame - 1, middle)
+        if arrays.topology == topology:
+            begin, before = middle, arrays
+        elif arrays.topology == after.topology:
+            end, after = middle, arrays
+        else:  # yet another one on the way
+            break
+    return before, after

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the points are on the surface as it is now: by its faces, or by its rest shape."""
+
+from dataclasses import replace
+
+import bpy
+
+from ...core.records import Binding, Columns
+from ...core.rest import AtRest, at_rest, bound_at_rest
+from ...core.steps import Steps, Task, run_now
+from ...core.surface import SurfaceArrays
+from ..base.meshio import to_local
+from ..data.points import point_columns_of, read_at_rest, read_binding
+from ..data.scatter import is_fluid
+from .surface_mesh import read_rest
+
+
+def other_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> str:
+    """How the faces are not those the points are bound to; empty when they are."""
+    bound, now = obj.dapple.surface_vertices, len(arrays.vertices)
+    if bound != now:
+        return f"attached to {bound} vertices, surface '{arrays.name}' has {now}"
+    known = obj.dapple.surface_topology.split()
+    if known and arrays.topology != known[0]:
+        return f"surface '{arrays.name}' has {now} vertices as before, but other faces"
+    return ""
+
+
+def with_rest(arrays: SurfaceArrays, obj: bpy.types.Object) -> SurfaceArrays:
+    """A surface that was just read, with its rest shape."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    if not is_fluid(obj):
+        return replace(arrays, rest=read_rest(obj, depsgraph))
+    return replace(arrays, rest=to_local(obj.evaluated_get(depsgraph), arrays.vertices))
+
+
+def rest_of(
+    surface: bpy.types.Object, arrays: SurfaceArrays, binding: Binding, kind: str
+) -> AtRest | None:
+    """Places on the rest shape, if the points are to be bound to it."""
+    return at_rest(binding, with_rest(arrays, surface)) if kind == "REST" else None
+
+
+def current_binding(
+    obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays
+) -> tuple[Binding, Columns]:
+    """Where a scatter's points are on its surface as it is now, and their columns.
+
+    Those bound to the rest position are found again on other faces.
+    """
+    found: tuple[Binding, Columns] = run_now(current_steps(obj, surface, arrays))
+    return found
+
+
+def current_steps(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Steps:
+    """The same in steps."""
+    if obj.dapple.bound_to != "REST" or not other_faces(obj, arrays):
+        return read_binding(obj, len(arrays.vertices))
+    stored, columns = read_at_rest(obj), point_columns_of(obj)
+    if arrays.rest is None:
+        arrays = with_rest(arrays, surface)
+    at_rest_now = replace(arrays, rest_parts=stored.parts)
+    found = yield Task(lambda _: bound_at_rest(stored.columns, at_rest_now))
+    return found, columns

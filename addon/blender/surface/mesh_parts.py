@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading an evaluated mesh part by part: its shape, values on it, texture coordinates.
+
+What was read must be of one mesh: where a count is another one, it has changed meanwhile.
+"""
+
+from collections.abc import Generator
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.errors import ScatterError
+from ...core.raw import RawMesh, RawValues
+from ...core.steps import PAUSE, Task
+from ..base.corners import corner_vertices
+from ..base.held import Held
+from ..data.scatter import is_fluid
+from .surface_mesh import evaluated_mesh
+from .surroundings import uv_layer
+from .weights import GROUP_PART, group_weights, raw_values
+
+Parts = Generator[Task, Any, Any]
+
+
+def mesh_parts(surface: Held, known: RawMesh | None = None) -> Parts:
+    """Read a mesh; what polygons it has, only where they are not those of one known before."""
+    obj = surface.get()
+    with evaluated_mesh(obj, evaluated()) as mesh:
+        positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+        if len(positions):
+            mesh.attributes["position"].data.foreach_get("vector", positions.ravel())
+        corners, count = corner_vertices(mesh), len(mesh.polygons)
+    matrix = np.array(obj.evaluated_get(evaluated()).matrix_world, dtype=np.float64)
+    fluid = is_fluid(obj)
+    if known is not None and len(known.starts) == count:
+        found = RawMesh(obj.name, positions, corners, known.starts, known.cut, matrix, fluid)
+        if found.same_faces(known):
+            return found
+    yield PAUSE
+    starts = _starts(surface, len(corners), count)
+    cut = None
+    if np.max(np.diff(np.append(starts, len(corners))), initial=3) > 4:
+        yield PAUSE
+        cut = _cut(surface, len(corners))
+    return RawMesh(obj.name, positions, corners, starts, cut, matrix, fluid)
+
+
+def _starts(surface: Held, corner_count: int, count: int) -> Any:
+    if corner_count == 3 * count:  # all are triangles
+        return np.arange(0, corner_count, 3, dtype=np.int32)
+    starts = np.empty(count, dtype=np.int32)
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.polygons), count)
+        mesh.polygons.foreach_get("loop_start", starts)
+    return starts
+
+
+def _cut(surface: Held, corner_count: int) -> Any:
+    """Blender's own triangles, of polygons that are not cut in an obvious way."""
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.loops), corner_count)
+        mesh.calc_loop_triangles()
+        cut = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+        mesh.loop_triangles.foreach_get("loops", cut)
+    return cut.reshape(-1, 3)
+
+
+def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
+    """Read an attribute, or a vertex group some vertices at a time."""
+    yield PAUSE
+    obj = surface.get()
+    with evaluated_mesh(obj, evaluated()) as mesh:
+        _check_count(surface, len(mesh.vertices), len(known.positions))
+        found = raw_values(obj, mesh, name)
+    if found is not None:
+        return found
+    values = np.zeros(len(known.positions), dtype=np.float32)
+    for first in range(0, len(values), GROUP_PART):
+        yield PAUSE
+        with evaluated_mesh(surface.get(), evaluated()) as mesh:
+            _check_count(surface, len(mesh.vertices), len(values))
+            part = slice(first, first + GROUP_PART)
+            values[part] = group_weights(surface.get(), mesh, name, part)
+    return RawValues(name, "POINT", values)
+
+
+def read_uv(surface: Held, known: RawMesh, name: str) -> Any:
+    """Read a UV map: (c, 2) of the corners."""
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.loops), len(known.corners))
+        places = np.empty((len(known.corners), 2), dtype=np.float32)
+        uv_layer(surface.get(), mesh, name).uv.foreach_get("vector", places.ravel())
+    return places
+
+
+def _check_count(surface: Held, count: int, known: int) -> None:
+    if count != known:
+        raise ScatterError(f"Surface '{surface.name}' changed while it was read")
+
+
+def evaluated() -> bpy.types.Depsgraph:
+    """The scene as it is evaluated now."""
+    return bpy.context.evaluated_depsgraph_get()

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading a surface part by part: between two of them the artist's events are let through.
+
+Only what Blender has to hand out is done here, in the main thread; a worker puts it together.
+Something may change between two parts: whoever reads watches for that and begins anew.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...core.density import names_of
+from ...core.raw import (
+    RawImage,
+    RawMesh,
+    RawValues,
+    brightness,
+    density_at_vertices,
+    surface_of_raw,
+)
+from ...core.settings import Settings
+from ...core.steps import PAUSE
+from ...core.surface import Floats, SurfaceArrays, Surroundings
+from ..base.held import Held
+from ..data.scatter import is_scatter
+from .mesh_parts import Parts, evaluated, mesh_parts, read_uv, value_parts
+from .surroundings import balls, obstacles_of, read_camera, read_image
+
+
+@dataclass
+class Read:
+    """What was read of a surface and from beside it."""
+
+    mesh: RawMesh
+    values: list[RawValues] = field(default_factory=list)
+    uv: Any = None  # (c, 2) of the corners
+    image: RawImage | None = None
+    camera: Floats | None = None
+    obstacles: list[RawMesh] = field(default_factory=list)
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    radii: Floats = field(default_factory=lambda: np.empty(0))
+
+    def arrays(self) -> SurfaceArrays:
+        """All of it, as read_with would have read it; for a worker."""
+        meshes = map(surface_of_raw, self.obstacles)
+        around = Surroundings(
+            image=None if self.image is None else brightness(self.image),
+            camera=self.camera,
+            obstacles=tuple((one.vertices, one.faces) for one in meshes if len(one.faces)),
+            points=self.points,
+            radii=self.radii,
+        )
+        values = {raw.name: density_at_vertices(self.mesh, raw) for raw in self.values}
+        return surface_of_raw(self.mesh, values, around, self.uv)
+
+
+def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
+    """Read what these settings take from a surface and from beside it, for a scatter."""
+    found = Read((yield from mesh_parts(surface)))
+    for name in names_of(settings):
+        found.values.append((yield from value_parts(surface, found.mesh, name)))
+    density = settings.density
+    if density.image:
+        found.uv = read_uv(surface, found.mesh, density.uv_map)
+        yield PAUSE
+        found.image = read_image(density.image)
+        yield PAUSE
+    if density.use_camera:
+        found.camera = read_camera(evaluated())
+    if density.obstacles:
+        others = obstacles_of(density.obstacles, surface.get(), own.get())
+        found.points, found.radii = balls(others, density.obstacle_margin)
+        for other in [Held(one) for one in others if not is_scatter(one)]:
+            found.obstacles.append((yield from mesh_parts(other)))
+    return found

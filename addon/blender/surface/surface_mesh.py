@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The evaluated mesh of a surface: its places, faces and rest positions, read at once."""
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from ...core.errors import ScatterError
+from ...core.surface import Floats, SurfaceArrays, topology_digest
+from ..base.corners import corner_vertices, triangles
+from ..base.meshio import matrix_of, read_columns, read_points
+from ..data.scatter import is_fluid
+from .weights import read_weights
+
+
+@contextmanager
+def evaluated_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph
+) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an object after its modifiers, gone when the block ends."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        raise ScatterError(
+            f"Surface '{obj.name}' is not evaluated: it must be in the view layer and not disabled"
+        )
+    mesh = evaluated.to_mesh()
+    if mesh is None:
+        raise ScatterError(f"Surface '{obj.name}' has no mesh: its type is {obj.type}")
+    try:
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def read_surface(
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    names: Iterable[str] = (),
+    cut: bool = True,
+) -> SurfaceArrays:
+    """The evaluated surface in world space, with values of its vertices by name.
+
+    Triangulated, which takes most of the time, or without faces.
+    """
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        matrix = matrix_of(obj.evaluated_get(depsgraph))
+        vertices = read_points(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
+        faces = triangles(mesh) if cut else np.empty((0, 3), dtype=np.int32)
+        if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
+            faces = faces[:, ::-1]
+        return SurfaceArrays(
+            obj.name,
+            np.ascontiguousarray(vertices),
+            np.ascontiguousarray(faces),
+            _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
+            matrix,
+            {name: read_weights(obj, mesh, name) for name in names},
+            time=float(depsgraph.scene.frame_current_final),
+        )
+
+
+def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Rest positions (v, 3) of the evaluated surface's vertices; ScatterError if they are lost."""
+    name = "rest_position"
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        if name not in mesh.attributes:
+            raise ScatterError(
+                f"Surface '{obj.name}': its modifiers make a mesh without rest positions: use "
+                "Match Subdivision and set Attach To to Faces, or apply them"
+            )
+        return read_columns(mesh, {name: "FLOAT_VECTOR"})[name].astype(np.float64)
+
+
+def topology(mesh: bpy.types.Mesh) -> str:
+    """Digest of a mesh's polygons."""
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return topology_digest(len(mesh.vertices), corner_vertices(mesh), starts)
+
+
+def _fluid_topology(mesh: bpy.types.Mesh) -> str:
+    """Digest of polygons and places, where a face is the same only as long as nothing moves."""
+    digest = hashlib.blake2b(topology(mesh).encode(), digest_size=16)
+    digest.update(read_points(mesh).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a density takes from beside its surface: an image, the camera, objects to avoid."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.density import names_of
+from ...core.errors import ScatterError
+from ...core.raw import RawImage, brightness
+from ...core.records import check_columns
+from ...core.settings import Settings
+from ...core.sources import digest_of
+from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
+from ..base.meshio import read_columns, read_points, to_world
+from ..data.scatter import is_scatter
+from .surface_mesh import evaluated_mesh, read_surface
+
+_MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+
+def read_with(
+    settings: Settings,
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    own: bpy.types.Object | None = None,
+) -> SurfaceArrays:
+    """The evaluated surface with all that these settings take from it and from beside it.
+
+    own is the scatter that they are for: nothing that it makes or places is its obstacle.
+    """
+    arrays = read_surface(obj, depsgraph, names_of(settings))
+    return replace(arrays, around=read_around(settings, obj, depsgraph, own))
+
+
+def read_around(
+    settings: Settings,
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    own: bpy.types.Object | None,
+) -> Surroundings:
+    """What these settings take from beside a surface, for this scatter."""
+    density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
+    if density.obstacles:
+        others = obstacles_of(density.obstacles, obj, own)
+        points, radii = balls(others, density.obstacle_margin)
+        meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
+    return Surroundings(
+        uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
+        image=_picture(density.image) if density.image else None,
+        camera=read_camera(depsgraph) if density.use_camera else None,
+        obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
+        points=points,
+        radii=radii,
+    )
+
+
+def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
+    """Texture coordinates (m, 3, 2) of the triangles' corners."""
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        layer = uv_layer(obj, mesh, name)
+        places = np.empty(2 * len(mesh.loops), dtype=np.float32)
+        layer.uv.foreach_get("vector", places)
+        mesh.calc_loop_triangles()
+        corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+        mesh.loop_triangles.foreach_get("loops", corners)
+    matrix = np.array(obj.evaluated_get(depsgraph).matrix_world)
+    found = places.reshape(-1, 2)[corners].reshape(-1, 3, 2).astype(np.float64)
+    if np.linalg.det(matrix[:3, :3]) < 0.0:  # as read_surface turns the faces
+        found = found[:, ::-1]
+    return np.ascontiguousarray(found)
+
+
+def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer:
+    """The UV map of that name of an object's evaluated mesh; none: the one that renders use."""
+    layers = mesh.uv_layers
+    layer = layers.get(name) if name else next((one for one in layers if one.active_render), None)
+    if layer is None:
+        wanted = f"no UV map '{name}'" if name else "no UV map, which an image needs"
+        raise ScatterError(f"Surface '{obj.name}' has {wanted}")
+    return layer
+
+
+def _picture(name: str) -> Floats:
+    return brightness(read_image(name))
+
+
+def read_image(name: str) -> RawImage:
+    """The pixels of an image; ScatterError if there are none."""
+    image = _by_full_name(bpy.data.images, name)
+    if image is None:
+        raise ScatterError(f"There is no image '{name}'")
+    width, height = image.size
+    if not width or not height or not image.channels:
+        raise ScatterError(f"Image '{name}' has no pixels: its file may be missing")
+    stored = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(stored)
+    return RawImage(name, stored.reshape(height, width, image.channels))
+
+
+def check_camera(scene: bpy.types.Scene) -> None:
+    """ScatterError if a scene has none."""
+    if scene.camera is None:
+        raise ScatterError(f"Scene '{scene.name}' has no camera, which Camera View needs")
+
+
+def picture_digest(image: bpy.types.Image) -> str:
+    """Digest of all that an image holds."""
+    width, height = image.size
+    stored = np.empty(width * height * image.channels, dtype=np.float32)
+    if len(stored):
+        image.pixels.foreach_get(stored)
+    return digest_of([stored])
+
+
+def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
+    """World space to clip space of the scene's camera."""
+    scene = depsgraph.scene
+    check_camera(scene)
+    render, camera = scene.render, scene.camera.evaluated_get(depsgraph)
+    frame = camera.calc_matrix_camera(
+        depsgraph,
+        x=render.resolution_x,
+        y=render.resolution_y,
+        scale_x=render.pixel_aspect_x,
+        scale_y=render.pixel_aspect_y,
+    )
+    there = np.array(camera.matrix_world, dtype=np.float64)
+    found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
+    return found
+
+
+def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    """A scatter, its tiles and what it places: it would flee from its last result."""
+    if scatter is None:
+        return
+    settings = scatter.dapple
+    yield scatter
+    yield from _with_its_mesh(settings.tiles.object)
+    for placed in (settings, *settings.classes):
+        if placed.instance:
+            yield placed.instance
+        if placed.collection:
+            yield from placed.collection.all_objects
+
+
+def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    """An object, and linked duplicates of it."""
+    if made is not None:
+        yield from (one for one in bpy.data.objects if one.data == made.data)
+
+
+def obstacles_of(
+    name: str, surface: bpy.types.Object, scatter: bpy.types.Object | None
+) -> list[bpy.types.Object]:
+    """Objects of a collection that a scatter on a surface keeps off."""
+    return list(_obstacles(name, {surface, *own_objects(scatter)}))
+
+
+def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
+    """Objects of a collection and those inside it with something to keep off."""
+    collection = _by_full_name(bpy.data.collections, name)
+    if collection is None:
+        raise ScatterError(f"There is no collection '{name}'")
+    seen = set(bpy.context.view_layer.objects)
+    for obj in collection.all_objects:
+        if obj.type in _MESHES and obj not in own and obj in seen:
+            yield obj
+
+
+def _by_full_name(blocks: Any, name: str) -> Any:
+    """The data-block of that name, which tells other files apart; None if there is none."""
+    return next((one for one in blocks if one.name_full == name), None)
+
+
+def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats, Ints]:
+    arrays = read_surface(obj, depsgraph)
+    return arrays.vertices, arrays.faces
+
+
+def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
+    """Points of other scatters as they were optimized, and how far to keep away from each."""
+    points, radii = [np.empty((0, 3))], [np.empty(0)]
+    for obj in others:
+        if is_scatter(obj):
+            places = read_points(obj.data)
+            check_columns({"position": places}, obj.name)
+            places = to_world(obj, places)
+            points.append(places)
+            radii.append(np.maximum(_radii(obj, len(places)), margin))
+    joined, sizes = np.concatenate(points), np.concatenate(radii)
+    return joined[sizes > 0.0], sizes[sizes > 0.0]
+
+
+def _radii(obj: bpy.types.Object, count: int) -> Floats:
+    """Of a scatter's instances, by their classes; 0 where none is set."""
+    own = np.array([kind.radius for kind in obj.dapple.classes])
+    if not len(own) or "dapple_class" not in obj.data.attributes:
+        return np.zeros(count)
+    columns = read_columns(obj.data, {"dapple_class": "INT"})
+    check_columns(columns, obj.name)
+    found: Floats = own[np.minimum(columns["dapple_class"], len(own) - 1)]
+    return found

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do the viewport and the render evaluate a surface to the same faces?
+
+Points are bound by vertex indices, so they must. Python cannot ask for a depsgraph in render
+mode; so a copy of the object, given the values that the render uses, is evaluated in a scene
+of its own. What only nodes can tell apart (Is Viewport) is left to the node group's guard.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import bpy
+
+from ...core.errors import ScatterError
+from ..base.translation import Say, english
+from .surface_mesh import evaluated_mesh, topology
+
+# Modifier type -> properties that the viewport and the render read.
+_PAIRS = {
+    "SUBSURF": ("levels", "render_levels"),
+    "MULTIRES": ("levels", "render_levels"),
+    "SCREW": ("steps", "render_steps"),
+    "OCEAN": ("viewport_resolution", "resolution"),
+}
+
+# The same for curves and texts; 0 in the render is what the viewport has.
+_CURVES = {"CURVE", "SURFACE", "FONT"}
+_RESOLUTIONS = (("resolution_u", "render_resolution_u"), ("resolution_v", "render_resolution_v"))
+
+
+def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> None:
+    """ScatterError unless viewport and render evaluate obj to the same faces."""
+    mismatch = render_mismatch(obj, context)
+    if mismatch:
+        raise ScatterError(mismatch)
+
+
+def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
+    """How viewport and render evaluate obj to different faces, and what to do; empty if not."""
+    causes = differences(obj, context.scene)
+    if not causes:
+        return ""
+    with evaluated_mesh(obj, context.evaluated_depsgraph_get()) as mesh:
+        seen, count = topology(mesh), len(mesh.vertices)
+    with _render_mesh(obj, context) as mesh:
+        if topology(mesh) == seen:
+            return ""
+        rendered = len(mesh.vertices)
+    return (
+        f"Surface '{obj.name}' has {count} vertices in the viewport and {rendered} in the render "
+        f"({'; '.join(causes)}): use Match Subdivision to make both equal, or "
+        "set Attach To to Automatic or Rest Position"
+    )
+
+
+def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = english) -> list[str]:
+    """Settings by which viewport and render differ, in words."""
+    causes = [
+        say("Resolution: {viewport} and {render}", viewport=seen, render=used)
+        for _, seen, used in _resolutions(obj)
+    ]
+    causes += [words for one in obj.modifiers for words in _modifier_difference(one, say)]
+    if _simplified(scene) and any(modifier.type in _PAIRS for modifier in obj.modifiers):
+        render = scene.render
+        causes.append(
+            say(
+                "Simplify: {viewport} and {render}",
+                viewport=render.simplify_subdivision,
+                render=render.simplify_subdivision_render,
+            )
+        )
+    return causes
+
+
+def _modifier_difference(modifier: bpy.types.Modifier, say: Say) -> Iterator[str]:
+    if modifier.show_viewport != modifier.show_render:
+        if modifier.show_viewport:
+            yield say("{modifier}: shown in the viewport only", modifier=modifier.name)
+        else:
+            yield say("{modifier}: shown in the render only", modifier=modifier.name)
+    elif modifier.show_viewport and modifier.type in _PAIRS:
+        viewport, render = (getattr(modifier, name) for name in _PAIRS[modifier.type])
+        if viewport != render:
+            values = {"viewport": viewport, "render": render}
+            yield say("{modifier}: {viewport} and {render}", modifier=modifier.name, **values)
+
+
+def _resolutions(obj: bpy.types.Object) -> Iterator[tuple[tuple[str, str], int, int]]:
+    """Names and values of resolutions that differ, of the viewport and of the render."""
+    for names in _RESOLUTIONS if obj.type in _CURVES else ():
+        seen, used = (getattr(obj.data, name) for name in names)
+        if used not in (0, seen):
+            yield names, seen, used
+
+
+def _simplified(scene: bpy.types.Scene) -> bool:
+    render = scene.render
+    unequal = render.simplify_subdivision != render.simplify_subdivision_render
+    return bool(render.use_simplify and unequal)
+
+
+@contextmanager
+def _render_mesh(obj: bpy.types.Object, context: bpy.types.Context) -> Iterator[bpy.types.Mesh]:
+    """The mesh that a render would get, from a copy in a scene that is gone afterwards."""
+    copy, scene = obj.copy(), bpy.data.scenes.new("Dapple Render Topology")
+    data = obj.data.copy() if obj.type in _CURVES else None
+    try:
+        copy.animation_data_clear()  # drivers would put the viewport's levels back
+        if data is not None:
+            data.animation_data_clear()
+            copy.data = data
+        _use_render_values(copy, scene, context.scene)
+        scene.collection.objects.link(copy)
+        layer = scene.view_layers[0]
+        with context.temp_override(scene=scene, view_layer=layer):
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            with evaluated_mesh(copy, depsgraph) as mesh:
+                yield mesh
+    finally:
+        bpy.data.batch_remove([copy, scene, *([data] if data is not None else [])])
+
+
+def _use_render_values(
+    copy: bpy.types.Object, scene: bpy.types.Scene, source: bpy.types.Scene
+) -> None:
+    copy.hide_viewport = False
+    for modifier in copy.modifiers:
+        modifier.show_viewport = modifier.show_render
+        if modifier.type in _PAIRS:
+            viewport, render = _PAIRS[modifier.type]
+            setattr(modifier, viewport, getattr(modifier, render))
+    for (name, _), _, used in _resolutions(copy):
+        setattr(copy.data, name, used)
+    scene.render.use_simplify = source.render.use_simplify
+    scene.render.simplify_subdivision = source.render.simplify_subdivision_render
+    scene.frame_set(source.frame_current, subframe=source.frame_subframe)
+
+
+def match_subdivision(obj: bpy.types.Object, scene: bpy.types.Scene, use: str) -> None:
+    """Give viewport and render the same values: those of use, RENDER or VIEWPORT."""
+    for names, _, _ in _resolutions(obj):
+        _copy_one_way(obj.data, names, use)
+    for modifier in obj.modifiers:
+        shown = ("show_viewport", "show_render")
+        _copy_one_way(modifier, shown, use)
+        if modifier.type in _PAIRS:
+            _copy_one_way(modifier, _PAIRS[modifier.type], use)
+    if _simplified(scene):
+        names = ("simplify_subdivision", "simplify_subdivision_render")
+        _copy_one_way(scene.render, names, use)
+
+
+def _copy_one_way(owner: Any, names: tuple[str, str], use: str) -> None:
+    viewport, render = names
+    source, target = (render, viewport) if use == "RENDER" else (viewport, render)
+    setattr(owner, target, getattr(owner, source))
