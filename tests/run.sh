@@ -176,7 +176,7 @@ on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,pre
 [ -z "$only" ] && [ "$depth" != --all ] || on_zip=(tests/blender)
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
-slow_blender=(tests/blender/test_{contents,datablocks,examples,failures,hostile,libraries,package,sidecar,undo}.py)
+slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,hostile,libraries,package,sidecar,undo}.py)
 
 scripts/setup.sh
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')

@@ -65,7 +65,7 @@ def look() -> float | None:
 
 
 def note(say: Callable[..., str] = told) -> str:
-    """What the artist is told meanwhile."""
+    """The message for the artist meanwhile."""
     return say(
         "Another copy of Dapple is enabled ('{other}'). This one ('{own}') does nothing "
         "until it is disabled",

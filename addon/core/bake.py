@@ -210,7 +210,7 @@ class Baker:
             self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
             self.sidecar = None
 
-    def _check_told_apart(self, binding: Binding) -> None:
+    def _check_distinct(self, binding: Binding) -> None:
         """ScatterError if a point went to where the rest shape means another place too."""
         if self.bound.rest is None:
             return
@@ -221,7 +221,7 @@ class Baker:
             raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
 
     def _add(self, solved: Solved) -> None:
-        self._check_told_apart(solved.placed.binding)
+        self._check_distinct(solved.placed.binding)
         self._solved, self._vertices = solved, self._now.vertices
         self.last, self.lean = solved.placed.binding, solved.placed.lean
         self.reports.append(solved.report)

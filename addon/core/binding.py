@@ -27,7 +27,7 @@ def placed_of(samples: Any, faces: Ints) -> Placed:
 def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
     """dapple.Samples of a stored binding on a dapple.Surface.
 
-    A quad may be cut the other way now than when the points were bound; points whose
+    A quad may be cut along its other diagonal now than when the points were bound; points whose
     triangle is no longer there take the closest place of the surface.
     """
     faces, weights = _matched(binding, surface.faces)

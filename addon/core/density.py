@@ -18,7 +18,7 @@ def names_of(settings: Settings) -> list[str]:
 
 
 def vertex_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | None:
-    """Product (v,) of the terms that the vertices tell; None where there is none."""
+    """Product (v,) of the terms that are known at vertices; None where there is none."""
     terms = []
     if settings.attribute:
         terms.append(arrays.weights[settings.attribute])

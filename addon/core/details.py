@@ -28,7 +28,7 @@ class Details:
 
 
 def details_from(text: str) -> Details:
-    """What text() told; nothing where it is not that."""
+    """From what text() has written; nothing where it is something else."""
     try:
         stored = json.loads(text)
         found = Details(tuple(map(float, stored["energies"])), tuple(map(int, stored["gaps"])))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities that know nothing of faces: heights, the camera's frame, things to keep off.
+"""Densities that know nothing of faces: heights, the camera's frame, obstacles.
 
-Each tells its values at places, and on which faces it changes: only these need to be cut.
+Each has its values at places, and the faces on which it changes: only these need to be cut.
 """
 
 from typing import Any, Protocol

@@ -22,7 +22,7 @@ class Follower:
 
     def __init__(self, surface: SurfaceArrays, start: Start, context: Any = None) -> None:
         self.binding = start.binding
-        self.riding = False  # the last shape took longer than its budget
+        self.over_budget = False  # the last shape took longer than its budget
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
@@ -49,7 +49,7 @@ class Follower:
             return None
         samples = self._advanced(vertices, budget, context)
         self._seen = vertices
-        self.riding = samples is None
+        self.over_budget = samples is None
         if samples is None:
             return None
         after = placed_of(samples, self._first.faces).binding

@@ -6,7 +6,7 @@ triangle made perpendicular to z. It moves with the material, so it never pops w
 keeps its triangle. When a key moves the point to another triangle, the angle of that key is
 chosen so that the direction stays: the old direction, carried by the material to the new frame,
 is transported along the surface to the new place (the smallest rotation between both normals,
-which is parallel transport for a short way) and measured against the new first edge.
+which is parallel transport over a short distance) and measured against the new first edge.
 """
 
 from dataclasses import dataclass

@@ -2,8 +2,8 @@
 """The ground: a surface with its density, cut finer where that varies within its faces.
 
 A camera's frame, a range of heights, an obstacle or a picture knows nothing of the surface's faces.
-So the faces are cut before samples are made, and samples are told as lying on the faces that the
-file has. On the way of a deformation the fine vertices follow the coarse ones.
+So the faces are cut before samples are made, and samples are returned on the faces that the file
+has. During a deformation the fine vertices follow the coarse ones.
 """
 
 from typing import Any

@@ -5,7 +5,7 @@ A key holds where every point sits in one frame. Its rows are packed: the index 
 (32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
 each), 16 bytes for a point; 12 more where some instances lean. A second table says for every frame
 which key is played, and how far it is to the next one: docs/bake.md. Where points are bound to the
-rest shape, the triangles tell where they lie on it.
+rest shape, the triangles store where they lie on it.
 """
 
 from collections.abc import Iterator

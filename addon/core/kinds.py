@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several classes of points: how many each gets, and what the native package is told of them."""
+"""Several classes of points: how many each gets, and the arguments of the native package."""
 
 from dataclasses import replace
 from typing import Any

@@ -53,7 +53,7 @@ def rotations(vectors: Floats) -> Floats:
 
 
 def _rotation_vectors(matrices: Floats) -> Floats:
-    """Their inverse; half a turn, whose axis the formula does not tell, is taken for none."""
+    """Their inverse; half a turn, whose axis the formula does not determine, is taken for none."""
     m = matrices
     doubled = np.stack(
         [m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]], 1

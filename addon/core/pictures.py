@@ -85,9 +85,9 @@ class _Canvas:
         window = self._pixels[low[1] : high[1], low[0] : high[0]]
         rows, columns = np.indices(window.shape[:2])
         pixels = np.stack([columns + low[0] + 0.5, rows + low[1] + 0.5], axis=-1)
-        way = b - a
-        along = np.clip((pixels - a) @ way / max(float(way @ way), 1e-30), 0.0, 1.0)
-        distance = np.linalg.norm(pixels - a - along[..., None] * way, axis=-1)
+        segment = b - a
+        along = np.clip((pixels - a) @ segment / max(float(segment @ segment), 1e-30), 0.0, 1.0)
+        distance = np.linalg.norm(pixels - a - along[..., None] * segment, axis=-1)
         window[distance <= size] = [*color, 1.0]
 
     def _place(self, point: Floats | list[float]) -> Floats:

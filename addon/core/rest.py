@@ -2,7 +2,7 @@
 """Binding to the rest position: for surfaces whose modifiers make other faces in every frame.
 
 A point keeps where it sits on the rest shape, the surface before its modifiers, and one more place
-a little ahead, in the direction that it has on the surface now. A baked key tells both by the
+a little ahead, in the direction that it has on the surface now. A baked key stores both by the
 corners of its triangle on the rest shape.
 
 Mirror and Array lay several faces on one place of the rest shape. They make them run after run, all
@@ -35,8 +35,8 @@ class AtRest:
 
 
 def at_rest(binding: Binding, surface: SurfaceArrays) -> AtRest:
-    """Where points are on the rest shape; ScatterError where that does not tell them apart."""
-    divided = told_apart(binding, surface)
+    """Where points are on the rest shape; ScatterError where several places of it coincide."""
+    divided = with_distinct_parts(binding, surface)
     return AtRest(rest_columns(binding, divided), divided.rest_parts)
 
 
@@ -60,8 +60,8 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
     return replace(found, carry=local.angle(direction))
 
 
-def told_apart(binding: Binding, surface: SurfaceArrays) -> SurfaceArrays:
-    """The surface with as few parts of its rest shape as tell the places of these points apart.
+def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArrays:
+    """The surface with as few parts of its rest shape as keep the places of these points distinct.
 
     ScatterError where none do.
     """

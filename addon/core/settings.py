@@ -33,7 +33,7 @@ class DensitySettings:
     uv_map: str = ""  # through these texture coordinates; none: those that renders use
     use_camera: bool = False  # where the scene's camera looks
     camera_margin: float = 0.1  # and so much beyond its frame, of half the frame
-    obstacles: str = ""  # objects of a collection that points keep off
+    obstacles: str = ""  # objects of a collection that points avoid
     obstacle_margin: float = 0.05  # by so much, in world units
 
 

@@ -43,7 +43,7 @@ class Report:
     overlap_frame: int = 0  # of a bake, in which they do
 
     def of_ids(self, ids: Ints) -> "Report":
-        """With ids in place of the rows that the native package tells."""
+        """With ids in place of the rows that the native package returns."""
         rows = (self.overlap_first, self.overlap_second)
         first, second = (int(ids[row]) if 0 <= row < len(ids) else -1 for row in rows)
         return replace(self, overlap_first=first, overlap_second=second)
@@ -132,7 +132,7 @@ def report_of(report: Any) -> Report:
 
 @contextmanager
 def named(name: str) -> Iterator[None]:
-    """Errors of the native package inside, told as those of the surface called name."""
+    """Raise errors of the native package inside as errors of the surface of that name."""
     try:
         yield
     except package().Cancelled as error:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a result was solved from, by content: digests of values, numbers for shapes and places.
 
-Names are not in it: a picture that is renamed is the same picture. Places are told in the axes of
+Names are not in it: a picture that is renamed is the same picture. Places are in the axes of
 the surface, so that a scene may be moved as a whole, and compared but for rounding, since another
 machine may evaluate a little otherwise.
 """
@@ -21,7 +21,7 @@ from .surface import Floats, SurfaceArrays, Surroundings
 # Roles that depend on the frame for most scenes: shapes and places.
 PLACES = ("shape", "scale", "up", "camera", "obstacles", "others")
 UNKNOWN = "unknown"  # digest of what cannot be compared any more
-_BLOCKS = 256  # sums that tell a shape: each of neighboring rows
+_BLOCKS = 256  # sums that describe a shape: each of neighboring rows
 _TOLERANCE = 1e-5  # of the largest number of a role
 
 
@@ -98,7 +98,7 @@ def pose_of(arrays: SurfaceArrays) -> Pose:
 
 @dataclass(frozen=True)
 class Outline:
-    """What tells the shape of a surface, without its arrays."""
+    """What describes the shape of a surface, without its arrays."""
 
     topology: str
     pose: Pose
@@ -198,7 +198,7 @@ def _same(role: str, before: Sources, now: Sources) -> bool:
 
 
 def _seen(pose: Pose, camera: Floats) -> Floats:
-    """What of a camera's matrix tells where places of the surface are in the picture."""
+    """The part of a camera's matrix that decides where places of the surface are in the picture."""
     there = np.eye(4)
     there[:3, :3], there[:3, 3] = pose.turn * pose.size, pose.center
     found: Floats = (camera @ there)[[0, 1, 3]]

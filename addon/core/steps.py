@@ -4,7 +4,7 @@
 The generator reads and writes Blender's data and yields a Task whenever numbers are to be
 crunched; it is sent the task's result, or is thrown its error. The same generator runs at once
 (run_now) or a little at every tick of a timer (Stepper); its `finally` clauses put the scene back
-whichever way it ends.
+however it ends.
 """
 
 import threading
@@ -44,7 +44,7 @@ def run_now(steps: Steps) -> Any:
 def _outcome(call: Callable[[Any], Any], context: Any) -> tuple[Any, Exception | None]:
     try:
         return call(context), None
-    except Exception as error:  # told to the generator, which puts the scene back
+    except Exception as error:  # raised in the generator, which puts the scene back
         return None, error
 
 

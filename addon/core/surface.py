@@ -83,7 +83,7 @@ def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:
 def check_same_topology(
     first: SurfaceArrays, later: SurfaceArrays, when: str, remedy: str = REBIND
 ) -> None:
-    """ScatterError unless both frames have the same polygons; remedy tells what to do."""
+    """ScatterError unless both frames have the same polygons; remedy says what to do."""
     if first.topology == later.topology:
         return
     before, after = len(first.vertices), len(later.vertices)

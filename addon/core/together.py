@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames that are solved together, so that motion is smooth both ways in time and loops close."""
+"""Frames that are solved together, so that motion is smooth in time and loops close."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar

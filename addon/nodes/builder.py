@@ -159,7 +159,7 @@ def _plain(value: Any) -> Any:
 
 
 def _depth(name: str, before: dict[str, list[str]], depths: dict[str, int]) -> int:
-    """Links on the longest way to a node."""
+    """Links on the longest path to a node."""
     if name not in depths:
         own = [_depth(other, before, depths) for other in before.get(name, [])]
         depths[name] = max(own, default=-1) + 1

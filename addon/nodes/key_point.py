@@ -108,7 +108,7 @@ def _of_key(b: Builder) -> _Bound:
 
 
 def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
-    """The same by places on the rest shape: the points' own, or those that the key's tell."""
+    """The same by places on the rest shape: the points' own, or those of the key's triangles."""
     triangles, baked = b.input("Triangles"), b.input("Baked")
 
     def of_face(name: str, kind: str) -> Socket:

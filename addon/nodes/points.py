@@ -115,9 +115,9 @@ def _placed(
     """
     stored = (played.keys, played.triangles, played.preview, played.count)
     now = played.moment.outputs
-    way = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
+    switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     first, second = (
-        inner(b, key_point, surface, *stored, key, *way, turn, side)
+        inner(b, key_point, surface, *stored, key, *switches, turn, side)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]

@@ -39,9 +39,9 @@ def _upright(b: Builder, rotation: Socket) -> Socket:
 
 
 def _tilted(b: Builder, rotation: Socket) -> Socket:
-    """Leaning any way, which digits choose that the turn hides."""
-    way = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
-    axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", way), b.number("SINE", way))
+    """Leaning in a random direction, chosen by digits that the turn does not use."""
+    angle = b.number("MULTIPLY", b.attribute("dapple_turn", "FLOAT"), 1000.0)
+    axis = b.out("ShaderNodeCombineXYZ", b.number("COSINE", angle), b.number("SINE", angle))
     chance = b.number("FRACT", b.number("MULTIPLY", b.attribute("dapple_scale", "FLOAT"), 37.0))
     angle = b.number("MULTIPLY", chance, b.input("Tilt"))
     tilt = b.out("FunctionNodeAxisAngleToRotation", axis, angle)

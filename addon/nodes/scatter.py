@@ -8,7 +8,7 @@ from .builder import Builder, Socket, new_group
 from .groups import VERSION, VERSION_KEY, inner, version_of
 
 GROUP_NAME = "Dapple Scatter"
-KEPT_SINCE = 4  # groups from this version on are told the same by INPUTS
+KEPT_SINCE = 4  # groups from this version on have the same INPUTS
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
 
 INPUTS = [*points.INPUTS, ("Spacing", "NodeSocketFloat"), ("Hidden", "NodeSocketFloat")]

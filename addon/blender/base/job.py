@@ -13,7 +13,7 @@ from .translation import operator_label, told
 
 _TICK = 0.01  # seconds between two ticks
 _BUDGET = 0.04  # seconds of a tick
-Answer = set[str]
+Status = set[str]  # that operators return
 OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
@@ -38,7 +38,7 @@ class StepsOperator:
     def done(self, context: bpy.types.Context, result: object) -> None:
         """Called once when the work is done."""
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         """Do all the work now."""
         try:
             self.done(context, run_now(self.steps(context)))
@@ -46,7 +46,7 @@ class StepsOperator:
             return self._failed(error)
         return {"FINISHED"}
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """Start the work; modal goes on with it."""
         if bpy.app.background:
             return self.execute(context)
@@ -57,7 +57,7 @@ class StepsOperator:
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """One tick; other events wait, so that the file stays as it was read."""
         if event.type == "ESC" and event.value == "PRESS":
             self._stepper.cancel()
@@ -104,7 +104,7 @@ class StepsOperator:
         )
         context.workspace.status_text_set(text)
 
-    def _failed(self, error: Exception) -> Answer:
+    def _failed(self, error: Exception) -> Status:
         kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"
         self.report({kind}, str(error))
         return {"CANCELLED"}

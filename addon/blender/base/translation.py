@@ -3,7 +3,7 @@
 
 addon/translations/LOCALE.json holds {context: {English message: text}}. Blender looks up labels,
 names, tooltips and the texts that a layout is given; what is composed at run time goes through
-told, counted and reported, which look up a template and then fill it in. Numbers are written
+`told`, `counted` and `reported`, which look up a template and then fill it in. Numbers are written
 alike in all languages, as Blender writes them.
 
 English everywhere are errors, which core raises without knowing Blender and which people search
@@ -41,12 +41,12 @@ def counted(count: int, one: str, many: str) -> str:
 
 
 def reported(template: str, **values: Any) -> str:
-    """As told, for what an operator reports."""
+    """A message that an operator reports, its {placeholders} filled in."""
     return _filled(pgettext_rpt(template), template, values)
 
 
 def english(template: str, **values: Any) -> str:
-    """As told, in English: for errors, and for what is written to a file."""
+    """A message in English: for errors, and for what is written to a file."""
     return template.format(**values)
 
 

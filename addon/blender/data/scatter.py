@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scatter object between its properties, the core and the node group: what is read and told."""
+"""A scatter object: its properties as settings of the core, and its report."""
 
 from dataclasses import fields
 

@@ -7,7 +7,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.steps import Steps
-from ..base.job import OPTIONS, Answer, StepsOperator
+from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import counted, operator_label, reported, told
 from ..data.key_writing import clear_keys
 from ..data.scatter import is_scatter
@@ -62,7 +62,7 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
         there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.baked_keys > 0
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         left = finished_files(context.object)
         try:
             clear_keys(context.object)
@@ -84,7 +84,7 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_scatter(context.object) and freshness.has_work_files(context.object, context)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         if bpy.app.background:
             return self.execute(context)
         count = sum(files.frames() for files in all_work_files(context.object))
@@ -101,7 +101,7 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
             icon="WARNING",
         )
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         for files in all_work_files(context.object):
             files.clear()
         freshness.touch(context.object)

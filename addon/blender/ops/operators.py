@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from ...core.settings import Settings
 from ...core.steps import Steps
-from ..base.job import OPTIONS, Answer, StepsOperator
+from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import OWN, operator_label, reported, told
 from ..data.scatter import rest_note
 from ..settings.properties import BIND_TO
@@ -79,11 +79,11 @@ class _DropsKeys(StepsOperator):
         options={"HIDDEN", "SKIP_SAVE"},
     )
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         if not context.object.dapple.baked_keys or self.drop_keys or bpy.app.background:
             return StepsOperator.invoke(self, context, event)
         bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=self._action)
-        return {"CANCELLED"}  # it begins anew once that is answered
+        return {"CANCELLED"}  # it starts again once the user has confirmed
 
 
 class DAPPLE_OT_drop_keys(bpy.types.Operator):
@@ -105,7 +105,7 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         settings = context.object.dapple
         last = settings.baked_start + settings.baked_frames - 1
         return context.window_manager.invoke_confirm(
@@ -121,7 +121,7 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
             icon="WARNING",
         )
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         operator = getattr(bpy.ops.dapple, self.action.lower())
         operator("INVOKE_DEFAULT", drop_keys=True)
         return {"FINISHED"}

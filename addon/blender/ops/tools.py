@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import ScatterError
 from ...core.quality import QUALITIES, quality_settings
-from ..base.job import OPTIONS, Answer
+from ..base.job import OPTIONS, Status
 from ..base.translation import OWN, reported, told
 from ..data.locking import lock_points
 from ..steps.classes import change_classes, select_overlap
@@ -43,7 +43,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
             cls.poll_message_set(told("A library override keeps the object types of its library"))
         return not context.object.override_library
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         change_classes(context.object, self.action)
         return {"FINISHED"}
 
@@ -65,7 +65,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return writable(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         try:
             count = lock_points(context.object, self.lock, self.every)
         except ScatterError as error:
@@ -93,7 +93,7 @@ class DAPPLE_OT_set_quality(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return writable(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         for name, value in quality_settings(self.quality).items():
             setattr(context.object.dapple, name, value)
         return {"FINISHED"}
@@ -112,7 +112,7 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
         there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.report.worst_overlap > 0
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         try:
             context.scene.cursor.location = select_overlap(context.object, context)
         except ScatterError as error:

@@ -6,7 +6,7 @@ from bpy.props import EnumProperty
 
 from ...core.errors import ScatterError
 from ...core.native import missing
-from ..base.job import OPTIONS, Answer
+from ..base.job import OPTIONS, Status
 from ..data.library import read_only
 from ..data.scatter import active_surface, is_scatter
 from ..surface.topology import differences, match_subdivision
@@ -25,7 +25,7 @@ class DAPPLE_OT_preview(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return writable(cls, context) and not missing()
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         obj = context.object
         try:
             (preview.stop if preview.is_on(obj) else preview.start)(obj)
@@ -60,7 +60,7 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
             cls.poll_message_set(read_only(surface))
         return not read_only(surface)
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         match_subdivision(active_surface(context), context.scene, self.use)
         return {"FINISHED"}
 
@@ -76,7 +76,7 @@ class DAPPLE_OT_show_density(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_scatter(context.object) and not missing()
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         obj = context.object
         try:
             if overlay.is_on(obj):

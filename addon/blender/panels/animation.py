@@ -42,12 +42,12 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         row.prop(settings, "preview_budget", text="ms", translate=False)
         if preview.note(context.object):
             lines_of(layout, preview.note(context.object), "INFO")
-        _draw_work_files(layout, freshness.answer(context.object, context))
+        _draw_work_files(layout, freshness.findings(context.object, context))
         if unsaved_note():
             lines_of(layout, unsaved_note(), "INFO")
 
 
-def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Answer | None) -> None:
+def _draw_work_files(layout: bpy.types.UILayout, known: freshness.Findings | None) -> None:
     if known is None:
         return
     if known.unfinished:

@@ -9,7 +9,7 @@ import bpy
 from ..base import extension
 from ..base.translation import reported, told
 
-Answer = set[str]
+Status = set[str]
 NAME = "Dapple"
 FOLDER = extension.FOLDER / "assets"
 ASSETS = "dapple_nodes.blend"
@@ -56,7 +56,7 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
             cls.poll_message_set(missing_assets())
         return not missing_assets()
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         found = library()
         if found is not None:
             text = reported("The asset library '{name}' is there already", name=found.name)
@@ -81,7 +81,7 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
             cls.poll_message_set(told("The preferences have no Dapple asset library"))
         return library() is not None
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         remove()
         context.preferences.is_dirty = True
         return {"FINISHED"}

@@ -8,7 +8,7 @@ from bpy.props import StringProperty
 
 from ...core import presets
 from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Answer
+from ..base.job import OPTIONS, Status
 from ..base.translation import told
 from ..data.scatter import is_scatter
 from ..ops.polls import writable
@@ -29,7 +29,7 @@ class _PresetOperator:
         """What is done, for the active scatter if it is about one."""
         raise NotImplementedError
 
-    def execute(self, context: bpy.types.Context) -> Answer:
+    def execute(self, context: bpy.types.Context) -> Status:
         try:
             self.work(context.object)
         except ScatterError as error:
@@ -45,7 +45,7 @@ class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
     bl_idname = "dapple.save_preset"
     bl_label = "Save Preset"
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         return context.window_manager.invoke_props_dialog(self)
 
     def work(self, obj: bpy.types.Object) -> None:
@@ -77,7 +77,7 @@ class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return True  # a preset is of no object
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Answer:
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         return context.window_manager.invoke_confirm(self, event)
 
     def work(self, obj: bpy.types.Object | None) -> None:

@@ -31,17 +31,17 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         )
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
-    return [*lines, _fit(freshness.answer(obj, context))]
+    return [*lines, _fit(freshness.findings(obj, context))]
 
 
-def _fit(answer: freshness.Answer | None) -> tuple[str, str]:
+def _fit(found: freshness.Findings | None) -> tuple[str, str]:
     """Whether a result fits, as far as that is known."""
-    if answer is None:
+    if found is None:
         return told("Not compared with the scene yet"), "TIME"
-    if answer.verdict.reason:
-        return told("Out of date: {reason}", reason=answer.verdict.reason), "ERROR"
-    if answer.verdict.note:
-        return answer.verdict.note, "INFO"
+    if found.verdict.reason:
+        return told("Out of date: {reason}", reason=found.verdict.reason), "ERROR"
+    if found.verdict.note:
+        return found.verdict.note, "INFO"
     return told("Up to date"), "CHECKMARK"
 
 

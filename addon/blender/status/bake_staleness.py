@@ -51,7 +51,7 @@ def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked
         return ""
     columns = frames(obj)
     if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
-        return ""  # other faces of the same shape, which vertices do not tell
+        return ""  # other faces of the same shape: vertices cannot be compared
     stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
     if not moved(stored, looked.sketched):
         return ""

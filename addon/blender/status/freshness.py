@@ -3,8 +3,8 @@
 
 Drawing only shows what was found last. Handlers note what changed; once nothing has changed for a
 moment, an app timer looks again, at what changed alone. While nothing changes nothing is done, but
-for a picture: Blender tells nobody that its pixels were changed. In background mode there is no
-timer, and who asks is answered at once.
+for a picture: Blender has no handler for changed pixels. In background mode there is no timer, and
+what is asked for is found at once.
 """
 
 import time
@@ -32,7 +32,7 @@ at_once = bpy.app.background
 
 
 @dataclass(frozen=True)
-class Answer:
+class Findings:
     """What is known of a result."""
 
     verdict: Verdict
@@ -48,9 +48,9 @@ class _Asked:
     scatter: Held
     present: Present = field(default_factory=Present)
     depends: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by session_uid
-    answer: Answer | None = None
+    findings: Findings | None = None
     doubtful: bool = True
-    picture: tuple[Any, str] = (None, "")  # what tells cheaply of a picture, and its digest
+    picture: tuple[Any, str] = (None, "")  # what is quickly compared of a picture, and its digest
 
 
 @dataclass
@@ -68,28 +68,28 @@ class _State:
 _state = _State()
 
 
-def answer(obj: bpy.types.Object, context: bpy.types.Context) -> Answer | None:
+def findings(obj: bpy.types.Object, context: bpy.types.Context) -> Findings | None:
     """What is known of a scatter; None while that is to be found yet."""
     if at_once:
-        return _answer(obj, context, Present())
+        return _find(obj, context, Present())
     one = _state.asked.get(obj.session_uid)
     if one is None:
         one = _state.asked[obj.session_uid] = _Asked(Held(obj))
         _wake()
-    fits = one.answer is not None and not one.answer.verdict.reason
-    return None if one.doubtful and fits else one.answer
+    fits = one.findings is not None and not one.findings.verdict.reason
+    return None if one.doubtful and fits else one.findings
 
 
 def has_work_files(obj: bpy.types.Object, context: bpy.types.Context) -> bool:
     """Whether bakes of a scatter have left any; True while that is to be found yet."""
     if at_once:
         return bool(all_work_files(obj))
-    known = answer(obj, context)
+    known = findings(obj, context)
     return known is None or known.files
 
 
 def touch(obj: bpy.types.Object) -> None:
-    """Something of a scatter changed that no handler tells of."""
+    """Something of a scatter changed that no handler notices."""
     if obj.session_uid in _state.asked:
         _doubt(_state.asked[obj.session_uid])
 
@@ -114,15 +114,15 @@ def tick() -> float | None:
 def _look(one: _Asked, obj: bpy.types.Object) -> None:
     begin = time.monotonic()
     one.depends = depends_on(obj, bpy.context.scene)
-    one.answer = _answer(obj, bpy.context, one.present)
+    one.findings = _find(obj, bpy.context, one.present)
     one.doubtful = False
     _state.took = time.monotonic() - begin
     redraw()
 
 
-def _answer(obj: bpy.types.Object, context: bpy.types.Context, present: Present) -> Answer:
+def _find(obj: bpy.types.Object, context: bpy.types.Context, present: Present) -> Findings:
     found = verdict(obj, context, present)
-    return Answer(found, unfinished(obj), left_over(obj), bool(all_work_files(obj)))
+    return Findings(found, unfinished(obj), left_over(obj), bool(all_work_files(obj)))
 
 
 def _object(one: _Asked) -> bpy.types.Object | None:
@@ -138,7 +138,7 @@ def _picture(one: _Asked) -> bpy.types.Image | None:
 
 
 def _glance_at_pictures() -> None:
-    """Doubt what a picture is for, where it may have been painted: nothing else tells so."""
+    """Doubt what a picture is for, where it may have been painted: no handler notices that."""
     pause = max(_GLANCE, _RARELY * _state.glance_took)
     if time.monotonic() - _state.glanced < pause:
         return
@@ -200,7 +200,7 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _has_other_content(update: bpy.types.DepsgraphUpdate) -> bool:
-    """Objects are told of that are merely evaluated after others."""
+    """Updates also list objects that are merely evaluated after others."""
     changed = update.is_updated_geometry or update.is_updated_transform
     return changed or not isinstance(update.id, bpy.types.Object)
 

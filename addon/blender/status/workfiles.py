@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the frames of an unfinished bake are kept, how they follow the .blend, and when they go.
 
-Those of NAME.blend lie in NAME.dapple/SCATTER-KEY-START. KEY is stored with the scatter and tells
-it from others, whatever it and the file are called later. START is a digest of what the bake began
-with: frames that other settings have left are not in the way of each other.
+Those of NAME.blend lie in NAME.dapple/SCATTER-KEY-START. KEY is stored with the scatter and
+identifies it, whatever it and the file are called later. START is a digest of what the bake began
+with: frames that were solved with other settings lie beside each other.
 """
 
 import hashlib

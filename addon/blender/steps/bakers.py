@@ -8,7 +8,7 @@ from ...core.errors import ScatterError
 from ...core.keys import Keyframes
 from ...core.population import PopulationBaker
 from ...core.records import Binding, Columns, as_stored, check_ids
-from ...core.rest import told_apart
+from ...core.rest import with_distinct_parts
 from ...core.solve import Scattered, nearest_binding
 from ...core.surface import SurfaceArrays
 from ...core.together import TogetherBaker
@@ -33,7 +33,7 @@ def new_baker(
     else:
         binding, columns = _binding(obj, surface, arrays)
     if arrays.rest is not None:
-        arrays = told_apart(binding, arrays)
+        arrays = with_distinct_parts(binding, arrays)
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     keyframes = Keyframes(count, obj.dapple.key_every)
     smoothing = obj.dapple.bake_smoothing

@@ -23,7 +23,7 @@ def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> S
 
 
 def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:
-    """The surface just before and just after it loses its topology, on the way to a frame.
+    """The surface just before and just after it loses its topology, between two frames.
 
     Bisected, so that it hardly moves between both, however far it moves in a frame.
     """
@@ -36,6 +36,6 @@ def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, Surf
             begin, before = middle, arrays
         elif arrays.topology == after.topology:
             end, after = middle, arrays
-        else:  # yet another one on the way
+        else:  # yet another topology between both
             break
     return before, after

@@ -43,7 +43,7 @@ def left_out_note(reasons: str) -> str:
 
 
 def _valid(values: presets.Values, reasons: list[str]) -> presets.Values:
-    """The values that a scatter can have; the others are told."""
+    """The values that a scatter can have; the others are added to the reasons."""
     own = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     found: presets.Values = {}
     for group, stored in values.items():

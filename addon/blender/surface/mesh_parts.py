@@ -57,7 +57,7 @@ def _starts(surface: Held, corner_count: int, count: int) -> Any:
 
 
 def _cut(surface: Held, corner_count: int) -> Any:
-    """Blender's own triangles, of polygons that are not cut in an obvious way."""
+    """Blender's own triangles, of polygons with more than four corners."""
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.loops), corner_count)
         mesh.calc_loop_triangles()

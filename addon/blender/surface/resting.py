@@ -54,7 +54,7 @@ def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
 
 @contextmanager
 def rest_position(surface: Held, kind: str) -> Iterator[None]:
-    """Have a surface tell its rest position inside, and from then on if all goes well."""
+    """Have Rest Position of a surface on inside, and from then on if nothing fails."""
     with rest_position_kept(surface):
         obj = surface.get()
         if kind == "REST" and obj.type == "MESH" and not obj.add_rest_position_attribute:
@@ -64,7 +64,7 @@ def rest_position(surface: Held, kind: str) -> Iterator[None]:
 
 @contextmanager
 def rest_position_kept(surface: Held) -> Iterator[None]:
-    """Where what is done inside fails or is given up, Rest Position is as it was."""
+    """Set Rest Position back where what is done inside fails or is canceled."""
     before = surface.get().add_rest_position_attribute
     try:
         yield

@@ -161,7 +161,7 @@ def obstacles_of(
 
 
 def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
-    """Objects of a collection and those inside it with something to keep off."""
+    """Objects of a collection and those inside it that points have to avoid."""
     collection = _by_full_name(bpy.data.collections, name)
     if collection is None:
         raise ScatterError(f"There is no collection '{name}'")
@@ -172,7 +172,7 @@ def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Obje
 
 
 def _by_full_name(blocks: Any, name: str) -> Any:
-    """The data-block of that name, which tells other files apart; None if there is none."""
+    """The data-block of that full name, which names its file too; None if there is none."""
     return next((one for one in blocks if one.name_full == name), None)
 
 

@@ -3,7 +3,7 @@
 
 Points are bound by vertex indices, so they must. Python cannot ask for a depsgraph in render
 mode; so a copy of the object, given the values that the render uses, is evaluated in a scene
-of its own. What only nodes can tell apart (Is Viewport) is left to the node group's guard.
+of its own. A difference that only nodes know (Is Viewport) is left to the node group's guard.
 """
 
 from collections.abc import Iterator

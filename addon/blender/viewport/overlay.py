@@ -141,7 +141,7 @@ def _begin() -> None:
 
 
 def _watched(obj: bpy.types.Object, settings: Settings) -> list[int]:
-    """What tells by an update of its own that the colors may be others."""
+    """Data-blocks whose updates mean that the colors may be others, by session_uid."""
     surface, density = surface_of(obj), obj.dapple.density
     found = [surface, surface.data, density.image]
     if settings.density.obstacles:

@@ -53,7 +53,7 @@ def note(obj: bpy.types.Object) -> str:
     follower = _state.previews[obj.session_uid].follower
     if follower is None:
         return told("The preview is being prepared")
-    if follower.riding:
+    if follower.over_budget:
         return told("Over budget: points stick to the surface")
     return told("Points are kept even")
 
