@@ -31,7 +31,7 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
         else:
             row = layout.row()
             row.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
-            row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
+            _draw_presets(row)
             _draw_mismatch(layout, context, "INFO")
 
 
@@ -39,7 +39,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     settings = context.object.dapple
     row = layout.row()
     row.prop(settings, "surface")
-    row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
+    _draw_presets(row)
     layout.prop(settings, "amount")
     layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
     layout.prop(settings, "seed")
@@ -56,10 +56,15 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     for text, icon in result_lines(context.object, context):
         lines_of(layout, text, icon)
     if settings.report.details:
-        shown.DETAILS.of(context.object)  # the popover is drawn once only: by then they are known
+        shown.DETAILS.of(context.object)  # likewise for the popover
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
     _draw_locked(layout, context.object)
     layout.operator(DAPPLE_OT_rebind.bl_idname)
+
+
+def _draw_presets(row: bpy.types.UILayout) -> None:
+    shown.PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
+    row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
 
 
 def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

@@ -103,6 +103,18 @@ def test_a_changed_setting_is_shown_after_the_next_tick(prepared):
     assert "77" in test_panels.drawn()
 
 
+def test_a_menu_has_the_presets_that_the_panel_has_asked_for(prepared):
+    scenes.scattered(scenes.sphere())
+    test_panels.drawn()
+    prepared.tick()
+    before = test_panels.drawn().count("dapple.load_preset")
+    assert bpy.ops.dapple.save_preset(name="Wide") == {"FINISHED"}
+    assert test_panels.drawn().count("dapple.load_preset") == before
+    prepared.tick()
+    assert test_panels.drawn().count("dapple.load_preset") == before + 1
+    assert bpy.ops.dapple.remove_preset(name="Wide") == {"FINISHED"}
+
+
 def test_an_object_that_is_gone_is_forgotten(prepared):
     obj = scenes.scattered(scenes.sphere())
     test_panels.drawn()
