@@ -389,4 +389,4 @@ def test_a_point_that_slides_to_where_the_rest_shape_means_two_places_ends_the_b
 
 
 def read(surface, depsgraph):
-    return addon_host.part("blender.base.meshio").read_surface(surface, depsgraph)
+    return addon_host.part("blender.surface.surface_mesh").read_surface(surface, depsgraph)

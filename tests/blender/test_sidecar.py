@@ -121,7 +121,7 @@ def test_fingerprints_tell_inputs_apart(sidecar):
 
 
 def packed(obj):
-    stored = addon_host.part("blender.data.store").read_baked(obj)
+    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
     columns = {**stored.keys, **stored.triangles, **stored.frames}
     return {name: values.tobytes() for name, values in columns.items()}
 
