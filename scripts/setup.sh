@@ -76,6 +76,7 @@ fi
 stage 'build' cmake --build build/release -j "$(build_jobs)"
 # The package was named dapple before: what a build of then has installed would be imported still.
 [ ! -f "$site_packages/dapple/_native.pyi" ] || rm -rf "$site_packages/dapple"
-# So would a module that has another name since.
-rm -rf "$site_packages/dapple3d/cli"
 stage 'install the Python package' cmake --install build/release --component python
+# So would modules of before that have another name since.
+comm -23 <(find "$site_packages/dapple3d" -type f -not -path '*/__pycache__/*' | sort) \
+  <(sort build/release/install_manifest_python.txt) | xargs -r -d '\n' rm

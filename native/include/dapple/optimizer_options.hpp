@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 
 namespace dapple {
 
@@ -11,23 +10,6 @@ enum class Method {
   kTrustRegion,  ///< L-BFGS preconditioned by the Gauss-Newton Hessian of the capacities, within a
                  ///< trust region
   kLineSearch,   ///< plain L-BFGS, as in the paper
-};
-
-/// What a deforming surface is to be brought back to, instead of minimizing on (trust region only).
-///
-/// Every step toward the minimum of E_cvt lowers it for good, and a long animation would turn blue
-/// noise into hexagons, while deformation mostly disturbs the capacities. So what is minimized is
-/// s E_cvt + lambda E_cap and the repulsion, where s follows how far E_cvt is above that of the
-/// first frame: 0 while it is within a dead band.
-struct Restoration {
-  double cvt = std::numeric_limits<double>::infinity();  ///< n E_cvt / |S|_phi^2 of the first frame
-  double dead_band = 7e-4;                               ///< above it, where s is 0
-  double band = 1e-3;                                    ///< above that, where s rises to `share`
-  double share = 0.3;  ///< the largest s, and the least delta of the trust region
-  double variation =
-      4.5e-3;  ///< capacity variation (standard deviation / mean) that is even enough
-  double first_variation = 0.0;  ///< of the first frame: no frame has to be more even
-  double alpha = 0.63;           ///< least distance along the surface, in local spacings
 };
 
 struct OptimizerOptions {
@@ -49,7 +31,6 @@ struct OptimizerOptions {
                             ///< cell's integral of phi^2 at the start; 1 is that of E_cvt
   double target_energy = -std::numeric_limits<double>::infinity();  ///< stop once the normalized
                                                                     ///< energy is not above it
-  std::optional<Restoration> restore = std::nullopt;                ///< minimize only so far
 };
 
 }  // namespace dapple

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <dapple/types.hpp>
 
 namespace dapple {
+
+/// What the corners' values make together, each with its weight.
+inline Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
+  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+}
 
 /// Barycentric coordinates (>= 0, sum 1) of the point of triangle a, b, c closest to p; the
 /// triangle may be degenerate.

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/refine.hpp>
 
+#include "base/triangle.hpp"
 #include "base/validate.hpp"
 
 namespace dapple {
-namespace {
-
-Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
-  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
-}
-
-}  // namespace
-
 std::vector<Vec3> Refined::vertices(std::span<const Vec3> coarse) const {
   check_same_length("vertices", coarse.size(), "the surface", original.vertex_count());
   std::vector<Vec3> result(coarse.begin(), coarse.end());

@@ -5,6 +5,7 @@
 #include <dapple/optimizer_options.hpp>
 
 #include "optimize/objective.hpp"
+#include "optimize/restoration.hpp"
 
 namespace dapple {
 
@@ -18,14 +19,18 @@ struct Minimum {
   bool converged = false;  ///< see OptimizerResult
 };
 
-/// About how many evaluations an optimization takes that begins at a Poisson-disk start.
-[[nodiscard]] double expected_evaluations(const OptimizerOptions& options);
+/// What only a frame of a deforming surface has.
+struct Tracked {
+  /// Where sites are held by max_slide and stickiness; null: at the start.
+  const Sites* home = nullptr;
+  /// To end there, instead of minimizing on (trust region only); null: minimize.
+  const Restoration* restoration = nullptr;
+};
 
 /// See optimize(); repulsions are the terms' own.
-/// \param home where sites are held by max_slide and stickiness; none: at the start
 /// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] Minimum minimize(const Objective& objective, const Sites& start,
                                const OptimizerOptions& options, Context* context,
-                               const Sites* home = nullptr);
+                               const Tracked& tracked = {});
 
 }  // namespace dapple

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "voronoi/local_spacing.hpp"
 
 namespace dapple {
 namespace {
@@ -128,6 +131,28 @@ void set_radii(const Objective& objective, State& state,
                            repulsion_weight(objective.terms[t], part.energy.gradient.size()));
   }
   add_up(objective, state);
+}
+
+double local_spacing(const Objective& objective, const State& state, std::size_t term,
+                     std::size_t k) {
+  const std::vector<Moments>& cells = state.parts[term].energy.diagram.cells;
+  return local_spacing(cells[k],
+                       objective.terms[term].domain->mass() / static_cast<double>(cells.size()));
+}
+
+void shrink_radii(const Objective& objective, State& state,
+                  std::vector<std::vector<double>>& radii) {
+  bool changed = false;
+  for (std::size_t t = 0; t < radii.size(); ++t) {
+    const Term& term = objective.terms[t];
+    if (term.repulsion_weight == 0.0 || (term.domain->uniform() && !radii[t].empty())) continue;
+    radii[t].resize(state.parts[t].energy.gradient.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t k = 0; k < radii[t].size(); ++k)
+      radii[t][k] =
+          std::min(radii[t][k], term.repulsion_radius * local_spacing(objective, state, t, k));
+    changed = true;
+  }
+  if (changed) set_radii(objective, state, radii);
 }
 
 std::vector<double> energy_shares(const Objective& objective, const State& state) {

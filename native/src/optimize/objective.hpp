@@ -78,6 +78,18 @@ struct State {
 void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii);
 
+/// Local spacing at a term's mean capacity.
+/// \param k the site's index in the term
+[[nodiscard]] double local_spacing(const Objective& objective, const State& state, std::size_t term,
+                                   std::size_t k);
+
+/// Let the radii of the repulsion follow the local spacing. They stay fixed within an iteration, so
+/// that the gradient is exact, and between iterations they only shrink, so that the repulsion never
+/// rises.
+/// \param radii per term and site; empty where nothing repels, or nothing did so far
+void shrink_radii(const Objective& objective, State& state,
+                  std::vector<std::vector<double>>& radii);
+
 /// Per site what its cells and pairs add to the total, capacities counted from their means.
 [[nodiscard]] std::vector<double> energy_shares(const Objective& objective, const State& state);
 

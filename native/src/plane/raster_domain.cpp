@@ -10,6 +10,7 @@
 
 #include "base/density_unit.hpp"
 #include "base/parallel.hpp"
+#include "base/segment.hpp"
 #include "base/validate.hpp"
 #include "plane/delaunay_graph.hpp"
 #include "plane/pixel_integrals.hpp"
@@ -52,11 +53,6 @@ void shape_cell(const Vec2& size, const Vec2& x, std::span<const SiteGraph::Link
     if (d.isZero(0.0) && links[k].site < site) return cell.corners.clear();
     if (!d.isZero(0.0)) cell.cut(d, 0.5 * d.squaredNorm(), static_cast<std::int32_t>(k));
   }
-}
-
-double distance_to_segment(const Vec2& p, const Vec2& q) {
-  const Vec2 d = q - p;
-  return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
 }
 
 void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,

@@ -130,28 +130,11 @@ double radius_of(std::span<const Image> inks, std::size_t count) {
   return std::sqrt(covered / (std::numbers::pi * static_cast<double>(count)));
 }
 
-/// Every class by itself first, from its part of the start; roughly, since the others move it
-/// again.
-void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
-                  Minimum& sum, Context* context) {
-  OptimizerOptions rough = options.sample.optimizer;
-  rough.tolerance = std::max(rough.tolerance, kRough);
-  std::int32_t first = 0;
-  const auto done = [&] { return static_cast<double>(first) / static_cast<double>(sites.size()); };
-  for (const ClassProblem::Member& member : problem.classes) {
-    std::vector<std::int32_t> members(member.count);
-    std::iota(members.begin(), members.end(), first);
-    const double from = done();
-    first += static_cast<std::int32_t>(member.count);
-    if (members.empty()) continue;
-    Stretch step(context, from, done());
-    const ClassProblem alone{member.domain, {member}};
-    const ClassMinimum found = solve(make_objective(alone, class_of_sites(alone), options),
-                                     select(sites, members), rough, step.context());
-    put(sites, members, found.minimum.state.sites);
-    sum.evaluations += found.minimum.evaluations;
-    sum.iterations += found.minimum.iterations;
-  }
+/// For every class by itself: roughly, since the others move it again.
+ClassOptions rough(ClassOptions options) {
+  double& tolerance = options.sample.optimizer.tolerance;
+  tolerance = std::max(tolerance, kRough);
+  return options;
 }
 
 /// Each class weighs as much as it has dots: then every dot is held alike, and the few of a rare
@@ -180,7 +163,7 @@ Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t>
   const double together = many ? kAlone : kDiffused;
   Stretch alone(context, kDiffused, together);
   Stretch finishing(context, together, 1.0);
-  if (many) settle_alone(problem, chosen, start, before, alone.context());
+  if (many) settle_alone(problem, rough(chosen), start, before, alone.context());
   ClassMinimum found = solve(objective, start, options.optimizer, finishing.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;

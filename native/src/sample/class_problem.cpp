@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "optimize/forecast.hpp"
 #include "start/class_start.hpp"
 
 namespace dapple {
@@ -89,33 +91,6 @@ std::vector<bool> locked_sites(const ClassProblem& problem) {
   return any ? locked : std::vector<bool>();
 }
 
-/// The start's part of one class, moved to where that class is even by itself.
-void settle_alone(const ClassProblem::Member& member, const ClassOptions& options,
-                  std::size_t first, Sites& sites, Minimum& sum, Context* context) {
-  const auto from = static_cast<std::ptrdiff_t>(first);
-  const auto to = static_cast<std::ptrdiff_t>(first + member.count);
-  const Sites mine = {{sites.positions.begin() + from, sites.positions.begin() + to},
-                      {sites.faces.begin() + from, sites.faces.begin() + to},
-                      {sites.barycentric.begin() + from, sites.barycentric.begin() + to}};
-  const ClassProblem alone{member.domain, {member}};
-  const Minimum found =
-      minimize(make_objective(alone, class_of_sites(alone), options, locked_sites(alone)), mine,
-               options.sample.optimizer, context);
-  std::copy(found.state.sites.positions.begin(), found.state.sites.positions.end(),
-            sites.positions.begin() + from);
-  std::copy(found.state.sites.faces.begin(), found.state.sites.faces.end(),
-            sites.faces.begin() + from);
-  std::copy(found.state.sites.barycentric.begin(), found.state.sites.barycentric.end(),
-            sites.barycentric.begin() + from);
-  sum.evaluations += found.evaluations;
-  sum.iterations += found.iterations;
-}
-
-/// Sites of classes that are done, as a share of all.
-double progress_of(std::size_t done, const Sites& all) {
-  return static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(all.size(), 1));
-}
-
 std::vector<std::int32_t> members_of(const std::vector<std::int32_t>& classes, std::size_t c) {
   std::vector<std::int32_t> members;
   for (std::size_t k = 0; k < classes.size(); ++k)
@@ -183,6 +158,27 @@ Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Co
   return starts.period > 0.0 ? problem.all->project(sites.positions, {}) : sites;
 }
 
+void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
+                  Minimum& sum, Context* context) {
+  std::int32_t first = 0;
+  const auto done = [&] { return static_cast<double>(first) / static_cast<double>(sites.size()); };
+  for (const ClassProblem::Member& member : problem.classes) {
+    std::vector<std::int32_t> members(member.count);
+    std::iota(members.begin(), members.end(), first);
+    const double from = members.empty() ? 0.0 : done();
+    first += static_cast<std::int32_t>(member.count);
+    if (members.empty()) continue;
+    Stretch step(context, from, done());
+    const ClassProblem alone{member.domain, {member}};
+    const Minimum found =
+        minimize(make_objective(alone, class_of_sites(alone), options, locked_sites(alone)),
+                 select(sites, members), options.sample.optimizer, step.context());
+    put(sites, members, found.state.sites);
+    sum.evaluations += found.evaluations;
+    sum.iterations += found.iterations;
+  }
+}
+
 ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
                    Context* context) {
   double done = objective.discs.empty() ? 1.0 : kRound;
@@ -220,14 +216,7 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   Stretch alone(context, started, together);
   Stretch finishing(context, together, 1.0);
   Minimum before;
-  std::size_t first = 0;
-  for (const ClassProblem::Member& member : problem.classes) {
-    Stretch step(alone.context(), progress_of(first, start),
-                 progress_of(first + member.count, start));
-    if (stages && member.count > 0)
-      settle_alone(member, options, first, start, before, step.context());
-    first += member.count;
-  }
+  if (stages) settle_alone(problem, options, start, before, alone.context());
   ClassMinimum found =
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
             options.sample.optimizer, finishing.context());

@@ -36,6 +36,11 @@ struct ClassProblem {
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
                                Context* context);
 
+/// Make each class even by itself, from its part of the start: the first of two stages.
+/// \param sum its evaluations and iterations are added to these
+void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
+                  Minimum& sum, Context* context);
+
 /// The end of a solution, and what it was measured by.
 struct ClassMinimum {
   Objective objective;

@@ -8,13 +8,13 @@
 #include <numeric>
 #include <set>
 
-#include "base/hexagonal.hpp"
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/random.hpp"
 #include "base/tangent_basis.hpp"
 #include "optimize/objective.hpp"
 #include "surface/ordered_surface.hpp"
+#include "voronoi/local_spacing.hpp"
 
 namespace dapple {
 namespace {
@@ -305,9 +305,8 @@ class Round {
 
   [[nodiscard]] std::vector<Vec3> places_around(std::size_t host) {
     const Moments& cell = diagram_.cells[host];
-    const double spacing = cell.mass > 0.0
-                               ? hexagonal_spacing(cell.capacity * cell.capacity / cell.mass)
-                               : surface_.spacing(count_);
+    const double spacing =
+        cell.mass > 0.0 ? local_spacing(cell, cell.capacity) : surface_.spacing(count_);
     const Eigen::Matrix<double, 3, 2> basis = tangent_basis(domain_.normal(sites_.faces[host]));
     const double turn = 2.0 * std::numbers::pi * random_.uniform();
     std::vector<Vec3> result;

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/refined_samples.hpp>
 
+#include "base/triangle.hpp"
 #include "density/piece_finder.hpp"
 #include "surface/validate_surface.hpp"
 
 namespace dapple {
 namespace {
 
-Vec3 combined(const std::array<Vec3, 3>& corners, const Vec3& weights) {
-  return weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+/// The samples on other faces; what else they carry stays.
+Samples rebound(const Surface& surface, std::span<const std::int32_t> faces,
+                std::span<const Vec3> barycentric, const Samples& samples) {
+  Samples result = bind_samples(surface, faces, barycentric, samples.ids, samples.classes);
+  result.fade = samples.fade;
+  result.report = samples.report;
+  return result;
 }
 
 }  // namespace
@@ -22,10 +28,7 @@ Samples to_original(const Refined& refined, const Samples& samples) {
     faces.push_back(refined.parents[fine]);
     weights.push_back(combined(refined.barycentric[fine], samples.barycentric[k]));
   }
-  Samples result = bind_samples(refined.original, faces, weights, samples.ids, samples.classes);
-  result.fade = samples.fade;
-  result.report = samples.report;
-  return result;
+  return rebound(refined.original, faces, weights, samples);
 }
 
 Samples from_original(const Refined& refined, const Samples& samples) {
@@ -38,10 +41,7 @@ Samples from_original(const Refined& refined, const Samples& samples) {
     faces.push_back(face);
     weights.push_back(inside);
   }
-  Samples result = bind_samples(refined.surface, faces, weights, samples.ids, samples.classes);
-  result.fade = samples.fade;
-  result.report = samples.report;
-  return result;
+  return rebound(refined.surface, faces, weights, samples);
 }
 
 }  // namespace dapple

@@ -13,8 +13,6 @@
 namespace dapple {
 namespace {
 
-constexpr double kSlack = 5e-4;  // of the normalized energy: as even to the eye, as in the tracker
-
 // Of the progress: before the optimization, after a start from nothing ...
 constexpr double kStarted = 0.3;
 constexpr double kEvening = 24.0;  // ... else it takes as long as so many evaluations of each cell
@@ -92,7 +90,7 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
         begin(surface, domain, samples, count, options.seed, starting.context());
     OptimizerOptions optimizer = options.optimizer;
     if (samples.report.energy > 0.0)
-      optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kSlack);
+      optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kAsEven);
     const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
     OptimizerResult found = optimize(domain, first.sites, optimizer, evening.context());
     found.evaluations += first.evaluations;

@@ -11,10 +11,6 @@
 namespace dapple {
 namespace {
 
-// A frame this little above the first one's normalized energy is as even to the eye: nothing needs
-// to move. (From a Poisson-disk start to convergence the energy falls by about 0.03.)
-constexpr double kSlack = 5e-4;
-
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
                                  std::span<const std::int32_t> class_of) {
@@ -119,10 +115,8 @@ Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const S
 
 OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
-  if (options.method == Method::kTrustRegion)
-    options.restore = restoration_;
-  else
-    options.target_energy = std::max(options.target_energy, target_energy_ + kSlack);
+  if (options.method == Method::kLineSearch)  // which knows no restoration
+    options.target_energy = std::max(options.target_energy, target_energy_ + kAsEven);
   return options;
 }
 
@@ -132,8 +126,8 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Minimum found =
-      minimize(frame.objective, move(start, moves, frame.objective), options, context, home);
+  const Minimum found = minimize(frame.objective, move(start, moves, frame.objective), options,
+                                 context, {.home = home, .restoration = &restoration_});
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
   return {std::move(samples), found.settled};
@@ -143,8 +137,8 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       const Vectors& moves, const Sites& home,
                                       Context* context) const {
   const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
-  Minimum found =
-      minimize(frame.objective, move(start, moves, frame.objective), aims(), context, &home);
+  Minimum found = minimize(frame.objective, move(start, moves, frame.objective), aims(), context,
+                           {.home = &home, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
 

@@ -6,6 +6,7 @@
 #include <dapple/samples.hpp>
 #include <dapple/tracker_options.hpp>
 
+#include "optimize/restoration.hpp"
 #include "track/pattern_memory.hpp"
 
 namespace dapple {

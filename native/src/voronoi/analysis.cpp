@@ -7,10 +7,10 @@
 #include <limits>
 #include <optional>
 
-#include "base/hexagonal.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/local_spacing.hpp"
 
 namespace dapple {
 namespace {
@@ -116,8 +116,8 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
     const Moments& cell = diagram.cells[i];
     // An empty cell belongs to a site that coincides with another: nothing lies between them.
-    const double area = cell.mass > 0.0 ? capacity * cell.capacity / cell.mass : 0.0;
-    const double alpha = area > 0.0 ? nearest_touching(diagram, i) / hexagonal_spacing(area) : 0.0;
+    const double spacing = local_spacing(cell, capacity);
+    const double alpha = spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
     if (!std::isfinite(alpha)) continue;  // no neighbor: alone on its component
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;

@@ -4,17 +4,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/segment.hpp"
 #include "surface/integrate.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
-
-/// From the origin. The points are not the same.
-double distance_to_segment(const Vec3& p, const Vec3& q) {
-  const Vec3 d = q - p;
-  return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
-}
 
 /// From a point near it: the differences are exact, where the centroid itself is rounded to the
 /// digits that coordinates have far from the origin.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "optimize/rescue.hpp"
+#include "optimize/reinsertion.hpp"
 
 #include <cmath>
 #include <dapple/neighbors.hpp>
@@ -11,25 +11,26 @@ namespace {
 
 constexpr double kEmpty = 1e-6;  // of the mean capacity: a cell that rounding may have left
 
-class Rescuer {
+class Reinserter {
  public:
-  Rescuer(const Objective& objective, const State& state) : objective_(objective), state_(state) {}
+  Reinserter(const Objective& objective, const State& state)
+      : objective_(objective), state_(state) {}
 
-  Rescue run() {
+  Reinsertion run() {
     split();
     if (empty_.empty() || held_.empty()) return {};
     const Neighbors tree(held_positions_);
     std::vector<Neighbor> found;
-    Rescue rescue;
+    Reinsertion result;
     for (const std::size_t site : empty_) {
       tree.nearest(state_.sites.positions[site], 1, found);
       const std::size_t host = roomiest(held_[static_cast<std::size_t>(found[0].index)]);
       taken_.insert(host);
-      rescue.sites.push_back(static_cast<std::int32_t>(site));
-      rescue.positions.push_back(open_place(host));
-      rescue.faces.push_back(state_.sites.faces[host]);
+      result.sites.push_back(static_cast<std::int32_t>(site));
+      result.positions.push_back(open_place(host));
+      result.faces.push_back(state_.sites.faces[host]);
     }
-    return rescue;
+    return result;
   }
 
  private:
@@ -79,8 +80,8 @@ class Rescuer {
 
 }  // namespace
 
-Rescue find_rescue(const Objective& objective, const State& state) {
-  return Rescuer(objective, state).run();
+Reinsertion find_reinsertion(const Objective& objective, const State& state) {
+  return Reinserter(objective, state).run();
 }
 
 }  // namespace dapple

@@ -6,7 +6,7 @@
 #include <dapple/poisson_start.hpp>
 
 #include "invariants.hpp"
-#include "optimize/rescue.hpp"
+#include "optimize/reinsertion.hpp"
 #include "shapes.hpp"
 
 namespace dapple::test {
@@ -18,13 +18,13 @@ double least_capacity(const OptimizerResult& found) {
   return least;
 }
 
-class RescueOn : public testing::TestWithParam<Shape> {};
+class ReinsertionOn : public testing::TestWithParam<Shape> {};
 
-INSTANTIATE_TEST_SUITE_P(Shapes, RescueOn, testing::ValuesIn(all_shapes()),
+INSTANTIATE_TEST_SUITE_P(Shapes, ReinsertionOn, testing::ValuesIn(all_shapes()),
                          shape_name<testing::TestParamInfo<Shape>>);
 
 /// A quarter of the sites start where another is.
-TEST_P(RescueOn, FreesSitesThatStartTogether) {
+TEST_P(ReinsertionOn, FreesSitesThatStartTogether) {
   const Surface surface = GetParam().surface();
   Sites start = poisson_start(surface, 60, 1);
   for (std::size_t k = 0; k < 15; ++k) {
@@ -42,7 +42,7 @@ TEST_P(RescueOn, FreesSitesThatStartTogether) {
   }
 }
 
-TEST(Rescue, FreesTwoSitesAtOnePlace) {
+TEST(Reinsertion, FreesTwoSitesAtOnePlace) {
   const Surface surface = blob(3).surface();
   Sites start = poisson_start(surface, 1, 1);
   start.positions.push_back(start.positions[0]);
@@ -52,7 +52,7 @@ TEST(Rescue, FreesTwoSitesAtOnePlace) {
 }
 
 /// On the torus nothing keeps a step inside the density's support.
-TEST(Rescue, BringsSitesBackIntoTheDensity) {
+TEST(Reinsertion, BringsSitesBackIntoTheDensity) {
   Image image{1, 16, std::vector<double>(16, 0.0)};
   for (std::size_t k = 4; k < 8; ++k) image.values[k] = 1.0;
   const TorusDomain torus(image);
@@ -61,7 +61,7 @@ TEST(Rescue, BringsSitesBackIntoTheDensity) {
   EXPECT_GT(least_capacity(found), 0.0);
 }
 
-TEST(Rescue, LeavesLockedSitesAlone) {
+TEST(Reinsertion, LeavesLockedSitesAlone) {
   const Surface surface = blob(2).surface();
   Sites sites = poisson_start(surface, 10, 1);
   sites.positions[3] = sites.positions[7];
@@ -72,9 +72,9 @@ TEST(Rescue, LeavesLockedSitesAlone) {
   objective.capacity_weight = 30.0;
   objective.terms.push_back({.domain = &domain});
   const State state = evaluate(objective, sites, {{}}, nullptr);
-  ASSERT_EQ(find_rescue(objective, state).sites, std::vector<std::int32_t>{7});
+  ASSERT_EQ(find_reinsertion(objective, state).sites, std::vector<std::int32_t>{7});
   objective.locked.assign(10, true);
-  EXPECT_TRUE(find_rescue(objective, state).sites.empty());
+  EXPECT_TRUE(find_reinsertion(objective, state).sites.empty());
 }
 
 }  // namespace

@@ -13,11 +13,11 @@ namespace dapple {
 /// none. Two never go to the same place.
 /// \return indices of the sites and their new, not yet
 /// projected positions and hints; empty if every site has a cell
-struct Rescue {
+struct Reinsertion {
   std::vector<std::int32_t> sites;
   Vectors positions;
   std::vector<std::int32_t> faces;  ///< of the site that each starts from
 };
-[[nodiscard]] Rescue find_rescue(const Objective& objective, const State& state);
+[[nodiscard]] Reinsertion find_reinsertion(const Objective& objective, const State& state);
 
 }  // namespace dapple

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer_options.hpp>
+#include <vector>
+
+namespace dapple {
+
+/// Foretells from how the decreases of the energy fall how many evaluations there will be. Nothing
+/// but the progress depends on it.
+class Forecast {
+ public:
+  /// \param restoring whether a deformed surface is only restored, which ends soon
+  Forecast(const OptimizerOptions& options, bool restoring);
+
+  /// After an iteration.
+  /// \param evaluations so far
+  /// \param decrease of the energy in it, relative
+  void note(int evaluations, double decrease);
+
+  [[nodiscard]] double evaluations() const;
+
+  /// After so many evaluations; in [0, 1), and slower beyond those expected.
+  [[nodiscard]] double progress(int evaluations) const;
+
+ private:
+  /// Decreases fall with a power of the number of evaluations: c / k^p of the energy at the k-th.
+  struct Law {
+    double power;
+    double first;  // c, from a Poisson-disk start
+  };
+  static constexpr Law kTrustRegion{2.0, 4e-3}, kLineSearch{3.0, 1.0};
+
+  Law law_;
+  double tolerance_;
+  double most_;
+  std::vector<double> logs_;  // of c, at each iteration
+};
+
+/// About how many evaluations an optimization takes that begins at a Poisson-disk start.
+[[nodiscard]] double expected_evaluations(const OptimizerOptions& options);
+
+}  // namespace dapple

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimize/slide_limit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple {
+namespace {
+
+constexpr int kPulls = 8;      // toward its home, of a site that was projected out of reach
+constexpr double kPull = 0.8;  // of the distance that is left after each; the last leaves none
+
+/// The projection may carry even a site that has not moved: to where there is density, or by
+/// rounding. Locked sites keep their bytes.
+Sites project_unlocked(const Objective& objective, const Sites& before, const Vectors& moved,
+                       std::span<const std::int32_t> hints) {
+  Sites sites = objective.project(moved, hints);
+  for (std::size_t k = 0; k < objective.locked.size(); ++k) {
+    if (!objective.locked[k]) continue;
+    sites.positions[k] = before.positions[k];
+    sites.faces[k] = before.faces[k];
+    sites.barycentric[k] = before.barycentric[k];
+  }
+  return sites;
+}
+
+}  // namespace
+
+double SlideLimit::reach(const State& state, std::size_t k) const {
+  return max_slide_ * std::min(local_spacing(*objective_, state, 0, k),
+                               objective_->domain().spacing(state.sites.size()));
+}
+
+bool SlideLimit::exceeded(const State& state) const {
+  for (std::size_t k = 0; k < home_.size(); ++k)
+    if ((state.sites.positions[k] - home_.positions[k]).norm() > reach(state, k)) return true;
+  return false;
+}
+
+Sites SlideLimit::project(const State& state, Vectors moved,
+                          std::span<const std::int32_t> hints) const {
+  if (std::isinf(max_slide_)) return project_unlocked(*objective_, state.sites, moved, hints);
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const Vec3 slide = moved[k] - home_.positions[k];
+    const double excess = slide.norm() / reach(state, k);
+    if (excess > 1.0) moved[k] = home_.positions[k] + slide / excess;
+  }
+  Sites sites = project_unlocked(*objective_, state.sites, moved, hints);
+  for (int pull = 0; pull < kPulls; ++pull)
+    pull_back(state, sites, moved, pull + 1 < kPulls ? kPull : 0.0);
+  return sites;
+}
+
+/// Project the sites that are out of reach again, with `part` of their distance; 0 is their home.
+void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part) const {
+  std::vector<std::int32_t> far;
+  Sites pulled;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    if ((sites.positions[k] - home_.positions[k]).norm() <= reach(state, k)) continue;
+    moved[k] = home_.positions[k] + part * (moved[k] - home_.positions[k]);
+    far.push_back(static_cast<std::int32_t>(k));
+    pulled.positions.push_back(moved[k]);
+    pulled.faces.push_back(home_.faces[k]);
+    pulled.barycentric.push_back(home_.barycentric[k]);
+  }
+  if (part > 0.0) pulled = objective_->project(pulled.positions, pulled.faces, far);
+  put(sites, far, pulled);
+}
+
+}  // namespace dapple

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+
+namespace dapple {
+
+/// When a minimization ends: after decreases that are too small several times in a row, or after
+/// steps in a row that lowered nothing.
+class StoppingRule {
+ public:
+  /// \param tolerance relative decrease that is not small
+  /// \param patience small ones in a row that end it
+  /// \param failures steps without any decrease in a row that end it
+  StoppingRule(double tolerance, int patience, int failures)
+      : tolerance_(tolerance), patience_(patience), most_failures_(failures) {}
+
+  /// After a step.
+  /// \param decrease relative; of a step that failed, what it could have gained
+  /// \param promised by the step, relative; counts if it failed
+  void update(double decrease, bool found, double promised) {
+    small_ = decrease > tolerance_ ? 0 : small_ + 1;
+    failures_ = found ? 0 : failures_ + 1;
+    missed_ = found ? 0.0 : std::max(missed_, promised);
+  }
+
+  /// What happened before does not count anymore.
+  void reset() { small_ = failures_ = 0, missed_ = 0.0; }
+
+  [[nodiscard]] bool decreases_are_small() const { return small_ >= patience_; }
+  [[nodiscard]] bool steps_fail() const { return failures_ >= most_failures_; }
+  [[nodiscard]] bool ends() const { return decreases_are_small() || steps_fail(); }
+
+  /// Whether the last step failed.
+  [[nodiscard]] bool failed() const { return failures_ > 0; }
+  /// The most that the failed steps in a row promised, relative.
+  [[nodiscard]] double missed() const { return missed_; }
+
+ private:
+  double tolerance_;
+  int patience_, most_failures_;
+  int small_ = 0, failures_ = 0;  // in a row
+  double missed_ = 0.0;
+};
+
+}  // namespace dapple

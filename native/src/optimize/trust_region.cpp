@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimize/trust_region.hpp"
+
+#include <algorithm>
+
+#include "optimize/gauss_newton.hpp"
+#include "optimize/step_limit.hpp"
+
+namespace dapple {
+namespace {
+
+// What delta is multiplied by ...
+constexpr double kTooLong = 2.5;  // where the step is longer than allowed ...
+constexpr double kFar = 6.0;      // ... by more than
+constexpr double kFarOff = 4.0;   // this factor
+constexpr double kFull = 0.4;     // after a full step
+constexpr double kShortened = 2.0;
+constexpr double kFailed = 4.0;
+constexpr double kMost = 1e12;
+constexpr int kSolves = 6;  // before the stored pairs are blamed for a step that stays too long
+constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
+constexpr int kExactSteps = 60;     // ... but the long waves that a deformation makes take more
+constexpr int kPasses = 3;          // over the pairs that a step brings too near
+constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for it
+
+/// Not where many moves would be shortened: in white noise, or where the repulsions of classes and
+/// of all together contradict each other, that costs more than it gives.
+Vectors keep_apart(const State& state, const std::vector<std::vector<double>>& radii,
+                   Vectors direction) {
+  if (radii.size() > 1) return direction;
+  Vectors full = direction;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::size_t shortened = shorten_approaches(state.diagram(), radii[0], direction);
+    if (static_cast<double>(shortened) > kMostHeld * static_cast<double>(direction.size()))
+      return full;
+    if (shortened == 0) break;
+  }
+  return direction;
+}
+
+}  // namespace
+
+// A larger delta shortens the model's own step, but not what stored pairs of little curvature add
+// to it.
+Vectors TrustRegion::step(const Objective& objective, const State& state,
+                          const std::vector<std::vector<double>>& radii, LbfgsHistory& history) {
+  const GaussNewton model(objective, state, exact_ ? kExactSteps : kSteps);
+  const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
+  const double first_delta = delta_;
+  for (int solves = 1;; ++solves) {
+    const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
+    Vectors direction = history.direction(state.gradient, restrict, solve);
+    const double excess = step_excess(objective, state, max_step_, direction);
+    const bool descends = dot(direction, state.gradient) < 0.0;
+    if ((excess <= 1.0 && descends) || delta_ > kMost)
+      return keep_apart(state, radii, std::move(direction));
+    delta_ *= excess > kFarOff ? kFar : kTooLong;
+    if ((descends && solves < kSolves) || history.empty()) continue;
+    history.forget();
+    delta_ = first_delta;
+  }
+}
+
+void TrustRegion::update_radius(bool found, double shortened) {
+  if (!found)
+    delta_ *= kFailed;
+  else if (shortened < 1.0)
+    delta_ *= kShortened;
+  else
+    delta_ = std::max(least_delta_, kFull * delta_);
+  delta_ = std::min(delta_, kMost);
+}
+
+double TrustRegion::promised(const Objective& objective, const State& state) const {
+  const GaussNewton model(objective, state, kSteps);
+  return 0.5 * dot(model.solve(state.gradient, least_delta_), state.gradient);
+}
+
+}  // namespace dapple

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "optimize/lbfgs.hpp"
+#include "optimize/objective.hpp"
+
+namespace dapple {
+
+/// Steps of L-BFGS around the Gauss-Newton Hessian 2 delta diag(m) + 2 lambda J^T J + the
+/// repulsion's part. delta stands for the trust region's radius: a larger one makes shorter steps.
+class TrustRegion {
+ public:
+  /// \param max_step the radius, in local spacings
+  /// \param exact whether the linear system is solved well, for the long waves of a deformation
+  TrustRegion(double max_step, bool exact) : max_step_(max_step), exact_(exact) {}
+
+  /// Begin with a delta below which it never falls.
+  void set_least_delta(double delta) { delta_ = least_delta_ = delta; }
+
+  /// A descent direction within the trust region; delta grows, and pairs are forgotten, until there
+  /// is one.
+  /// \param radii of the repulsion, per term
+  [[nodiscard]] Vectors step(const Objective& objective, const State& state,
+                             const std::vector<std::vector<double>>& radii, LbfgsHistory& history);
+
+  /// \param found whether the step lowered the energy
+  /// \param shortened by how much it had to be for that; 1: not at all
+  void update_radius(bool found, double shortened);
+
+  /// What a full step of the model promises.
+  [[nodiscard]] double promised(const Objective& objective, const State& state) const;
+
+ private:
+  double max_step_;
+  bool exact_;
+  double delta_ = 1.0;
+  double least_delta_ = 1.0;
+};
+
+}  // namespace dapple
