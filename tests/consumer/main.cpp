@@ -1,14 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Uses the installed library through every part that brings a dependency of its own.
+#include <cmath>
+#include <dapple/mesh_file.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/topology.hpp>
+#include <dapple/tracker.hpp>
 #include <iostream>
 
-int main() {
-  const std::vector<dapple::Vec3> vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  const std::vector<dapple::Face> faces = {{0, 1, 2}, {0, 2, 3}};
-  const dapple::Surface surface(vertices, faces);
-  const dapple::Samples samples = dapple::sample(surface, 20);
-  std::cout << samples.size() << ' ' << dapple::topology(surface).border_edges << '\n';
-  return samples.size() == 20 && dapple::topology(surface).border_edges == 4 ? 0 : 1;
+/// Puts 500 points on a mesh and keeps them even while it bends: MESH POINTS.obj
+int main(int count, char** arguments) try {
+  if (count != 3) return std::cerr << "usage: consumer MESH POINTS.obj\n", 2;
+  const dapple::MeshArrays mesh = dapple::read_mesh(arguments[1]);
+  const dapple::Surface surface(mesh.vertices, mesh.faces);
+  std::cout << dapple::topology(surface).border_edges << " border edges\n";
+
+  const dapple::Samples samples = dapple::sample(surface, 500, {.seed = 7});
+  std::cout << "spacing " << samples.report.spacing << ", nearest pair "
+            << samples.report.evenness.alpha_min << " of it\n";
+
+  dapple::Tracker tracker(surface, samples);  // sample k stays sample k
+  for (int frame = 1; frame <= 5; ++frame) {
+    std::vector<dapple::Vec3> vertices = mesh.vertices;
+    for (dapple::Vec3& x : vertices) x.z() += 0.05 * frame * std::sin(2.0 * x.x());
+    const dapple::Samples& now = tracker.advance(vertices);
+    std::cout << "frame " << frame << ": slid " << now.report.slide_max << " spacings at most\n";
+  }
+  dapple::write_mesh(arguments[2], tracker.samples().positions, {});
+} catch (const std::exception& error) {  // names the input, the rule and the first offender
+  return std::cerr << error.what() << '\n', 1;
 }

@@ -153,3 +153,13 @@ def test_runs_the_readme(root, tmp_path, page):
         check=False,
     )
     assert found.returncode == 0, found.stderr
+
+
+def test_the_cpp_page_shows_the_program_that_is_tested(root):
+    """tests/consumer compiles it against the installed library and runs it."""
+    page = (root / "docs/cpp.md").read_text()
+    (shown,) = re.findall(r"^```cpp\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    license_line, _, program = (root / "tests/consumer/main.cpp").read_text().partition("\n")
+    assert "SPDX" in license_line
+    assert shown == program
+    assert len(program.splitlines()) <= 30
