@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
@@ -87,12 +88,14 @@ SamplesPtr samples_of(const Surface& surface, const char* name, const py::object
 }
 
 std::shared_ptr<Report> analyze_samples(const Surface& surface, const py::object& samples,
-                                        double capacity_weight, const std::string& cells,
-                                        const ContextPtr& context) {
-  const Cells chosen = cells_named(cells);
+                                        const py::kwargs& keywords) {
+  const Keywords given(kAnalyze, keywords);
+  const SampleOptions options = given.options();
+  const ContextPtr context = given.context();
   const SamplesPtr bound = samples_of(surface, "samples", samples);
   const py::gil_scoped_release released;
-  return std::make_shared<Report>(analyze(surface, *bound, capacity_weight, chosen, context.get()));
+  return std::make_shared<Report>(
+      analyze(surface, *bound, options.optimizer.capacity_weight, options.cells, context.get()));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -172,16 +175,16 @@ void bind_spectra(py::module_& m) {
 
 void bind_analysis(py::module_& m) {
   bind_spectra(m);
-  m.def("analyze", &analyze_samples, py::arg("surface"), py::arg("samples"), py::kw_only(),
-        py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
-        py::arg("context") = nullptr,
-        R"(Measure samples, wherever they come from: evenness, pattern and energy.
+  def_verb(
+      m, kAnalyze, &analyze_samples,
+      R"(analyze(surface: Surface, samples: Samples | numpy.ndarray, *, {signature}, context: Context | None = None) -> Report
+
+Measure samples, wherever they come from: evenness, pattern and energy.
 
 Args:
     surface: the Surface they lie on.
     samples: Samples, or (n, 3) float64 points, which are bound where the surface is nearest.
-    capacity_weight: lambda of the energy.
-    cells: 'connected' or 'euclidean', as for sample().
+    {options}
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -189,7 +192,8 @@ Returns:
 
 Raises:
     ValueError: naming the first point that is not finite or face out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("samples"));
   m.def("nearest_distances", &distances_of, py::arg("points"),
         R"(Distance of each point to the nearest other one, in a straight line.
 

@@ -6,7 +6,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "classes.hpp"
-#include "options.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
@@ -25,21 +25,11 @@ Sites sites_of(const py::object& locked) {
   return {samples.positions, samples.faces, samples.barycentric};
 }
 
-ClassOptions class_options(double union_weight, bool two_stages, const SampleOptions& sample) {
-  return {.sample = sample, .union_weight = union_weight, .two_stages = two_stages};
-}
-
 std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequence& classes,
-                                        Seed seed, double union_weight, bool two_stages,
-                                        double capacity_weight, double repulsion_weight,
-                                        double tolerance, MaxEvaluations max_evaluations,
-                                        const std::string& method, const std::string& start,
-                                        const std::string& cells, Threads threads,
-                                        const ContextPtr& context) {
-  const ClassOptions options =
-      class_options(union_weight, two_stages,
-                    sample_options(seed, capacity_weight, repulsion_weight, tolerance,
-                                   max_evaluations, method, start, cells, threads));
+                                        const py::kwargs& keywords) {
+  const Keywords given(kSampleClasses, keywords);
+  const ClassOptions options = given.options();
+  const ContextPtr context = given.context();
   const std::vector<SampleClass> wanted = classes_on(surface, classes);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample_classes(surface, wanted, options, context.get()));
@@ -59,30 +49,14 @@ std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
 }
 
 std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::sequence& classes,
-                                           Seed seed, double union_weight, bool two_stages,
-                                           double capacity_weight, double repulsion_weight,
-                                           double tolerance, MaxEvaluations max_evaluations,
-                                           const std::string& method, const std::string& start,
-                                           const std::string& cells, Threads threads,
-                                           const ContextPtr& context) {
-  const ClassOptions options =
-      class_options(union_weight, two_stages,
-                    sample_options(seed, capacity_weight, repulsion_weight, tolerance,
-                                   max_evaluations, method, start, cells, threads));
+                                           const py::kwargs& keywords) {
+  const Keywords given(kSamplePlanarClasses, keywords);
+  const ClassOptions options = given.options();
+  const ContextPtr context = given.context();
   const std::vector<PlanarClass> wanted = planar_classes(classes);
   const py::gil_scoped_release released;
   return std::make_shared<PlanarSamples>(
       sample_planar_classes(domain, wanted, options, context.get()));
-}
-
-template <typename Verb>
-void bind_verb(py::module_& m, const char* name, Verb verb, const char* domain, const char* doc) {
-  m.def(name, verb, py::arg(domain), py::arg("classes"), py::kw_only(), py::arg("seed") = 0,
-        py::arg("union_weight") = 1.0, py::arg("two_stages") = false,
-        py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 5.0,
-        py::arg("tolerance") = 1e-5, py::arg("max_evaluations") = 200,
-        py::arg("method") = "trust_region", py::arg("start") = "poisson",
-        py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr, doc);
 }
 
 }  // namespace
@@ -144,8 +118,11 @@ Raises:
 }
 
 void bind_class_samplers(py::module_& m) {
-  bind_verb(m, "sample_classes", &sample_surface, "surface",
-            R"(Several classes of samples at once: each even by itself, and all together.
+  def_verb(
+      m, kSampleClasses, &sample_surface,
+      R"(sample_classes(surface: Surface, classes: Sequence[SampleClass | int], *, {signature}, context: Context | None = None) -> Samples
+
+Several classes of samples at once: each even by itself, and all together.
 
 Minimizes union_weight * N * E(union) + the sum of E(class) over the N classes that are not empty, each normalized by its
 own number and density (Chen et al. 2012, Algorithm 3), from a Poisson-disk set of all classes.
@@ -154,10 +131,8 @@ sample_classes(..., **dapple.PAPER, two_stages=True) is the paper's own way.
 Args:
     surface: a Surface.
     classes: a sequence of SampleClass or counts.
-    seed: of the start, 0..2**64 - 1.
-    union_weight: mu >= 0; evenness of all together against that of each class.
-    two_stages: every class alone first, then all, as in the paper.
-    capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+    {options}
+    context: a Context to watch and cancel it by.
 
 Returns:
     Samples, class by class; their report holds one of each class, and the pair of discs that overlaps most.
@@ -165,21 +140,27 @@ Returns:
 Raises:
     ValueError: an option out of range, or radii for which the area cannot suffice.
     SurfaceError: a density that does not fit the surface.
-    Cancelled: through the context.)");
-  bind_verb(m, "sample_planar_classes", &sample_flat, "domain",
-            R"(Several classes of samples of a Plane or Torus at once: see sample_classes().
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("classes"));
+  def_verb(
+      m, kSamplePlanarClasses, &sample_flat,
+      R"(sample_planar_classes(domain: FlatDomain, classes: Sequence[SampleClass | int], *, {signature}, context: Context | None = None) -> PlanarSamples
+
+Several classes of samples of a Plane or Torus at once: see sample_classes().
 
 Args:
     domain: a Plane or a Torus.
-    classes, seed, union_weight, two_stages, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells,
-        threads, context: as for sample_classes().
+    classes: a sequence of SampleClass or counts.
+    {options}
+    context: a Context to watch and cancel it by.
 
 Returns:
     PlanarSamples, class by class, with a report.
 
 Raises:
     ValueError: an option out of range, the first image of another shape, or radii for which the area cannot suffice.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("domain"), py::arg("classes"));
 }
 
 }  // namespace dapple::python

@@ -8,17 +8,18 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
 
 std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object& uv,
-                                       const py::object& image, bool repeat, double tolerance,
-                                       double texels, MaxFaces max_faces,
-                                       const ContextPtr& context) {
+                                       const py::object& image, const py::kwargs& keywords) {
+  const Keywords given(kRefineImage, keywords);
+  const ImageOptions options = given.options();
+  const ContextPtr context = given.context();
   const DoubleArray rows = uv_rows(uv);
   const Image pixels = image_of("image", image);
-  const ImageOptions options{repeat, tolerance, texels, max_faces};
   const py::gil_scoped_release released;
   return std::make_shared<Refined>(
       refine_image(surface, as_face_uv(rows), pixels, options, context.get()));
@@ -146,11 +147,11 @@ Raises:
 }
 
 void bind_verbs(py::module_& m) {
-  m.def("refine_image", &image_refined, py::arg("surface"), py::arg("uv"), py::arg("image"),
-        py::kw_only(), py::arg("repeat") = false, py::arg("tolerance") = ImageOptions().tolerance,
-        py::arg("texels") = ImageOptions().texels, py::arg("max_faces") = ImageOptions().max_faces,
-        py::arg("context") = py::none(),
-        R"(Lay a picture over a surface as its density, through texture coordinates.
+  def_verb(
+      m, kRefineImage, &image_refined,
+      R"(refine_image(surface: Surface, uv: numpy.ndarray, image: numpy.ndarray, *, {signature}, context: Context | None = None) -> Refined
+
+Lay a picture over a surface as its density, through texture coordinates.
 
 Faces are cut until the density, linear on each, follows the picture: their edges are halved while they are longer than
 `texels` and the picture deviates from linear by more than the tolerance. A density that the surface has is multiplied.
@@ -160,11 +161,7 @@ Args:
     uv: (m, 3, 2) float64, u and v of the corners of each face; within 1e6 of 0; they may differ at seams.
     image: (rows, columns) float64 >= 0, row 0 at v = 0. The values hold at the centers of the pixels, ((column + 0.5) /
         columns, (row + 0.5) / rows), and are bilinear in between.
-    repeat: whether the picture goes on periodically; otherwise the values at its border do.
-    tolerance: how far the density may be off at a point, of the picture's maximum, and twice how far the mass of a face
-        may be off, of itself, > 0.
-    texels: length of an edge, in pixels, that is not cut any more, > 0.
-    max_faces: 1..200000000; what would take more stays coarser, and resolved is False.
+    {options}
     context: a Context to cancel by, or None.
 
 Returns:
@@ -173,7 +170,8 @@ Returns:
 Raises:
     ValueError: naming the first value or option out of range.
     SurfaceError: the picture is 0 wherever the surface has area.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("uv"), py::arg("image"));
   m.def("refine_obstacles", &obstacles_refined, py::arg("surface"), py::arg("points"),
         py::arg("radii"), py::kw_only(), py::arg("areas") = py::none(),
         py::arg("edge") = ObstacleOptions().edge,

@@ -5,22 +5,24 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
 
 std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& positions,
-                                  const py::object& faces, double capacity_weight,
-                                  const std::string& cells, const ContextPtr& context) {
+                                  const py::object& faces, const py::kwargs& keywords) {
+  const Keywords given(kEnergy, keywords);
+  const SampleOptions options = given.options();
+  const ContextPtr context = given.context();
   const DoubleArray points = doubles("positions", positions, 3);
   const IntArray held = integers("faces", faces, 0);
   const auto p = as_points(points);
   const auto f = as_span(held);
-  const Cells chosen = cells_named(cells);
   const py::gil_scoped_release released;
   auto result = std::make_shared<Energy>(
-      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}}, capacity_weight,
-                      context.get(), chosen));
+      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
+                      options.optimizer.capacity_weight, context.get(), options.cells));
   if (context) context->advance(1.0);
   return result;
 }
@@ -56,10 +58,11 @@ void bind_energy(py::module_& m) {
       .def_property_readonly("gradient", array_property(&Energy::gradient),
                              "(n, 3) float64: dE/dx in space, not yet tangential.");
 
-  m.def("energy", &energy_at, py::arg("surface"), py::arg("positions"), py::arg("faces"),
-        py::kw_only(), py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
-        py::arg("context") = nullptr,
-        R"(Evaluate the energy and its gradient over the restricted Voronoi diagram.
+  def_verb(
+      m, kEnergy, &energy_at,
+      R"(energy(surface: Surface, positions: numpy.ndarray, faces: numpy.ndarray, *, {signature}, context: Context | None = None) -> Energy
+
+Evaluate the energy and its gradient over the restricted Voronoi diagram.
 
 E = sum of the integrals of density^2 |x - x_i|^2 + capacity_weight * sum of the squared capacities
 (Chen et al. 2012, equation 6 and Theorem 2, with rho = density^2).
@@ -68,8 +71,7 @@ Args:
     surface: a Surface.
     positions: (n, 3) float64, on the surface.
     faces: (n,) int32, the faces that hold them.
-    capacity_weight: lambda >= 0; the paper finds 20..100 useful.
-    cells: 'connected' or 'euclidean', as for sample().
+    {options}
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -77,7 +79,8 @@ Returns:
 
 Raises:
     ValueError: naming the first position that is not finite or face out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("positions"), py::arg("faces"));
 }
 
 }  // namespace dapple::python

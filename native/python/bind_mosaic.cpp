@@ -5,25 +5,20 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
 
-std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& samples, double grout,
-                                    const py::object& insets, double thickness, double tolerance,
-                                    bool merge, const std::string& cells, Threads threads,
-                                    const ContextPtr& context) {
-  MosaicOptions options;
-  options.grout = grout;
-  if (!insets.is_none()) {
+std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& samples,
+                                    const py::kwargs& keywords) {
+  const Keywords given(kMosaic, keywords, {"insets", "context"});
+  MosaicOptions options = given.options();
+  if (const py::object insets = given.other("insets"); !insets.is_none()) {
     const DoubleArray values = doubles("insets", insets, 0);
     options.insets.assign(values.data(), values.data() + values.size());
   }
-  options.thickness = thickness;
-  options.tolerance = tolerance;
-  options.merge = merge;
-  options.cells = cells_named(cells);
-  options.threads = threads;
+  const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<Mosaic>(mosaic(surface, samples, options, context.get()));
 }
@@ -80,12 +75,11 @@ void bind_mosaic(py::module_& m) {
           "loops", tile_property(&Tile::loops),
           "(n,) int32: closed borders of each tile; a hole adds one, a whole component has none.");
 
-  m.def(
-      "mosaic", &make_mosaic, py::arg("surface"), py::arg("samples"), py::kw_only(),
-      py::arg("grout") = 0.0, py::arg("insets") = py::none(), py::arg("thickness") = 0.0,
-      py::arg("tolerance") = 1e-3, py::arg("merge") = true, py::arg("cells") = "connected",
-      py::arg("threads") = 0, py::arg("context") = nullptr,
-      R"(The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 and Fig. 16a).
+  def_verb(
+      m, kMosaic, &make_mosaic,
+      R"(mosaic(surface: Surface, samples: Samples, *, {signature}, insets: numpy.ndarray | None = None, context: Context | None = None) -> Mosaic
+
+The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 and Fig. 16a).
 
 A tile follows the surface over faces and creases. It is the part of its cell that is farther than half the grout, and
 its inset, from each plane half-way to a neighbor: straight joints of constant width.
@@ -93,13 +87,8 @@ its inset, from each plane half-way to a neighbor: straight joints of constant w
 Args:
     surface: the Surface the samples lie on.
     samples: Samples.
-    grout: width of the gap between neighboring tiles, >= 0, in the surface's units; none where the surface ends.
+    {options}
     insets: (n,) float64 >= 0: how much farther each tile draws back; None: nothing.
-    thickness: tiles rise along their normals by that, >= 0, as closed bodies; 0: they lie in the surface.
-    tolerance: edges of a tile shorter than that, >= 0, in spacings, are removed.
-    merge: polygons of a tile in one plane become one.
-    cells: 'connected' or 'euclidean', as for sample().
-    threads: 0 uses as many as the machine has; the result is the same bytes for any number.
     context: a Context for progress and cancel.
 
 Returns:
@@ -107,7 +96,8 @@ Returns:
 
 Raises:
     ValueError: naming the option, or the first inset, that is negative or not finite.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("samples"));
 }
 
 }  // namespace dapple::python

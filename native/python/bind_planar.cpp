@@ -6,7 +6,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "options.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
@@ -41,25 +41,22 @@ std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
                            : std::make_shared<TorusDomain>(image_of("density", density));
 }
 
-std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count, Seed seed,
-                                             double capacity_weight, double repulsion_weight,
-                                             double tolerance, MaxEvaluations max_evaluations,
-                                             const std::string& method, const std::string& start,
-                                             const std::string& cells, Threads threads,
-                                             const ContextPtr& context) {
-  const SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
-                                               max_evaluations, method, start, cells, threads);
+std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count,
+                                             const py::kwargs& keywords) {
+  const Keywords given(kSamplePlanar, keywords);
+  const SampleOptions options = given.options();
+  const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, context.get()));
 }
 
 std::shared_ptr<Energy> energy_of(const FlatDomain& domain, const py::object& positions,
-                                  double capacity_weight, const std::string& cells) {
+                                  const py::kwargs& keywords) {
   const std::vector<Vec2> points = plane_points("positions", positions);
-  const Cells chosen = cells_named(cells);
+  const SampleOptions options = Keywords(kEnergyPlanar, keywords, {}).options();
   const py::gil_scoped_release released;
-  return std::make_shared<Energy>(
-      evaluate_energy(*domain.with_cells(chosen), domain.sites(points), capacity_weight));
+  return std::make_shared<Energy>(evaluate_energy(
+      *domain.with_cells(options.cells), domain.sites(points), options.optimizer.capacity_weight));
 }
 
 py::array positions_of(const py::object& self) {
@@ -131,13 +128,11 @@ void bind_planar_verbs(py::module_& m) {
       .def_property_readonly("classes", array_property(&PlanarSamples::classes), "(n,) int32.")
       .def_readonly("report", &PlanarSamples::report, "A Report.");
 
-  m.def(
-      "sample_planar", &sample_domain, py::arg("domain"), py::arg("count"), py::kw_only(),
-      py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
-      py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
-      py::arg("method") = "trust_region", py::arg("start") = "poisson",
-      py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
-      R"(Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.
+  def_verb(
+      m, kSamplePlanar, &sample_domain,
+      R"(sample_planar(domain: FlatDomain, count: int, *, {signature}, context: Context | None = None) -> PlanarSamples
+
+Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.
 
 As sample() does on a Surface, on Delaunay triangulations of the plane or the torus (Chen et al. 2012, Algorithm 1);
 sample_planar(..., **dapple.PAPER) is the paper's own way.
@@ -145,30 +140,33 @@ sample_planar(..., **dapple.PAPER) is the paper's own way.
 Args:
     domain: a Plane or a Torus.
     count: number of samples, 0..100000000.
-    seed, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, start, cells, threads, context: as for sample().
+    {options}
+    context: a Context to watch and cancel it by.
 
 Returns:
     PlanarSamples, with a report.
 
 Raises:
     ValueError: an option out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("domain"), py::arg("count"));
 
-  m.def("energy_planar", &energy_of, py::arg("domain"), py::arg("positions"), py::kw_only(),
-        py::arg("capacity_weight") = 30.0, py::arg("cells") = "connected",
-        R"(The energy at given sites of a Plane or Torus, and its gradient: see energy().
+  def_verb(m, kEnergyPlanar, &energy_of,
+           R"(energy_planar(domain: FlatDomain, positions: numpy.ndarray, *, {signature}) -> Energy
+
+The energy at given sites of a Plane or Torus, and its gradient: see energy().
 
 Args:
     domain: a Plane or a Torus.
     positions: (n, 2) float64, in the domain; on a Torus any, standing for their places in the square.
-    capacity_weight: lambda >= 0.
-    cells: 'connected' or 'euclidean', as for sample().
+    {options}
 
 Returns:
     Energy; its gradient has z = 0.
 
 Raises:
-    ValueError: naming the first position that is not finite or outside.)");
+    ValueError: naming the first position that is not finite or outside.)",
+           py::arg("domain"), py::arg("positions"));
 }
 
 }  // namespace

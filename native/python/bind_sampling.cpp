@@ -9,33 +9,27 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "classes.hpp"
-#include "options.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
 
-std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count, Seed seed,
-                                        double capacity_weight, double repulsion_weight,
-                                        double tolerance, MaxEvaluations max_evaluations,
-                                        const std::string& method, const std::string& start,
-                                        const std::string& cells,
-                                        const std::shared_ptr<Samples>& locked, Threads threads,
-                                        const ContextPtr& context) {
-  SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
-                                         max_evaluations, method, start, cells, threads);
-  if (locked) options.locked = {locked->positions, locked->faces, locked->barycentric};
+std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count,
+                                        const py::kwargs& keywords) {
+  const Keywords given(kSample, keywords, {"locked", "context"});
+  SampleOptions options = given.options();
+  if (const auto locked = given.object<Samples>("locked"))
+    options.locked = {locked->positions, locked->faces, locked->barycentric};
+  const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(sample(surface, count, options, context.get()));
 }
 
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
-                                          Count count, Seed seed, double capacity_weight,
-                                          double repulsion_weight, double tolerance,
-                                          MaxEvaluations max_evaluations, const std::string& method,
-                                          const std::string& cells, Threads threads,
-                                          const ContextPtr& context) {
-  const SampleOptions options = sample_options(seed, capacity_weight, repulsion_weight, tolerance,
-                                               max_evaluations, method, "poisson", cells, threads);
+                                          Count count, const py::kwargs& keywords) {
+  const Keywords given(kResample, keywords);
+  const SampleOptions options = given.options();
+  const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(resample(surface, samples, count, options, context.get()));
 }
@@ -178,13 +172,11 @@ Raises:
 }
 
 void bind_samplers(py::module_& m) {
-  m.def("sample", &sample_surface, py::arg("surface"), py::arg("count"), py::kw_only(),
-        py::arg("seed") = 0, py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
-        py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 200,
-        py::arg("method") = "trust_region", py::arg("start") = "poisson",
-        py::arg("cells") = "connected", py::arg("locked") = nullptr, py::arg("threads") = 0,
-        py::arg("context") = nullptr,
-        R"(Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
+  def_verb(
+      m, kSample, &sample_surface,
+      R"(sample(surface: Surface, count: int, *, {signature}, locked: Samples | None = None, context: Context | None = None) -> Samples
+
+Exactly count samples of a surface: evenly spaced, unpatterned, following its density.
 
 Minimizes the centroidal Voronoi energy plus capacity_weight times the capacity energy (Chen et al. 2012, Algorithm 2)
 plus a repulsion between neighbors, by preconditioned L-BFGS within a trust region. sample(..., **dapple.PAPER) is the
@@ -193,17 +185,8 @@ paper's own way. The same arguments give the same bytes, whatever the number of 
 Args:
     surface: a Surface.
     count: number of samples, 0..100000000.
-    seed: of the start, 0..2**64 - 1.
-    capacity_weight: lambda >= 0; larger is less regular. The paper finds 20..100 useful.
-    repulsion_weight: kappa >= 0; keeps neighbors apart. 0 is the paper's plain energy.
-    tolerance: relative decrease of the energy at which to stop, >= 0; smaller is more regular.
-    max_evaluations: of the energy, >= 1.
-    method: 'trust_region', or 'line_search' (plain L-BFGS, as in the paper).
-    start: 'poisson' (Poisson-disk set) or 'random' (white noise, as in the paper).
-    cells: 'connected' (cells follow the surface: what a site cannot reach along it goes to one that can), or
-        'euclidean' (to the nearest in space, as in the paper).
+    {options}
     locked: Samples of the surface that stay where they are and take part, or None; they come first, and count includes them.
-    threads: 0..4096; 0 for as many as the machine has.
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -211,15 +194,14 @@ Returns:
 
 Raises:
     ValueError: an option out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("count"));
 
-  m.def(
-      "resample", &resample_surface, py::arg("surface"), py::arg("samples"), py::arg("count"),
-      py::kw_only(), py::arg("seed") = 0, py::arg("capacity_weight") = 30.0,
-      py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 5e-5,
-      py::arg("max_evaluations") = 200, py::arg("method") = "trust_region",
-      py::arg("cells") = "connected", py::arg("threads") = 0, py::arg("context") = nullptr,
-      R"(Another count or density for samples that are there, most of which stay nearly where they are.
+  def_verb(
+      m, kResample, &resample_surface,
+      R"(resample(surface: Surface, samples: Samples, count: int, *, {signature}, context: Context | None = None) -> Samples
+
+Another count or density for samples that are there, most of which stay nearly where they are.
 
 Each neighborhood first gets the number that its share of the density asks for: samples are taken out far from each
 other, or put into the widest gaps. Then all are made as even as they were.
@@ -228,7 +210,8 @@ Args:
     surface: a Surface of the same faces; its density and vertices may be others.
     samples: Samples.
     count: number of samples wanted, 0..100000000.
-    seed, capacity_weight, repulsion_weight, tolerance, max_evaluations, method, cells, threads, context: as for sample().
+    {options}
+    context: a Context to watch and cancel it by.
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report's
@@ -236,7 +219,8 @@ Returns:
 
 Raises:
     ValueError: samples that are not of the surface, or an option out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("samples"), py::arg("count"));
 }
 
 }  // namespace

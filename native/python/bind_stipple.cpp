@@ -6,7 +6,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "options.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
@@ -77,19 +77,12 @@ std::vector<std::size_t> counts_of(const py::sequence& counts) {
 }
 
 std::shared_ptr<Stipples> stipple_inks(const py::object& inks, Count count,
-                                       const py::sequence& counts, double radius, Seed seed,
-                                       double union_weight, double capacity_weight,
-                                       double repulsion_weight, double tolerance,
-                                       MaxEvaluations max_evaluations, Threads threads,
-                                       const ContextPtr& context) {
-  StippleOptions options;
-  options.seed = seed;
-  options.union_weight = union_weight;
-  options.optimizer = optimizer_options(capacity_weight, repulsion_weight, tolerance,
-                                        max_evaluations, "trust_region");
-  options.counts = counts_of(counts);
-  options.radius = radius;
-  options.threads = threads;
+                                       const py::kwargs& keywords) {
+  const Keywords given(kStippleInks, keywords, {"counts", "context"});
+  StippleOptions options = given.options();
+  if (const py::object counts = given.other("counts"); !counts.is_none())
+    options.counts = counts_of(py::sequence(counts));
+  const ContextPtr context = given.context();
   const std::vector<Image> images = inks_of(inks);
   const py::gil_scoped_release released;
   return std::make_shared<Stipples>(stipple(images, count, options, context.get()));
@@ -140,12 +133,11 @@ Args:
 Returns:
     (3, rows, columns) float64: red, green, blue.)");
 
-  m.def("stipple_inks", &stipple_inks, py::arg("inks"), py::arg("count"), py::kw_only(),
-        py::arg("counts") = py::list(), py::arg("radius") = 0.0, py::arg("seed") = 0,
-        py::arg("union_weight") = 1.0, py::arg("capacity_weight") = 30.0,
-        py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 2e-4,
-        py::arg("max_evaluations") = 200, py::arg("threads") = 0, py::arg("context") = nullptr,
-        R"(Exactly count dots that render the coverages of one or several inks.
+  def_verb(
+      m, kStippleInks, &stipple_inks,
+      R"(stipple_inks(inks: numpy.ndarray, count: int, *, {signature}, counts: Sequence[int] = [], context: Context | None = None) -> Stipples
+
+Exactly count dots that render the coverages of one or several inks.
 
 Error diffusion, then the planar optimization on a density that is constant on each pixel (Chen et al. 2012, sections
 5.1 and 5.2). dapple.stipple() does this for a picture.
@@ -153,18 +145,17 @@ Error diffusion, then the planar optimization on a density that is constant on e
 Args:
     inks: (inks, rows, columns) float64 >= 0: how much of each pixel each ink covers.
     count: number of dots, 1..100000000.
+    {options}
     counts: of each ink, with the sum count; empty: in proportion to the inks' sums, by largest remainders.
-    radius: of each dot, in pixels; 0: sqrt(sum of all coverages / (pi count)), so that the dots have the area of the ink.
-    seed: the same input and seed give the same bytes.
-    union_weight: evenness of all dots together against that of each ink, as for sample_classes().
-    capacity_weight, repulsion_weight, tolerance, max_evaluations, threads, context: as for sample().
+    context: a Context to watch and cancel it by.
 
 Returns:
     Stipples.
 
 Raises:
     ValueError: an option out of range, the first value that is negative or not finite, a picture without any ink.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("inks"), py::arg("count"));
 }
 
 }  // namespace dapple::python

@@ -9,40 +9,19 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "classes.hpp"
-#include "options.hpp"
+#include "keywords.hpp"
 
 namespace dapple::python {
 namespace {
 
-/// The options that every way of tracking takes.
-TrackerOptions tracker_options(double capacity_weight, double repulsion_weight, double tolerance,
-                               MaxEvaluations max_evaluations, double max_slide,
-                               const std::string& method, const std::string& cells,
-                               double stickiness, double pattern_strength, double longest_motion,
-                               Threads threads) {
-  TrackerOptions options;
-  options.optimizer =
-      optimizer_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, method);
-  options.optimizer.max_slide = max_slide;
-  options.optimizer.stickiness = stickiness;
-  options.cells = cells_named(cells);
-  options.pattern_strength = pattern_strength;
-  options.longest_motion = longest_motion;
-  options.threads = threads;
-  return options;
-}
-
-std::shared_ptr<Tracker> make_tracker(
-    const Surface& surface, const Samples& samples, double capacity_weight, double repulsion_weight,
-    double tolerance, MaxEvaluations max_evaluations, double max_slide, const std::string& method,
-    const std::string& cells, const py::object& classes, double union_weight, double stickiness,
-    double pattern_strength, double longest_motion, Threads threads, const ContextPtr& context) {
-  TrackerOptions options =
-      tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
-                      method, cells, stickiness, pattern_strength, longest_motion, threads);
-  options.union_weight = union_weight;
+std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
+                                      const py::kwargs& keywords) {
+  const Keywords given(kTracker, keywords, {"classes", "context"});
+  const TrackerOptions options = given.options();
+  const ContextPtr context = given.context();
   std::vector<SampleClass> wanted;
-  if (!classes.is_none()) wanted = classes_on(surface, py::sequence(classes));
+  if (const py::object classes = given.other("classes"); !classes.is_none())
+    wanted = classes_on(surface, py::sequence(classes));
   const py::gil_scoped_release released;
   return std::make_shared<Tracker>(surface, samples, options, std::move(wanted), context.get());
 }
@@ -62,18 +41,10 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
 }
 
 std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
-                                            Whole<int, "fade", 1, kMostInt> fade,
-                                            double capacity_weight, double repulsion_weight,
-                                            double tolerance, MaxEvaluations max_evaluations,
-                                            double max_slide, const std::string& method,
-                                            const std::string& cells, double stickiness,
-                                            double pattern_strength, double longest_motion,
-                                            Threads threads, const ContextPtr& context) {
-  const PopulationOptions options{
-      .tracker =
-          tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
-                          method, cells, stickiness, pattern_strength, longest_motion, threads),
-      .fade = fade};
+                                            const py::kwargs& keywords) {
+  const Keywords given(kPopulation, keywords);
+  const PopulationOptions options = given.options();
+  const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<Population>(surface, samples, options, context.get());
 }
@@ -85,24 +56,23 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
   return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
 }
 
-std::vector<std::shared_ptr<Samples>> window_of(
-    const Surface& surface, const py::iterable& frames, const Samples& samples, bool closed,
-    Whole<int, "sweeps", 0, kMostInt> sweeps, double capacity_weight, double repulsion_weight,
-    double tolerance, MaxEvaluations max_evaluations, double max_slide, const std::string& method,
-    const std::string& cells, double stickiness, double pattern_strength, double longest_motion,
-    Threads threads, const ContextPtr& context) {
+std::vector<std::vector<Vec3>> vertices_of(const py::iterable& frames) {
   std::vector<std::vector<Vec3>> vertices;
   for (const py::handle frame : frames) {
     const DoubleArray points = doubles("frames", py::reinterpret_borrow<py::object>(frame), 3);
     const std::span<const Vec3> span = as_points(points);
     vertices.emplace_back(span.begin(), span.end());
   }
-  const WindowOptions options{
-      .tracker =
-          tracker_options(capacity_weight, repulsion_weight, tolerance, max_evaluations, max_slide,
-                          method, cells, stickiness, pattern_strength, longest_motion, threads),
-      .sweeps = sweeps,
-      .closed = closed};
+  return vertices;
+}
+
+std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const py::iterable& frames,
+                                                const Samples& samples,
+                                                const py::kwargs& keywords) {
+  const Keywords given(kTrackWindow, keywords);
+  const WindowOptions options = given.options();
+  const ContextPtr context = given.context();
+  const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
   const py::gil_scoped_release released;
   std::vector<std::shared_ptr<Samples>> result;
   for (Samples& one : track_window(surface, vertices, samples, options, context.get()))
@@ -111,8 +81,8 @@ std::vector<std::shared_ptr<Samples>> window_of(
 }
 
 void bind_tracker(py::module_& m) {
-  py::class_<Tracker, std::shared_ptr<Tracker>>(m, "Tracker",
-                                                R"(Carries samples over a deforming surface.
+  const std::string documentation =
+      documented(kTracker, R"(Carries samples over a deforming surface.
 
 They ride the moved vertices by their barycentric coordinates and are then re-optimized until they are as even as in
 the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
@@ -120,31 +90,20 @@ the first frame; index and id of each stay (Chen et al. 2012, section 5.4).
 Args:
     surface: the Surface of the first frame.
     samples: its Samples.
-    capacity_weight, repulsion_weight, tolerance, method, cells, threads: as for sample().
-    max_evaluations: of the energy, per frame or part of one.
-    max_slide: farthest that a sample may slide from its carried position within one frame, in spacings, >= 0; after a
-        violent frame evenness is caught up over the next ones.
+    {options}
     classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
-    union_weight: mu >= 0, as for sample_classes().
-    stickiness: gamma >= 0, the weight of the squared distances from the carried positions: more of it, and samples
-        slide less and are less even; 1 is the weight of E_cvt.
-    pattern_strength: 0..1, how strongly samples return to the first frame's pattern where a deformation has gone; 0 lets the
-        pattern drift.
-    longest_motion: farthest that the surface's shape may move at once, relative to its size, apart from moving as a
-        whole; a frame on which it moves farther is split (report.parts). 0 never splits.
     context: a Context to watch and cancel it by.
 
 Raises:
     ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
-    Cancelled: through the context.)")
-      .def(py::init(&make_tracker), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
-           py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
-           py::arg("method") = "trust_region", py::arg("cells") = "connected",
-           py::arg("classes") = py::none(), py::arg("union_weight") = 1.0,
-           py::arg("stickiness") = 0.0, py::arg("pattern_strength") = 0.8,
-           py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr)
-      .def(
+    Cancelled: through the context.)");
+  py::class_<Tracker, std::shared_ptr<Tracker>> type(m, "Tracker", documentation.c_str());
+  def_init(type, kTracker, &make_tracker,
+           "__init__(self: Tracker, surface: Surface, samples: Samples, *, {signature}, "
+           "classes: Sequence[SampleClass | int] | None = None, "
+           "context: Context | None = None) -> None",
+           py::arg("surface"), py::arg("samples"));
+  type.def(
           "resume", &resume_tracker, py::arg("vertices"), py::arg("samples"), py::kw_only(),
           py::arg("settled") = false,
           R"(Go on from a frame that was solved before: the next frames get the bytes that they would have had.
@@ -183,9 +142,8 @@ Raises:
 }
 
 void bind_population(py::module_& m) {
-  py::class_<Population, std::shared_ptr<Population>>(
-      m, "Population",
-      R"(Samples on a deforming surface at a constant density per area.
+  const std::string documentation =
+      documented(kPopulation, R"(Samples on a deforming surface at a constant density per area.
 
 Where the surface grows samples appear, where it shrinks some vanish; they never pop (Samples.fade goes from 0 to 1 or
 back), and an id is never used again. Apart from that it is a Tracker.
@@ -193,20 +151,18 @@ back), and an id is never used again. Apart from that it is a Tracker.
 Args:
     surface: the Surface of the first frame.
     samples: its Samples, of one class; their number per capacity is kept.
-    fade: frames that a sample takes to appear or to vanish, >= 1.
-    the others: as for Tracker.
+    {options}
+    context: a Context to watch and cancel it by.
 
 Raises:
     ValueError: the samples are not of the surface, or an option is out of range.
-    Cancelled: through the context.)")
-      .def(py::init(&make_population), py::arg("surface"), py::arg("samples"), py::kw_only(),
-           py::arg("fade") = 12, py::arg("capacity_weight") = 30.0,
-           py::arg("repulsion_weight") = 3.0, py::arg("tolerance") = 5e-5,
-           py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
-           py::arg("method") = "trust_region", py::arg("cells") = "connected",
-           py::arg("stickiness") = 0.0, py::arg("pattern_strength") = 0.8,
-           py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr)
-      .def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
+    Cancelled: through the context.)");
+  py::class_<Population, std::shared_ptr<Population>> type(m, "Population", documentation.c_str());
+  def_init(type, kPopulation, &make_population,
+           "__init__(self: Population, surface: Surface, samples: Samples, *, {signature}, "
+           "context: Context | None = None) -> None",
+           py::arg("surface"), py::arg("samples"));
+  type.def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
 
@@ -230,14 +186,11 @@ Raises:
 }
 
 void bind_window(py::module_& m) {
-  m.def("track_window", &window_of, py::arg("surface"), py::arg("frames"), py::arg("samples"),
-        py::kw_only(), py::arg("closed") = false, py::arg("sweeps") = 2,
-        py::arg("capacity_weight") = 30.0, py::arg("repulsion_weight") = 3.0,
-        py::arg("tolerance") = 5e-5, py::arg("max_evaluations") = 6, py::arg("max_slide") = 0.45,
-        py::arg("method") = "trust_region", py::arg("cells") = "connected",
-        py::arg("stickiness") = 1.0, py::arg("pattern_strength") = 0.8,
-        py::arg("longest_motion") = 0.02, py::arg("threads") = 0, py::arg("context") = nullptr,
-        R"(Samples on all frames of a motion at once, smooth both ways in time.
+  def_verb(
+      m, kTrackWindow, &window_of,
+      R"(track_window(surface: Surface, frames: Iterable[numpy.ndarray], samples: Samples, *, {signature}, context: Context | None = None) -> list[Samples]
+
+Samples on all frames of a motion at once, smooth both ways in time.
 
 A Tracker goes first; then sweeps go forwards and backwards over the frames and draw each sample to the middle between
 where the surface carries it from the frame before and from the one after, as far as evenness allows.
@@ -246,10 +199,7 @@ Args:
     surface: the Surface of the first frame, which stays.
     frames: vertices, (v, 3) float64, of each frame after it.
     samples: Samples of the first frame, of one class.
-    closed: whether the last frame leads back to the first: the loop then closes.
-    sweeps: forwards and backwards, >= 0.
-    stickiness: gamma >= 0, the weight of the squared distances from those middles; 1 is the weight of E_cvt.
-    the others: as for Tracker.
+    {options}
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -259,7 +209,8 @@ Returns:
 Raises:
     SurfaceError: vertices of another number or not finite.
     ValueError: samples that are not of the surface, or an option out of range.
-    Cancelled: through the context.)");
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("frames"), py::arg("samples"));
 }
 
 }  // namespace

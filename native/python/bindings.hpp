@@ -5,7 +5,6 @@
 
 #include <dapple/context.hpp>
 #include <dapple/errors.hpp>
-#include <dapple/restricted_voronoi.hpp>
 #include <memory>
 
 #include "arrays.hpp"
@@ -28,15 +27,9 @@ auto array_property(Member Class::*member) {
   return [member](const py::object& self) { return view(self, self.cast<const Class&>().*member); };
 }
 
-/// \throw ArgumentError for another name
-inline Cells cells_named(const std::string& name) {
-  if (name == "connected") return Cells::kConnected;
-  if (name == "euclidean") return Cells::kEuclidean;
-  throw ArgumentError("cells is '" + name + "': it must be 'connected' or 'euclidean'");
-}
-
 // Each binds one subject; the order in module.cpp matters, since signatures name the types bound
 // before.
+void bind_options(py::module_& m);
 void bind_surface(py::module_& m);
 void bind_energy(py::module_& m);
 void bind_class_type(py::module_& m);

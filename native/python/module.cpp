@@ -47,6 +47,7 @@ PYBIND11_MODULE(_native, m) {
   m.attr("__version__") = DAPPLE_VERSION;
   bind_errors(m);
   bind_context(m);
+  bind_options(m);
   bind_surface(m);
   bind_energy(m);
   bind_class_type(m);

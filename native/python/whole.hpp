@@ -62,10 +62,8 @@ struct Whole {
 constexpr std::uint64_t kMostInt = std::numeric_limits<int>::max();
 
 using Count = Whole<std::size_t, "count", 0, kMostSamples>;
-using Seed = Whole<std::uint64_t, "seed", 0, std::numeric_limits<std::uint64_t>::max()>;
 using Threads = Whole<int, "threads", 0, kMostThreads>;
-using MaxEvaluations = Whole<int, "max_evaluations", 1, kMostInt>;
-using MaxFaces = Whole<std::size_t, "max_faces", 1, 200'000'000>;
+using MaxFaces = Whole<std::size_t, "max_faces", 1, kMostRefinedFaces>;
 using Smoothing = Whole<int, "smoothing", 0, 100>;
 
 }  // namespace dapple::python

@@ -73,12 +73,14 @@ def test_is_typed():
 
 
 # What stubtest holds against classes made by pybind11: their metaclass, an __init__ that only
-# raises; a library that lies beside the module; and a name for a Literal.
+# raises; a library that lies beside the module; a name for a Literal; and a function that hands on
+# the options of another and shows them by name.
 ALLOWED = r"""
 dapple3d\._native\.\w+
 dapple3d\._native\.\w+\.__init__
 dapple3d\.libdapple_embree
 dapple3d\.cli\.meshes\.Place
+dapple3d\.stippling\.stipple
 """
 
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <dapple/moments.hpp>
+#include <dapple/option.hpp>
 #include <span>
 
 namespace dapple {
@@ -53,5 +55,20 @@ enum class Cells {
   kConnected,  ///< a site's that it is connected to along the surface: cells follow the surface
   kEuclidean,  ///< the nearest site's in space, as in the paper
 };
+
+constexpr std::array<Choice<Cells>, 2> choices_of(Cells) {
+  return {{{"connected", Cells::kConnected}, {"euclidean", Cells::kEuclidean}}};
+}
+
+template <class Struct>
+constexpr Option<Struct, Cells> cells_option(Cells Struct::*member) {
+  return {"cells",
+          member,
+          {},
+          "",
+          Level::kExpert,
+          "Which site a part of the surface belongs to: one that it is connected to along the "
+          "surface, or the nearest in space, as in the paper."};
+}
 
 }  // namespace dapple

@@ -21,9 +21,31 @@ struct ClassOptions {
   // Classes and union pull at each other: it takes a stronger repulsion and more steps than one
   // class.
   SampleOptions sample = {.optimizer = {.repulsion_weight = 5.0, .tolerance = 1e-5}};
-  double union_weight = 1.0;  ///< mu >= 0: evenness of all together against that of each class
-  bool two_stages = false;    ///< every class alone first, then all, as in the paper
+  double union_weight = 1.0;
+  bool two_stages = false;
 };
+
+template <class Struct>
+constexpr Option<Struct, double> union_weight_option(double Struct::*member) {
+  return {"union_weight",
+          member,
+          {},
+          "",
+          Level::kExpert,
+          "Mu, the weight of the evenness of all classes together against that of each."};
+}
+
+inline constexpr std::tuple kClassOptions = {
+    union_weight_option(&ClassOptions::union_weight),
+    Option{"two_stages",
+           &ClassOptions::two_stages,
+           {},
+           "",
+           Level::kExpert,
+           "Every class alone first, then all together, as in the paper."},
+    Group{&ClassOptions::sample}};
+
+constexpr const auto& options_of(const ClassOptions&) { return kClassOptions; }
 
 /// The paper's own way (Algorithm 3): two stages, and each as paper_options().
 [[nodiscard]] ClassOptions paper_class_options();

@@ -14,6 +14,9 @@ inline constexpr std::size_t kMostSamples = 100'000'000;
 /// Faces of a surface: three half-edges of each have numbers of 32 bits.
 inline constexpr std::size_t kMostSurfaceFaces = 715'827'882;
 
+/// Faces that a refinement makes: their corners and edges must fit into 32 bits.
+inline constexpr std::size_t kMostRefinedFaces = 200'000'000;
+
 /// Vertices of a surface, and pixels of a picture: they have numbers of 32 bits.
 inline constexpr std::size_t kMostVertices = 2'147'483'647;
 inline constexpr std::size_t kMostPixels = 2'147'483'647;

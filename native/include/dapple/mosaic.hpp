@@ -8,16 +8,46 @@
 namespace dapple {
 
 struct MosaicOptions {
-  /// Width of the gap between neighboring tiles, in the surface's units, measured in space across
-  /// the plane half-way between their sites. Where the surface ends there is no gap.
   double grout = 0.0;
   std::vector<double> insets = {};  ///< per sample: how much farther its tile draws back; or empty
-  double thickness = 0.0;           ///< tiles rise along their normals; 0: they lie in the surface
-  double tolerance = 1e-3;          ///< in spacings: edges of a tile shorter than that are removed
-  bool merge = true;                ///< polygons of a tile in one plane become one
+  double thickness = 0.0;
+  double tolerance = 1e-3;
+  bool merge = true;
   Cells cells = Cells::kConnected;
-  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+  int threads = 0;
 };
+
+inline constexpr std::tuple kMosaicOptions = {
+    Option{
+        "grout",
+        &MosaicOptions::grout,
+        {},
+        "units of the surface",
+        Level::kExpert,
+        "Width of the gap between neighboring tiles, measured in space across the plane half-way "
+        "between their sites; there is none where the surface ends."},
+    Option{"thickness",
+           &MosaicOptions::thickness,
+           {},
+           "units of the surface",
+           Level::kExpert,
+           "How far tiles rise along their normals, as closed bodies; 0: they lie in the surface."},
+    Option{"tolerance",
+           &MosaicOptions::tolerance,
+           {},
+           "spacings",
+           Level::kExpert,
+           "Edges of a tile that are shorter are removed."},
+    Option{"merge",
+           &MosaicOptions::merge,
+           {},
+           "",
+           Level::kExpert,
+           "Polygons of a tile in one plane become one."},
+    cells_option(&MosaicOptions::cells),
+    threads_option(&MosaicOptions::threads)};
+
+constexpr const auto& options_of(const MosaicOptions&) { return kMosaicOptions; }
 
 /// A mesh of polygons, the tiles one after another; tiles share no vertices. Every edge of a tile
 /// lies between two of its polygons or on a loop, and polygons turn the way of the surface's faces.

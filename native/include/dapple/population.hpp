@@ -7,8 +7,19 @@ namespace dapple {
 
 struct PopulationOptions {
   TrackerOptions tracker = {};
-  int fade = 12;  ///< frames that a sample takes to appear or to vanish; >= 1
+  int fade = 12;
 };
+
+inline constexpr std::tuple kPopulationOptions = {
+    Option{"fade",
+           &PopulationOptions::fade,
+           {1.0},
+           "frames",
+           Level::kExpert,
+           "How long a sample takes to appear or to vanish."},
+    Group{&PopulationOptions::tracker}};
+
+constexpr const auto& options_of(const PopulationOptions&) { return kPopulationOptions; }
 
 /// Samples on a deforming surface at a constant density per area: where it grows samples appear,
 /// where it shrinks some vanish. They never pop: `fade` of a sample goes from 0 to 1 or back, and

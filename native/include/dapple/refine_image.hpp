@@ -2,18 +2,47 @@
 #pragma once
 
 #include <dapple/image.hpp>
+#include <dapple/option.hpp>
 #include <dapple/refine.hpp>
 
 namespace dapple {
 
 struct ImageOptions {
-  bool repeat = false;  ///< the picture goes on periodically; otherwise its border does
-  /// How far the density may be off at a point, of the picture's maximum, and twice how far the
-  /// mass of a face may be off, of itself; > 0.
+  bool repeat = false;
   double tolerance = 0.02;
-  double texels = 1.0;                ///< edges this short or shorter, in pixels, stay whole; > 0
-  std::size_t max_faces = 1'000'000;  ///< 1..200000000; see refine()
+  double texels = 1.0;
+  std::size_t max_faces = 1'000'000;
 };
+
+inline constexpr std::tuple kImageOptions = {
+    Option{"repeat",
+           &ImageOptions::repeat,
+           {},
+           "",
+           Level::kExpert,
+           "The picture goes on periodically; otherwise its border does."},
+    Option{
+        "tolerance",
+        &ImageOptions::tolerance,
+        {0.0, kFinite, true},
+        "",
+        Level::kExpert,
+        "How far the density may be off at a point, relative to the picture's maximum, and twice "
+        "how far the mass of a face may be off, relative to itself."},
+    Option{"texels",
+           &ImageOptions::texels,
+           {0.0, kFinite, true},
+           "pixels",
+           Level::kExpert,
+           "Edges this short or shorter stay whole."},
+    Option{"max_faces",
+           &ImageOptions::max_faces,
+           {1.0, kMostRefinedFaces},
+           "",
+           Level::kExpert,
+           "Most faces; what would take more stays coarser, and resolved is False."}};
+
+constexpr const auto& options_of(const ImageOptions&) { return kImageOptions; }
 
 /// Lay a picture over the surface as its density: (0, 0) is the outer corner of its first pixel,
 /// (1, 1) that of its last; between the centers of pixels it is bilinear. Faces are cut until the

@@ -29,15 +29,27 @@ using ColorImage = std::array<Image, 3>;
 struct StippleOptions {
   std::uint64_t seed = 0;
   OptimizerOptions optimizer = {.tolerance = 2e-4};  // more is not seen from afar
-  double union_weight = 1.0;                         ///< see ClassOptions
+  double union_weight = 1.0;
   /// Dots of each ink; empty: in proportion to the sums of the coverages, by largest remainders.
   std::vector<std::size_t> counts = {};
-  /// Of every dot, in pixels; 0: so that all dots together have the area of the ink that the
-  /// picture asks for, pi r^2 n = sum of the coverages. The tone is then right wherever dots do not
-  /// overlap; where they must, in what is nearly black, 1.1 times as much leaves no gap.
+  /// 0: pi r^2 n = sum of the coverages. The tone is then right wherever dots do not overlap; where
+  /// they must, in what is nearly black, 1.1 times as much leaves no gap.
   double radius = 0.0;
-  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
+  int threads = 0;
 };
+
+inline constexpr std::tuple kStippleOptions = {
+    Option{"radius",
+           &StippleOptions::radius,
+           {},
+           "pixels",
+           Level::kExpert,
+           "Of every dot; 0 is where all dots together have the area of the ink that the picture "
+           "asks for."},
+    seed_option(&StippleOptions::seed), union_weight_option(&StippleOptions::union_weight),
+    Group{&StippleOptions::optimizer}, threads_option(&StippleOptions::threads)};
+
+constexpr const auto& options_of(const StippleOptions&) { return kStippleOptions; }
 
 struct Stipples {
   std::vector<Vec2> positions;        ///< in pixels: pixel (row, column) is [column, column + 1] x

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+_verbs: tuple[str, ...]
 
 class SurfaceError(ValueError): ...
 class Cancelled(RuntimeError): ...
@@ -22,6 +23,34 @@ class Context:
     def cancelled(self) -> bool: ...
     @property
     def progress(self) -> float: ...
+
+class Option:
+    @property
+    def name(self) -> str: ...
+    @property
+    def type(self) -> Literal["float", "int", "bool", "str"]: ...
+    @property
+    def default(self) -> Any: ...
+    @property
+    def min(self) -> Any: ...
+    @property
+    def max(self) -> Any: ...
+    @property
+    def open(self) -> bool: ...
+    @property
+    def choices(self) -> list[str]: ...
+    @property
+    def range(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def documentation(self) -> str: ...
+    @property
+    def changes_solution(self) -> bool: ...
+    @property
+    def level(self) -> Literal["basic", "expert"]: ...
+
+def option_table(verb: str) -> list[Option]: ...
 
 class Topology:
     @property
@@ -320,19 +349,19 @@ class Tracker:
         surface: Surface,
         samples: Samples,
         *,
+        union_weight: float = 1.0,
         capacity_weight: float = 30.0,
         repulsion_weight: float = 3.0,
-        tolerance: float = 5e-5,
+        tolerance: float = 5e-05,
         max_evaluations: int = 6,
         max_slide: float = 0.45,
-        method: Literal["trust_region", "line_search"] = "trust_region",
-        cells: Literal["connected", "euclidean"] = "connected",
-        classes: Sequence[SampleClass | int] | None = None,
-        union_weight: float = 1.0,
         stickiness: float = 0.0,
+        method: Literal["trust_region", "line_search"] = "trust_region",
         pattern_strength: float = 0.8,
         longest_motion: float = 0.02,
+        cells: Literal["connected", "euclidean"] = "connected",
         threads: int = 0,
+        classes: Sequence[SampleClass | int] | None = None,
         context: Context | None = None,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -353,14 +382,14 @@ class Population:
         fade: int = 12,
         capacity_weight: float = 30.0,
         repulsion_weight: float = 3.0,
-        tolerance: float = 5e-5,
+        tolerance: float = 5e-05,
         max_evaluations: int = 6,
         max_slide: float = 0.45,
-        method: Literal["trust_region", "line_search"] = "trust_region",
-        cells: Literal["connected", "euclidean"] = "connected",
         stickiness: float = 0.0,
+        method: Literal["trust_region", "line_search"] = "trust_region",
         pattern_strength: float = 0.8,
         longest_motion: float = 0.02,
+        cells: Literal["connected", "euclidean"] = "connected",
         threads: int = 0,
         context: Context | None = None,
     ) -> None: ...
@@ -379,14 +408,14 @@ def track_window(
     sweeps: int = 2,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 5e-05,
     max_evaluations: int = 6,
     max_slide: float = 0.45,
-    method: Literal["trust_region", "line_search"] = "trust_region",
-    cells: Literal["connected", "euclidean"] = "connected",
     stickiness: float = 1.0,
+    method: Literal["trust_region", "line_search"] = "trust_region",
     pattern_strength: float = 0.8,
     longest_motion: float = 0.02,
+    cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
     context: Context | None = None,
 ) -> list[Samples]: ...
@@ -397,13 +426,13 @@ def sample(
     seed: int = 0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 5e-05,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
     cells: Literal["connected", "euclidean"] = "connected",
-    locked: Samples | None = None,
     threads: int = 0,
+    locked: Samples | None = None,
     context: Context | None = None,
 ) -> Samples: ...
 def resample(
@@ -414,7 +443,7 @@ def resample(
     seed: int = 0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 5e-05,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     cells: Literal["connected", "euclidean"] = "connected",
@@ -453,12 +482,12 @@ def mosaic(
     samples: Samples,
     *,
     grout: float = 0.0,
-    insets: ArrayLike | None = None,
     thickness: float = 0.0,
-    tolerance: float = 1e-3,
+    tolerance: float = 0.001,
     merge: bool = True,
     cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
+    insets: ArrayLike | None = None,
     context: Context | None = None,
 ) -> Mosaic: ...
 def analyze(
@@ -504,7 +533,7 @@ def refine_image(
     repeat: bool = False,
     tolerance: float = 0.02,
     texels: float = 1.0,
-    max_faces: int = 1_000_000,
+    max_faces: int = 1000000,
     context: Context | None = None,
 ) -> Refined: ...
 def refine_obstacles(
@@ -539,7 +568,7 @@ def sample_planar(
     seed: int = 0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
-    tolerance: float = 5e-5,
+    tolerance: float = 5e-05,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
@@ -558,12 +587,12 @@ def sample_classes(
     surface: Surface,
     classes: Sequence[SampleClass | int],
     *,
-    seed: int = 0,
     union_weight: float = 1.0,
     two_stages: bool = False,
+    seed: int = 0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 5.0,
-    tolerance: float = 1e-5,
+    tolerance: float = 1e-05,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
@@ -575,12 +604,12 @@ def sample_planar_classes(
     domain: FlatDomain,
     classes: Sequence[SampleClass | int],
     *,
-    seed: int = 0,
     union_weight: float = 1.0,
     two_stages: bool = False,
+    seed: int = 0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 5.0,
-    tolerance: float = 1e-5,
+    tolerance: float = 1e-05,
     max_evaluations: int = 200,
     method: Literal["trust_region", "line_search"] = "trust_region",
     start: Literal["poisson", "random"] = "poisson",
@@ -606,14 +635,14 @@ def stipple_inks(
     inks: ArrayLike,
     count: int,
     *,
-    counts: Sequence[int] = [],
     radius: float = 0.0,
     seed: int = 0,
     union_weight: float = 1.0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
-    tolerance: float = 2e-4,
+    tolerance: float = 0.0002,
     max_evaluations: int = 200,
     threads: int = 0,
+    counts: Sequence[int] = [],
     context: Context | None = None,
 ) -> Stipples: ...

@@ -8,18 +8,19 @@
 PNG files and reading need Pillow; SVG and PDF files need nothing.
 """
 
+import inspect
 import io
 import os
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._native import Context, Report, separate_inks, stipple_inks
+from ._native import Context, Report, option_table, separate_inks, stipple_inks
 from .writing import replacing
 
 __all__ = [
@@ -92,15 +93,8 @@ def stipple(
     count: int,
     *,
     counts: Sequence[int] | None = None,
-    radius: float = 0.0,
-    seed: int = 0,
-    union_weight: float = 1.0,
-    capacity_weight: float = 30.0,
-    repulsion_weight: float = 3.0,
-    tolerance: float = 2e-4,
-    max_evaluations: int = 200,
-    threads: int = 0,
     context: Context | None = None,
+    **options: Any,
 ) -> Dots:
     """Render a picture with exactly count dots; dark places get many.
 
@@ -114,13 +108,9 @@ def stipple(
         count: number of dots, >= 1.
         counts: of each of INKS, with the sum count; None: in proportion to the area that each ink
             covers, by largest remainders. For color only.
-        radius: of each dot, in pixels; 0: sqrt(ink / (pi count)), where ink is the area that is to
-            be covered, so that the tone is right wherever dots do not overlap. 1.1 times as much
-            leaves no gap where all is black.
-        seed: the same input and seed give the same bytes, whatever the number of threads.
-        union_weight: evenness of all dots together against that of each ink.
-        capacity_weight, repulsion_weight, tolerance, max_evaluations, threads, context: as for
-            sample().
+        context: a Context to watch and cancel it by.
+        options: those of stipple_inks(). 1.1 times the radius of its own leaves no gap where all
+            is black.
 
     Raises:
         ValueError: an option out of range, the first value outside [0, 1], or a white picture.
@@ -136,15 +126,8 @@ def stipple(
         (1.0 - picture)[None] if gray else separate_inks(np.moveaxis(picture, 2, 0)),
         count,
         counts=[] if counts is None else list(counts),
-        radius=radius,
-        seed=seed,
-        union_weight=union_weight,
-        capacity_weight=capacity_weight,
-        repulsion_weight=repulsion_weight,
-        tolerance=tolerance,
-        max_evaluations=max_evaluations,
-        threads=threads,
         context=context,
+        **options,
     )
     return Dots(
         found.positions,
@@ -154,6 +137,25 @@ def stipple(
         (picture.shape[1], picture.shape[0]),
         found.report,
     )
+
+
+def _with_options() -> inspect.Signature:
+    """What help() and editors show of stipple(): the options that it hands on, by name."""
+    types = {"float": float, "int": int, "bool": bool, "str": str}
+    options = [
+        inspect.Parameter(
+            option.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=option.default,
+            annotation=types[option.type],
+        )
+        for option in option_table("stipple_inks")
+    ]
+    own = inspect.signature(stipple)
+    return own.replace(parameters=[*list(own.parameters.values())[:-1], *options])
+
+
+setattr(stipple, "__signature__", _with_options())  # noqa: B010
 
 
 def _as_picture(image: ArrayLike) -> NDArray[np.float64]:

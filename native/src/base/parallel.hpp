@@ -7,8 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
-
-#include "base/validate.hpp"
+#include <dapple/option.hpp>
 
 namespace dapple {
 
@@ -28,7 +27,7 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
 /// \throw ArgumentError unless they are in 0..kMostThreads
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
-  check_threads(threads);
+  check_range("threads", threads, kThreads);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   return arena.execute(work);
 }

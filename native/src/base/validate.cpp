@@ -62,12 +62,6 @@ void check_ids_left(std::int64_t last, std::size_t more) {
                         " more, each above all before, would exceed " + std::to_string(kMost));
 }
 
-void check_threads(int threads) {
-  if (threads < 0 || threads > kMostThreads)
-    throw ArgumentError("threads is " + std::to_string(threads) + ": it must be in 0.." +
-                        std::to_string(kMostThreads));
-}
-
 void check_pixels(const char* name, std::size_t rows, std::size_t columns) {
   if (rows > 0 && columns > kMostPixels / rows)
     throw ArgumentError(std::string(name) + " has " + std::to_string(rows) + " rows and " +

@@ -47,9 +47,6 @@ void check_count(const std::string& name, std::size_t count);
 /// \throw ArgumentError unless there are `more` ids above the last
 void check_ids_left(std::int64_t last, std::size_t more);
 
-/// \throw ArgumentError unless they are in 0..kMostThreads
-void check_threads(int threads);
-
 /// \throw ArgumentError for more of them than kMostPixels
 void check_pixels(const char* name, std::size_t rows, std::size_t columns);
 

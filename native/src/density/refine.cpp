@@ -17,7 +17,6 @@ constexpr std::int32_t kNone = -1;
 // will be, and the last ones take longest.
 constexpr double kCut = 0.5;
 constexpr double kRound = 0.25;
-constexpr std::size_t kMostFaces = 200'000'000;  // their corners and edges must fit into 32 bits
 
 std::int32_t as_index(std::size_t k) { return static_cast<std::int32_t>(k); }
 
@@ -337,9 +336,9 @@ Refined CutMesh::result(bool resolved, Context* context) && {
 
 Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::size_t max_faces,
             Context* context) {
-  if (max_faces < 1 || max_faces > kMostFaces)
+  if (max_faces < 1 || max_faces > kMostRefinedFaces)
     throw ArgumentError("max_faces is " + std::to_string(max_faces) + ": it must be in 1.." +
-                        std::to_string(kMostFaces));
+                        std::to_string(kMostRefinedFaces));
   CutMesh mesh(surface, context);
   double done = 0.0;
   bool resolved = false, full = false;

@@ -198,8 +198,7 @@ void check(const Surface& surface, std::span<const FaceUv> uv, const Image& imag
            const ImageOptions& options) {
   check_image("image", image);
   check_uv(surface, uv);
-  check_positive("tolerance", options.tolerance);
-  check_positive("texels", options.texels);
+  check_options(options);
 }
 
 }  // namespace

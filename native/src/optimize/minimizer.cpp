@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/validate.hpp"
 #include "optimize/forecast.hpp"
 #include "optimize/line_search.hpp"
 #include "optimize/reinsertion.hpp"
@@ -198,25 +197,11 @@ class Minimizer {
   Minimum result_;
 };
 
-void check(const OptimizerOptions& options) {
-  check_at_least("capacity_weight", options.capacity_weight, 0.0);
-  check_at_least("repulsion_weight", options.repulsion_weight, 0.0);
-  check_at_least("repulsion_radius", options.repulsion_radius, 0.0);
-  check_at_least("tolerance", options.tolerance, 0.0);
-  check_at_least("patience", options.patience, 1);
-  check_at_least("max_evaluations", options.max_evaluations, 1);
-  check_at_least("history", options.history, 0);
-  check_at_least("max_step", options.max_step, 0.0);
-  check_at_least("stickiness", options.stickiness, 0.0);
-  if (!(options.max_slide >= 0.0))
-    throw ArgumentError("max_slide is " + number(options.max_slide) + ": it must be >= 0");
-}
-
 }  // namespace
 
 Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
                  Context* context, const Tracked& tracked) {
-  check(options);
+  check_options(options);
   return Minimizer(objective, options, context, tracked.restoration).run(start, tracked.home);
 }
 

@@ -22,9 +22,7 @@ constexpr double kMade = 0.95;       // ... and the tiles made
 
 void check(const Surface& surface, const Samples& samples, const MosaicOptions& options) {
   check_samples(surface, samples);
-  check_at_least("grout", options.grout, 0.0);
-  check_at_least("thickness", options.thickness, 0.0);
-  check_at_least("tolerance", options.tolerance, 0.0);
+  check_options(options);
   if (options.insets.empty()) return;
   check_same_length("insets", options.insets.size(), "samples", samples.size());
   for (std::size_t k = 0; k < options.insets.size(); ++k)

@@ -52,7 +52,7 @@ void check(std::span<const Image> inks, std::size_t count, const StippleOptions&
   if (inks.empty()) throw ArgumentError("inks is empty: at least one is needed");
   if (count == 0) throw ArgumentError("count is 0: it must be at least 1");
   check_count("count", count);
-  check_at_least("radius", options.radius, 0.0);
+  check_options(options);
   double ink = 0.0;
   for (std::size_t c = 0; c < inks.size(); ++c) {
     check_ink(name_of(c), inks[c]);
@@ -183,7 +183,6 @@ Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOp
   const Clock clock;
   if (context) context->check();
   check(inks, count, options);
-  check_at_least("union_weight", options.union_weight, 0.0);
   const std::vector<std::size_t> counts =
       options.counts.empty() ? allot(sums_of(inks), count) : options.counts;
   check_counts(inks, count, counts);

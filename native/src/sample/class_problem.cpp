@@ -74,7 +74,7 @@ void check_locked(const ClassProblem& problem) {
 }
 
 void check(const ClassProblem& problem, const ClassOptions& options) {
-  check_at_least("union_weight", options.union_weight, 0.0);
+  check_options(options);
   check_counts(problem);
   check_radii(problem);
   check_locked(problem);

@@ -66,14 +66,6 @@ Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
   return sites;
 }
 
-void check(const TrackerOptions& options) {
-  check_at_least("union_weight", options.union_weight, 0.0);
-  check_at_least("longest_motion", options.longest_motion, 0.0);
-  if (!(options.pattern_strength >= 0.0 && options.pattern_strength <= 1.0))
-    throw ArgumentError("pattern_strength is " + number(options.pattern_strength) +
-                        ": it must be in 0..1");
-}
-
 }  // namespace
 
 Sites sites_of(const Samples& samples) {
@@ -94,7 +86,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
       ids_(samples.ids),
       class_of_(samples.classes),
       first_(sites_of(samples)) {
-  check(options);
+  check_options(options);
   const Frame frame(surface, classes_, class_of_, options_);
   const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
   const State state = evaluate(frame.objective, first_, no_repulsion, context);

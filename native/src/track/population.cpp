@@ -30,7 +30,7 @@ Population::Population(Surface surface, Samples samples, PopulationOptions optio
     : tracker_(std::move(surface), std::move(samples), options.tracker, {}, context),
       options_(options),
       next_id_(0) {
-  check_at_least("fade", options.fade, 1);
+  check_options(options);
   const Samples& first = tracker_.samples();
   density_ = static_cast<double>(first.size()) / tracker_.surface().mass();
   if (!first.ids.empty())

@@ -131,7 +131,7 @@ void check_frames(const Surface& surface, std::span<const std::vector<Vec3>> fra
 std::vector<Samples> track_window(const Surface& surface, std::span<const std::vector<Vec3>> frames,
                                   const Samples& samples, const WindowOptions& options,
                                   Context* context) {
-  check_at_least("sweeps", options.sweeps, 0);
+  check_options(options);
   check_frames(surface, frames);
   std::vector<Samples> result = with_threads(options.tracker.threads, [&] {
     return Window(surface, frames, samples, options, context).solve(samples);

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Options that several commands share; the library's own defaults are read from the library."""
 
-import ast
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
+
+import dapple3d as dapple
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -15,95 +16,56 @@ OUTPUT = click.Path(path_type=Path)
 NOT_NEGATIVE = click.FloatRange(min=0)
 COUNT = click.IntRange(min=1, max=100_000_000)
 
-# Arguments of the library by name: the type of the option, and its help.
-KNOWN: dict[str, tuple[click.ParamType, str]] = {
-    "seed": (
-        click.IntRange(0, 2**64 - 1),
-        "Of the random start: another number, another set just as even.",
-    ),
-    "capacity_weight": (
-        NOT_NEGATIVE,
-        "Lambda, weight of equal capacities (no unit): more of it, less like a lattice; "
-        "20 to 100 are useful.",
-    ),
-    "repulsion_weight": (
-        NOT_NEGATIVE,
-        "Kappa, weight of the repulsion that keeps neighbors apart (no unit); 0 is none.",
-    ),
-    "tolerance": (
-        NOT_NEGATIVE,
-        "Relative decrease of the energy at which to stop (no unit): less is more regular, slower.",
-    ),
-    "max_evaluations": (
-        click.IntRange(1, 2**31 - 1),
-        "Of the energy, at most; of a motion for each frame.",
-    ),
-    "method": (
-        click.Choice(["trust_region", "line_search"]),
-        "Of the optimizer: line_search is plain L-BFGS, as in the paper.",
-    ),
-    "start": (
-        click.Choice(["poisson", "random"]),
-        "Poisson-disk set, or white noise, as in the paper.",
-    ),
-    "cells": (
-        click.Choice(["connected", "euclidean"]),
-        "Cells follow the surface, or go to the site that is nearest in space.",
-    ),
-    "threads": (click.IntRange(0, 4096), "0 is as many as the machine has; same bytes for any."),
-    "union_weight": (
-        NOT_NEGATIVE,
-        "Mu, evenness of all classes together against that of each (no unit).",
-    ),
-    "stickiness": (
-        NOT_NEGATIVE,
-        "Weight of staying where the surface carries a point (no unit): more of it, less slide, "
-        "less even.",
-    ),
-    "pattern_strength": (
-        click.FloatRange(0, 1),
-        "How strongly points return to the first frame's pattern; 0 lets it drift.",
-    ),
-    "max_slide": (NOT_NEGATIVE, "Farthest slide of a point within one frame, in spacings."),
-    "longest_motion": (
-        NOT_NEGATIVE,
-        "Share of the surface's size that it may move at once; farther frames are split; "
-        "0 never splits.",
-    ),
-    "sweeps": (click.IntRange(0, 2**31 - 1), "With --together: passes forwards and backwards."),
-}
+
+def library_defaults(verb: str) -> dict[str, Any]:
+    """What a function of the library takes for the options that are left out."""
+    return {option.name: option.default for option in dapple.option_table(verb)}
 
 
-def library_defaults(function: object) -> dict[str, Any]:
-    """What a native function takes for the arguments that are left out.
-
-    Its documentation begins with its signature; None stands for nothing and is left out.
-    """
-    signature = (function.__doc__ or "").strip().splitlines()[0]
-    (definition,) = ast.parse(f"def {signature}: ...").body
-    assert isinstance(definition, ast.FunctionDef)
-    arguments = zip(definition.args.kwonlyargs, definition.args.kw_defaults, strict=True)
-    values = {argument.arg: ast.literal_eval(value) for argument, value in arguments if value}
-    return {name: value for name, value in values.items() if value is not None}
-
-
-def library_options(function: object, *names: str) -> Callable[[Decorated], Decorated]:
-    """Options for arguments of a native function, in this order; those left out are None.
+def library_options(
+    verb: str, *, only: Collection[str] = (), without: Collection[str] = (), before: str = ""
+) -> Callable[[Decorated], Decorated]:
+    """Options of a function of the library, in its order; those left out are None.
 
     Args:
-        function: whose defaults the help shows.
-        names: keys of KNOWN.
+        verb: the function's name.
+        only: not empty: names of those to take.
+        without: names of those not to take.
+        before: words that their help begins with.
     """
-    defaults = library_defaults(function)
+    table = [
+        option
+        for option in dapple.option_table(verb)
+        if option.name not in without and (not only or option.name in only)
+    ]
 
     def decorate(command: Decorated) -> Decorated:
-        for name in reversed(names):
-            kind, text = KNOWN[name]
-            flag, text = "--" + name.replace("_", "-"), f"{text}  [default: {defaults[name]}]"
-            command = click.option(flag, type=kind, help=text)(command)
+        for option in reversed(table):
+            command = library_option(option, before)(command)
         return command
 
     return decorate
+
+
+def library_option(option: dapple.Option, before: str = "") -> Callable[[Decorated], Decorated]:
+    """A flag for an option of the library."""
+    flag = "--" + option.name.replace("_", "-")
+    unit = f" In {option.unit}." if option.unit else ""
+    text = before + option.documentation + unit
+    if option.type == "bool":
+        names = f"{flag}/--no-{flag[2:]}" if option.default else flag
+        return click.option(names, default=None, is_flag=True, help=text)
+    shown = f"{text}  [default: {option.default}]"
+    return click.option(flag, type=param_type(option), help=shown)
+
+
+def param_type(option: dapple.Option) -> click.ParamType:
+    """What click is to take for it."""
+    if option.choices:
+        return click.Choice(option.choices)
+    if option.type == "int":
+        return click.IntRange(option.min, option.max)
+    return click.FloatRange(option.min, option.max, min_open=option.open)
 
 
 def given(options: Mapping[str, Any]) -> dict[str, Any]:

@@ -45,8 +45,8 @@ FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
     metavar="FILE.png",
     help="Draw the power spectrum, its radial mean and anisotropy (needs matplotlib).",
 )
-@options.library_options(dapple.analyze, "capacity_weight", "cells")
-@options.library_options(dapple.spectrum, "threads")
+@options.library_options("analyze")
+@options.library_options("sample", only=["threads"])
 @options.weld_option
 @options.report_options
 def command(
@@ -93,7 +93,7 @@ def command(
     reporter.store(
         "analyze",
         input={"points": str(points), **(loaded.describe() if loaded else {"mesh": None})},
-        settings=options.library_defaults(dapple.analyze) | chosen,
+        settings=options.library_defaults("analyze") | chosen,
         report=report,
         farthest_from_surface=farthest,
     )

@@ -67,13 +67,7 @@ class WantedType(click.ParamType):
     "their radii (0: points); D is a density as for --density, else that of MESH.",
 )
 @options.density_options
-@options.library_options(dapple.sample_classes, "seed", "union_weight")
-@click.option("--two-stages", is_flag=True, help="Each class alone first, then all, as the paper.")
-@options.library_options(
-    dapple.sample_classes,
-    *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"),
-    *("method", "start", "cells", "threads"),
-)
+@options.library_options("sample_classes")
 @options.weld_option
 @options.report_options
 def command(
@@ -107,7 +101,7 @@ def command(
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample_classes, loaded.surface, listed, **chosen))
     points.write_points(out, points.points_of(samples))
-    settings = {**options.library_defaults(dapple.sample_classes), **chosen}
+    settings = {**options.library_defaults("sample_classes"), **chosen}
     reporter.store(
         "classes",
         input=loaded.describe(),

@@ -33,17 +33,8 @@ GROUT = 0.1  # spacings
     type=options.NOT_NEGATIVE,
     help=f"Width of the gap, in the mesh's units.  [default: {GROUT} spacings]",
 )
-@click.option(
-    "--thickness",
-    type=options.NOT_NEGATIVE,
-    help="Of the tiles, in the mesh's units; 0 leaves them in the surface.  [default: 0]",
-)
-@click.option(
-    "--tolerance",
-    type=options.NOT_NEGATIVE,
-    help="Edges shorter than that, in spacings, are removed.  [default: 0.001]",
-)
-@options.library_options(dapple.sample, "seed", "capacity_weight", "cells", "threads")
+@options.library_options("mosaic", only=["thickness", "tolerance"])
+@options.library_options("sample", without=["tolerance"])
 @options.weld_option
 @options.report_options
 def command(
@@ -91,8 +82,7 @@ def command(
         "mosaic",
         input={**loaded.describe(), "points": str(points) if points else None},
         output=str(out),
-        settings={"count": len(samples), **options.library_defaults(dapple.mosaic), **given}
-        | tiling,
+        settings={"count": len(samples), **options.library_defaults("mosaic"), **given} | tiling,
         tiles=summary(made),
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()

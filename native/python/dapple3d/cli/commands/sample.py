@@ -29,11 +29,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
     help="paper: as in Chen et al. 2012, from white noise by plain L-BFGS; the options "
     "below change it.",
 )
-@options.library_options(
-    dapple.sample,
-    *("seed", "capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"),
-    *("method", "start", "cells", "threads"),
-)
+@options.library_options("sample")
 @options.weld_option
 @options.report_options
 def command(
@@ -68,7 +64,7 @@ def command(
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
     points.write_points(out, points.points_of(samples))
-    settings = {"count": count, "preset": preset, **options.library_defaults(dapple.sample)}
+    settings = {"count": count, "preset": preset, **options.library_defaults("sample")}
     reporter.store(
         "sample",
         input=loaded.describe(),

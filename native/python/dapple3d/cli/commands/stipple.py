@@ -21,28 +21,18 @@ from dapple3d.writing import replacing
 @click.argument("out", type=options.OUTPUT)
 @click.option("-n", "--count", type=options.COUNT, required=True, help="Number of dots.")
 @click.option(
-    "--radius",
-    type=options.NOT_NEGATIVE,
-    help="Of each dot, in pixels of PICTURE.  [default: the dots have the area of the ink]",
-)
-@click.option(
     "--scale",
     type=click.FloatRange(min=0, min_open=True),
     default=4.0,
     show_default=True,
     help="Pixels of a .png for each of PICTURE.",
 )
-@options.library_options(
-    dapple.stipple_inks,
-    *("seed", "union_weight", "capacity_weight", "repulsion_weight"),
-    *("tolerance", "max_evaluations", "threads"),
-)
+@options.library_options("stipple_inks")
 @options.report_options
 def command(
     picture: Path,
     out: Path,
     count: int,
-    radius: float | None,
     scale: float,
     json_out: str | None,
     quiet: bool,
@@ -63,13 +53,13 @@ def command(
         raise click.ClickException(f"{out}: must end in {', '.join(stippling.SUFFIXES)}")
     check_outputs([picture], [out, reporter.file])
     image = stippling.read_picture(picture)
-    chosen = options.given({"radius": radius, **solver})
+    chosen = options.given(solver)
     with about(picture), Work("stippling", quiet=quiet) as work:
         dots = work.run(partial(dapple.stipple, image, count, **chosen))
     content = stippling.encode(dots, out.suffix, scale=scale)
     with replacing(out) as file:
         file.write(content)
-    defaults = options.library_defaults(dapple.stipple_inks)
+    defaults = options.library_defaults("stipple_inks")
     inks = {name: int((dots.classes == k).sum()) for k, name in enumerate(dots.inks)}
     reporter.store(
         "stipple",

@@ -20,9 +20,10 @@ from dapple3d.cli.work import Work
 from dapple3d.writing import replacing, write_npz
 
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
-TRACKER = dapple.Tracker.__init__
-# Arguments of sample(), for the first frame, that mean the same to the tracker.
-START = ("capacity_weight", "repulsion_weight", "tolerance", "method", "cells", "threads")
+# Options of sample(), for the first frame, that mean the same to the tracker.
+START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
+    "max_evaluations"  # of each frame
+}
 
 
 @click.command("track", short_help="Points that stay put on a moving mesh.")
@@ -38,17 +39,11 @@ START = ("capacity_weight", "repulsion_weight", "tolerance", "method", "cells", 
     "--together",
     is_flag=True,
     help="Solve all frames together: smoother in time, about three times as long; the stickiness "
-    f"is then {options.library_defaults(dapple.track_window)['stickiness']} by default.",
+    f"is then {options.library_defaults('track_window')['stickiness']} by default.",
 )
-@click.option("--closed", is_flag=True, help="With --together: the last frame leads to the first.")
-@options.library_options(dapple.track_window, "sweeps")
-@options.library_options(dapple.sample, "seed")
-@options.library_options(
-    TRACKER,
-    *("stickiness", "pattern_strength", "max_slide", "longest_motion"),
-    *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations", "method", "cells"),
-    "threads",
-)
+@options.library_options("track_window", only=["closed", "sweeps"], before="With --together: ")
+@options.library_options("sample", only=["seed"])
+@options.library_options("Tracker", without=["union_weight"])
 @options.weld_option
 @options.report_options
 def command(
@@ -57,7 +52,7 @@ def command(
     count: int | None,
     points: Path | None,
     together: bool,
-    closed: bool,
+    closed: bool | None,
     sweeps: int | None,
     seed: int | None,
     weld: bool,
@@ -102,9 +97,9 @@ def command(
         follow = follow_together if together else follow_each
         results = follow(work, loaded.surface, motion, first, tracking)
     write_motion(out, results)
-    function = dapple.track_window if together else TRACKER
-    settings = {"count": len(first), "together": together} | options.library_defaults(function)
-    settings["seed"] = options.library_defaults(dapple.sample)["seed"]
+    verb = "track_window" if together else "Tracker"
+    settings = {"count": len(first), "together": together} | options.library_defaults(verb)
+    settings["seed"] = options.library_defaults("sample")["seed"]
     reporter.store(
         "track",
         input=loaded.describe()
