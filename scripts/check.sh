@@ -40,8 +40,8 @@ find_files() {
   [ "${#folders[@]}" -eq 0 ] || find "${folders[@]}" -type f -regextype posix-extended -regex "$pattern" | sort
 }
 mapfile -t cxx < <(find_files '.*\.[ch]pp' native tests benchmarks)
-mapfile -t python_folders < <(for d in native/python addon benchmarks blend_examples scripts tests; do [ ! -d $d ] || echo $d; done)
-mapfile -t typed < <(find_files '.*\.pyi?' native/python addon benchmarks blend_examples scripts)
+mapfile -t python_folders < <(for d in native/python addon benchmarks blend_examples docs scripts tests; do [ ! -d $d ] || echo $d; done)
+mapfile -t typed < <(find_files '.*\.pyi?' native/python addon benchmarks blend_examples docs scripts)
 mapfile -t shell < <(find_files '.*\.sh' scripts tests blend_examples benchmarks)
 
 clang_format_check() {
