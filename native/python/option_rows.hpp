@@ -82,7 +82,7 @@ inline std::string range_of(const Row& row) {
   for (const std::string& choice : row.choices)
     words += (words.empty() ? "'" : " or '") + choice + "'";
   if (!row.min) return words;
-  if (!row.bounded) return (row.open ? "> " : ">= ") + short_text(*row.min);
+  if (!row.bounded || !row.max) return (row.open ? "> " : ">= ") + short_text(*row.min);
   return short_text(*row.min) + ".." + short_text(*row.max);
 }
 
