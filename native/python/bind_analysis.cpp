@@ -6,6 +6,7 @@
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
+#include <optional>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -13,6 +14,10 @@
 
 namespace dapple::python {
 namespace {
+
+// Of the progress where points come instead of samples: they are bound, and of that alone, the
+// projector is made.
+constexpr double kBound = 0.6, kTreeBuilt = 0.8;
 
 /// One set of points, or several of them in a sequence: what has as many axes as one set is one.
 template <typename Convert>
@@ -79,11 +84,14 @@ py::array distances_of(const py::object& points) {
 using SamplesPtr = std::shared_ptr<Samples>;
 
 /// Samples as they are; points are bound where the surface is nearest.
-SamplesPtr samples_of(const Surface& surface, const char* name, const py::object& value) {
+SamplesPtr samples_of(const Surface& surface, const char* name, const py::object& value,
+                      Context* context) {
   if (py::isinstance<Samples>(value)) return value.cast<SamplesPtr>();
   const DoubleArray points = doubles(name, value, 3);
   const py::gil_scoped_release released;
-  const Projection near = Projector(surface).project(as_points(points));
+  const Projector projector(surface, false, context);
+  if (context) context->advance(kTreeBuilt);
+  const Projection near = projector.project(as_points(points), {}, context);
   return std::make_shared<Samples>(bind_samples(surface, near.faces, near.barycentric));
 }
 
@@ -92,10 +100,16 @@ std::shared_ptr<Report> analyze_samples(const Surface& surface, const py::object
   const Keywords given(kAnalyze, keywords);
   const SampleOptions options = given.options();
   const ContextPtr context = given.context();
-  const SamplesPtr bound = samples_of(surface, "samples", samples);
+  std::optional<Context> binding, analyzing;  // both of them parts of the whole
+  if (context && !py::isinstance<Samples>(samples)) {
+    binding.emplace(*context, 0.0, kBound);
+    analyzing.emplace(*context, kBound, 1.0);
+  }
+  const SamplesPtr bound = samples_of(surface, "samples", samples, binding ? &*binding : nullptr);
   const py::gil_scoped_release released;
-  return std::make_shared<Report>(
-      analyze(surface, *bound, options.optimizer.capacity_weight, options.cells, context.get()));
+  return std::make_shared<Report>(analyze(surface, *bound, options.optimizer.capacity_weight,
+                                          options.cells,
+                                          analyzing ? &*analyzing : context.get()));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -103,8 +117,10 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
                                                        Whole<int, "bins", 2, 4096> bins,
                                                        Threads threads, const ContextPtr& context) {
   const bool is_one = py::isinstance<Samples>(runs) || holds_rows(runs);
+  std::optional<Context> binding;  // no part of the progress: they are samples as a rule
+  if (context) binding.emplace(*context, 0.0, 0.0);
   const auto sets = each_run(runs, is_one, [&](const char* name, const py::object& run) {
-    return samples_of(surface, name, run);
+    return samples_of(surface, name, run, binding ? &*binding : nullptr);
   });
   std::vector<const Samples*> pointers(sets.size());
   std::transform(sets.begin(), sets.end(), pointers.begin(),

@@ -7,21 +7,25 @@
 #include <dapple/classes.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
+#include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/population.hpp>
 #include <dapple/progressive.hpp>
+#include <dapple/projector.hpp>
 #include <dapple/refine.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
 #include <dapple/resample.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/window.hpp>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -249,6 +253,12 @@ TEST(Watched, SurfacesOfAllKinds) {
     const Surface surface(loose.vertices, loose.faces, Density{}, SurfaceOptions{}, context);
     EXPECT_EQ(surface.welded_faces(), expected.welded_faces());
   });
+  const Shape large = blob(6);
+  const Surface surface = large.surface();
+  const std::vector<double> seen = expect_honest_progress(
+      [&](Context* context) { (void)surface.deformed(large.vertices, context); });
+  EXPECT_GT(distinct({seen.begin(), std::lower_bound(seen.begin(), seen.end(), 0.4)}), 10)
+      << "room is made without a word";
   Context cancelled;
   cancelled.cancel();
   EXPECT_THROW((void)expected.deformed(loose.vertices, &cancelled), Cancelled);
@@ -262,15 +272,78 @@ TEST(Watched, Curvature) {
 
 TEST(Watched, NewTrackersAndMeasures) {
   const Surface surface = blob(2).surface();
-  const Samples samples = sample(surface, 80);
-  const double one_evaluation = 0.8;
+  const Samples samples = sample(surface, 400);
+  const double no_orphans = 0.5;
   expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, {}, context); },
-                 one_evaluation);
+                 no_orphans);
   expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
-                 one_evaluation);
-  cancel_everywhere(
+                 no_orphans);
+  expect_watched(
       [&](Context* context) { (void)analyze(surface, samples, 30.0, Cells::kConnected, context); },
-      [] {});
+      no_orphans);
+}
+
+TEST(Watched, CellsOfAllKinds) {
+  const Surface orphans = two_sheets(4, 0.02).surface();
+  const Sites sites = sites_of(sample(orphans, 400));
+  const double chunk = 0.2;
+  for (const Cells cells : {Cells::kConnected, Cells::kEuclidean}) {
+    expect_watched(
+        [&](Context* context) { (void)restricted_voronoi(orphans, sites, context, cells); }, chunk);
+    expect_watched(
+        [&](Context* context) {
+          (void)restricted_voronoi_polygons(orphans, sites, cells, context);
+        },
+        chunk);
+    expect_watched(
+        [&](Context* context) { (void)evaluate_energy(orphans, sites, 30.0, context, cells); },
+        chunk);
+  }
+  std::vector<Vec2> points;
+  Random random(1);
+  for (int k = 0; k < 400; ++k) points.emplace_back(random.uniform(), random.uniform());
+  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Sites on_square = square.sites(points);
+  const double no_orphans = 0.5;
+  expect_watched([&](Context* context) { (void)square.cells(on_square, context); }, no_orphans);
+  const TorusDomain torus;
+  const Sites on_torus = torus.sites(points);
+  expect_watched([&](Context* context) { (void)torus.cells(on_torus, context); }, chunk);
+}
+
+TEST(Watched, LargeFacesThatAreCut) {
+  const Surface surface = grid(1).surface();
+  const Sites sites = sites_of(sample(surface, 3000, {.optimizer = {.max_evaluations = 1}}));
+  const std::vector<double> seen = expect_honest_progress(
+      [&](Context* context) { (void)SurfaceDomain(surface).cells(sites, context); });
+  const auto cutting = std::lower_bound(seen.begin(), seen.end(), 0.3);
+  EXPECT_GT(distinct({seen.begin(), cutting}), 8) << "they are cut without a word";
+  const double expected = SurfaceDomain(surface).cells(sites, nullptr).cells[7].area;
+  std::unique_ptr<SurfaceDomain> domain;
+  cancel_everywhere(
+      [&](Context* context) {
+        domain = std::make_unique<SurfaceDomain>(surface);
+        (void)domain->cells(sites, context);
+      },
+      [&] { EXPECT_EQ(domain->cells(sites, nullptr).cells[7].area, expected); });
+}
+
+TEST(Watched, AProjector) {
+  const Surface surface = blob(5).surface();
+  const std::vector<Vec3> points(3, Vec3(2.0, 1.0, 0.5));
+  const int before_the_tree = 4;
+  EXPECT_GT(count_checks([&](Context* context) { (void)Projector(surface, false, context); }),
+            before_the_tree)
+      << "Embree is not asked";
+  const std::vector<std::int32_t> hints(points.size(), 0);
+  const std::vector<Vec3> expected = SurfaceDomain(surface).project(points, hints).positions;
+  std::unique_ptr<SurfaceDomain> domain;
+  cancel_everywhere(
+      [&](Context* context) {
+        domain = std::make_unique<SurfaceDomain>(surface);
+        (void)domain->project(points, hints, context);
+      },
+      [&] { EXPECT_TRUE(same_bytes(domain->project(points, hints).positions, expected)); });
 }
 
 TEST(Watched, AFrameInParts) {

@@ -15,13 +15,16 @@ class Domain {
   virtual ~Domain() = default;
 
   /// The cells of the sites, relative to each site; integrals as mass().
+  /// \param context  has the progress of this evaluation alone
   /// \throw Cancelled
-  [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites,
-                                                const Context* context) const = 0;
+  [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites, Context* context) const = 0;
 
   /// The nearest points of the domain, each with its face; `hints` are faces near the points.
+  /// \param context  is asked whether to go on, no more: this is a part of a step
+  /// \throw Cancelled
   [[nodiscard]] virtual Sites project(std::span<const Vec3> points,
-                                      std::span<const std::int32_t> hints) const = 0;
+                                      std::span<const std::int32_t> hints,
+                                      const Context* context = nullptr) const = 0;
 
   /// Unit normal of a face (of the plane, for flat domains).
   [[nodiscard]] virtual Vec3 normal(std::int32_t face) const = 0;
@@ -69,9 +72,9 @@ class SurfaceDomain final : public Domain {
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
                          Steps steps = Steps::kAnywhere);
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
-  [[nodiscard]] Sites project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
@@ -83,7 +86,7 @@ class SurfaceDomain final : public Domain {
   void check(const Sites& sites) const override;
 
  private:
-  [[nodiscard]] const Projector& projector() const;
+  [[nodiscard]] const Projector& projector(const Context* context) const;
 
   Surface surface_;
   Cells cells_;

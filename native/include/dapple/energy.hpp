@@ -20,11 +20,11 @@ struct Energy {
 /// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative;
 /// Cancelled
 [[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites,
-                                     double capacity_weight, const Context* context = nullptr,
+                                     double capacity_weight, Context* context = nullptr,
                                      Cells cells = Cells::kEuclidean);
 
 /// The same over any domain.
 [[nodiscard]] Energy evaluate_energy(const Domain& domain, const Sites& sites,
-                                     double capacity_weight, const Context* context = nullptr);
+                                     double capacity_weight, Context* context = nullptr);
 
 }  // namespace dapple

@@ -64,9 +64,9 @@ class PlanarDomain final : public FlatDomain {
   /// The same domain as a flat mesh.
   [[nodiscard]] const Surface& surface() const { return surface_; }
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
-  [[nodiscard]] Sites project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context = nullptr) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
   [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
   [[nodiscard]] double density_unit() const override;
@@ -107,10 +107,10 @@ class TorusDomain final : public FlatDomain {
   /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
   explicit TorusDomain(const Image& density);
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
   /// All points are of the torus: finds their faces.
-  [[nodiscard]] Sites project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context = nullptr) const override;
   [[nodiscard]] double area() const override { return 1.0; }
   [[nodiscard]] double mass() const override { return period_.mass() * density_unit(); }
   [[nodiscard]] double density_unit() const override;

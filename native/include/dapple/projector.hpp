@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/context.hpp>
 #include <dapple/surface.hpp>
 
 namespace dapple {
@@ -21,7 +22,10 @@ struct Projection {
 class Projector {
  public:
   /// \param support_only leave out faces without density (or area): nothing is to end there
-  explicit Projector(const Surface& surface, bool support_only = false);
+  /// \param context      is asked whether to go on, no more
+  /// \throw Cancelled
+  explicit Projector(const Surface& surface, bool support_only = false,
+                     const Context* context = nullptr);
   ~Projector();
   Projector(Projector&&) noexcept;
   Projector& operator=(Projector&&) noexcept;
@@ -32,8 +36,10 @@ class Projector {
   /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed
   /// depends on it
   /// \throw ArgumentError naming the first point that is not finite
+  /// \throw Cancelled
   [[nodiscard]] Projection project(std::span<const Vec3> points,
-                                   std::span<const std::int32_t> hints = {}) const;
+                                   std::span<const std::int32_t> hints = {},
+                                   const Context* context = nullptr) const;
 
   /// For each point the faces (caller's indices, ascending) nearer to it than its radius.
   /// \throw ArgumentError naming the first point that is not finite, radius that is not > 0; if

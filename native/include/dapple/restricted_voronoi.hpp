@@ -15,13 +15,14 @@ namespace dapple {
 /// \pre the sites lie on their faces
 /// \throw Cancelled
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                                   const Context* context = nullptr,
+                                                   Context* context = nullptr,
                                                    Cells cells = Cells::kEuclidean);
 
 /// The same cells as polygons, sorted by site; memory grows with the number of pieces.
 /// \throw Cancelled
-[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(
-    const Surface& surface, const Sites& sites, Cells cells = Cells::kEuclidean,
-    const Context* context = nullptr);
+[[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface,
+                                                                   const Sites& sites,
+                                                                   Cells cells = Cells::kEuclidean,
+                                                                   Context* context = nullptr);
 
 }  // namespace dapple

@@ -75,7 +75,8 @@ Sites CutSurface::on_pieces(const Sites& sites) const {
   return result;
 }
 
-std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count) {
+std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count,
+                                          Context* context) {
   const double cell = surface.mass() / static_cast<double>(order_of(count));
   if (!has_large_face(surface, kMany * cell * surface.ordered().density_unit())) return nullptr;
   const auto criterion = [&](const Piece& piece) {
@@ -83,16 +84,18 @@ std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t co
     if (!(capacity > kFew * cell)) return EdgeMarks{};
     return longest_edge(piece, kNarrow * hexagonal_spacing(area_of(piece) * cell / capacity));
   };
-  return std::make_shared<const CutSurface>(refine(surface, criterion, kMostFaces));
+  return std::make_shared<const CutSurface>(refine(surface, criterion, kMostFaces, context));
 }
 
-std::shared_ptr<const CutSurface> CutSurfaces::at(const Surface& surface, std::size_t count) {
+std::shared_ptr<const CutSurface> CutSurfaces::at(const Surface& surface, std::size_t count,
+                                                  Context* context) {
   const int order = std::countr_zero(order_of(count));
   const std::scoped_lock lock(mutex_);
   const auto known = made_.find(order);
   if (known != made_.end()) return known->second;
   // Isolated: no other task that comes here may run on this thread while it holds the lock.
-  return made_[order] = tbb::this_task_arena::isolate([&] { return cut_for(surface, count); });
+  return made_[order] =
+             tbb::this_task_arena::isolate([&] { return cut_for(surface, count, context); });
 }
 
 }  // namespace dapple

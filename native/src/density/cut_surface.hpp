@@ -35,12 +35,15 @@ class CutSurface {
 
 /// The surface cut for `count` sites; null where no face holds the cells of many. A function of the
 /// surface and the order of magnitude of `count` alone.
-[[nodiscard]] std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count);
+/// \throw Cancelled
+[[nodiscard]] std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count,
+                                                        Context* context = nullptr);
 
 /// Keeps what cut_for() has made of one surface. Every member may be called from several threads.
 class CutSurfaces {
  public:
-  [[nodiscard]] std::shared_ptr<const CutSurface> at(const Surface& surface, std::size_t count);
+  [[nodiscard]] std::shared_ptr<const CutSurface> at(const Surface& surface, std::size_t count,
+                                                     Context* context = nullptr);
 
  private:
   std::mutex mutex_;

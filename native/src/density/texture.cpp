@@ -3,14 +3,16 @@
 #include <cmath>
 #include <dapple/texture.hpp>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "surface/validate_surface.hpp"
 
 namespace dapple {
 namespace {
 
-constexpr double kFilled = 0.8;     // of the progress: only the margin is missing
-constexpr double kOnEdge = -1e-12;  // barycentric coordinate of a texel's center on an edge
+constexpr double kFilled = 0.8;        // of the progress: only the margin is missing
+constexpr double kOnEdge = -1e-12;     // barycentric coordinate of a texel's center on an edge
+constexpr std::size_t kGrain = 65536;  // texels between two checks
 
 void check(const Surface& surface, std::span<const FaceUv> uv, std::size_t rows,
            std::size_t columns, int margin) {
@@ -79,16 +81,21 @@ void fill(const TexelTriangle& triangle, std::int32_t face, Texels& result,
 /// Texels with a face that touch one without, grown outwards by one texel at a time.
 class Margin {
  public:
-  Margin(std::span<const FaceUv> uv, Texels& texels) : uv_(uv), texels_(texels) {
-    for (std::size_t k = 0; k < texels_.size(); ++k)
+  Margin(std::span<const FaceUv> uv, Texels& texels, const Context* context)
+      : uv_(uv), texels_(texels), context_(context) {
+    for (std::size_t k = 0; k < texels_.size(); ++k) {
+      check_at(context_, k, kGrain);
       if (texels_.faces[k] >= 0) front_.push_back(k);
+    }
   }
 
   [[nodiscard]] bool grows() const { return !front_.empty(); }
 
   void grow() {
     std::vector<std::size_t> next;
-    for (const std::size_t k : front_) {
+    for (std::size_t at = 0; at < front_.size(); ++at) {
+      check_at(context_, at, kGrain);
+      const std::size_t k = front_[at];
       const std::size_t row = k / texels_.columns;
       const std::size_t column = k % texels_.columns;
       if (row > 0) take(k, k - texels_.columns, next);
@@ -112,6 +119,7 @@ class Margin {
 
   std::span<const FaceUv> uv_;
   Texels& texels_;
+  const Context* context_;
   std::vector<std::size_t> front_;
 };
 
@@ -132,11 +140,8 @@ Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t ro
     if (context) report(*context, f, uv.size());
     fill(TexelTriangle(uv[f], rows, columns), static_cast<std::int32_t>(f), result, context);
   }
-  Margin outside(uv, result);
-  for (int k = 0; k < margin && outside.grows(); ++k) {
-    if (context) context->check();
-    outside.grow();
-  }
+  Margin outside(uv, result, context);
+  for (int k = 0; k < margin && outside.grows(); ++k) outside.grow();
   if (context) context->advance(1.0);
   return result;
 }

@@ -6,6 +6,7 @@
 #include <dapple/domain.hpp>
 
 #include "base/hexagonal.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "density/cut_surface.hpp"
 #include "surface/local_projection.hpp"
@@ -14,6 +15,11 @@
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
+namespace {
+
+constexpr double kCut = 0.3;  // of the progress of an evaluation: large faces are cut
+
+}  // namespace
 
 double Domain::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
@@ -22,29 +28,34 @@ double Domain::spacing(std::size_t count) const {
 SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
     : surface_(surface), cells_(cells), steps_(steps), cuts_(std::make_shared<CutSurfaces>()) {}
 
-RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, const Context* context) const {
+RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, Context* context) const {
   check_sites(surface_, sites);
-  const std::shared_ptr<const CutSurface> cut = cuts_->at(surface_, sites.size());
+  Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
+  const std::shared_ptr<const CutSurface> cut =
+      cuts_->at(surface_, sites.size(), cutting.context());
   if (!cut) return unit_voronoi(surface_, sites, context, cells_);
-  return without_unit(unit_voronoi(cut->surface(), cut->on_pieces(sites), context, cells_),
-                      cut->surface().ordered().density_unit() / density_unit());
+  return without_unit(
+      unit_voronoi(cut->surface(), cut->on_pieces(sites), dividing.context(), cells_),
+      cut->surface().ordered().density_unit() / density_unit());
 }
 
-Sites SurfaceDomain::project(std::span<const Vec3> points,
-                             std::span<const std::int32_t> hints) const {
+Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                             const Context* context) const {
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
   if (walks) check_hints(surface_, points, hints);
-  Projection found =
-      walks ? LocalProjection(surface_).walk(points, hints) : projector().project(points, hints);
-  if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found);
+  Projection found = walks ? LocalProjection(surface_).walk(points, hints, context)
+                           : projector(context).project(points, hints, context);
+  if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found, context);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
-const Projector& SurfaceDomain::projector() const {
+const Projector& SurfaceDomain::projector(const Context* context) const {
   // While Embree waits for its own tasks, this thread must not begin another that waits for it.
+  // Cancelled, it is made by the next who asks.
   std::call_once(once_, [&] {
-    tbb::this_task_arena::isolate(
-        [&] { projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true); });
+    tbb::this_task_arena::isolate([&] {
+      projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true, context);
+    });
   });
   return *projector_;
 }

@@ -49,14 +49,14 @@ Energy without_unit(Energy energy, double density_unit) {
 }  // namespace
 
 Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
-                       const Context* context, Cells cells) {
+                       Context* context, Cells cells) {
   const SurfaceDomain domain(surface, cells);
   return without_unit(evaluate_energy(domain, sites, capacity_weight, context),
                       domain.density_unit());
 }
 
 Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,
-                       const Context* context) {
+                       Context* context) {
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
   return assemble(domain.cells(sites, context), domain.mass(), capacity_weight);

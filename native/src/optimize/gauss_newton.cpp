@@ -120,8 +120,9 @@ void GaussNewtonPart::add_blocks(double delta, std::vector<Eigen::Matrix3d>& blo
 
 // ---- all terms ----
 
-GaussNewton::GaussNewton(const Objective& objective, const State& state, int steps)
-    : objective_(objective), state_(state), steps_(steps) {
+GaussNewton::GaussNewton(const Objective& objective, const State& state, int steps,
+                         const Context* context)
+    : objective_(objective), state_(state), steps_(steps), context_(context) {
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     parts_.emplace_back(state.parts[t], objective.terms[t].members, objective.capacity_weight,
                         objective.scale(t, state.parts[t].energy.gradient.size()));
@@ -166,6 +167,7 @@ Vectors GaussNewton::solve(const Vectors& b, double delta) const {
   double rho = dot(residual, z);
   const double enough = kSolverTolerance * kSolverTolerance * rho;
   for (int k = 0; k < steps_ && rho > enough; ++k) {
+    if (context_) context_->check();
     const Vectors applied = apply(direction, delta);
     const double curvature = dot(direction, applied);
     if (!(curvature > 0.0)) break;

@@ -48,10 +48,12 @@ class GaussNewton {
  public:
   /// The arguments must outlive the operator.
   /// \param steps of conjugate gradients, at most
-  GaussNewton(const Objective& objective, const State& state, int steps);
+  /// \param context is asked at each whether to go on, no more
+  GaussNewton(const Objective& objective, const State& state, int steps,
+              const Context* context = nullptr);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
-  /// restricted.
+  /// restricted. \throw Cancelled
   [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
 
  private:
@@ -61,6 +63,7 @@ class GaussNewton {
   const Objective& objective_;
   const State& state_;
   int steps_;
+  const Context* context_;
   std::vector<GaussNewtonPart> parts_;
 };
 

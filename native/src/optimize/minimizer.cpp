@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/progress.hpp"
 #include "optimize/forecast.hpp"
 #include "optimize/line_search.hpp"
 #include "optimize/reinsertion.hpp"
@@ -62,10 +63,12 @@ class Minimizer {
 
   void begin(const Sites& start, const Sites* home) {
     const bool projected = start.barycentric.empty();
-    state_ = evaluate(projected ? objective_.project(start.positions, start.faces) : start);
+    state_ = evaluate(projected ? objective_.project(start.positions, start.faces, {}, context_)
+                                : start);
     limit_.set_home(home && !projected ? *home : state_.sites);
     if (limit_.exceeded(state_))
-      state_ = evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces));
+      state_ =
+          evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces, context_));
     shrink_radii(objective_, state_, radii_);
     if (options_.stickiness > 0.0)
       stick(objective_, state_, limit_.home().positions, options_.stickiness);
@@ -77,10 +80,9 @@ class Minimizer {
   }
 
   State evaluate(Sites sites) {
-    State state = dapple::evaluate(objective_, std::move(sites), radii_, context_);
-    ++result_.evaluations;
-    if (context_) context_->advance(forecast_.progress(result_.evaluations));
-    return state;
+    const int before = result_.evaluations++;
+    Stretch evaluating(context_, forecast_.progress(before), forecast_.progress(before + 1));
+    return dapple::evaluate(objective_, std::move(sites), radii_, evaluating.context());
   }
 
   /// The state after moves along the surface, none if no evaluation is left.
@@ -88,7 +90,7 @@ class Minimizer {
     if (result_.evaluations >= options_.max_evaluations) return std::nullopt;
     Vectors moved = state_.sites.positions;
     add_scaled(moved, 1.0, moves);
-    return evaluate(limit_.project(state_, std::move(moved), state_.sites.faces));
+    return evaluate(limit_.project(state_, std::move(moved), state_.sites.faces, context_));
   }
 
   void iterate() {
@@ -108,7 +110,7 @@ class Minimizer {
   }
 
   [[nodiscard]] Vectors descent_direction() {
-    return in_trust_region() ? region_.step(objective_, state_, radii_, history_)
+    return in_trust_region() ? region_.step(objective_, state_, radii_, history_, context_)
                              : lbfgs_direction(objective_, state_, options_.max_step, history_);
   }
 
@@ -146,7 +148,8 @@ class Minimizer {
       moved.positions[site] = found.positions[k];
       moved.faces[site] = found.faces[k];
     }
-    State next = evaluate(limit_.project(state_, std::move(moved.positions), moved.faces));
+    State next =
+        evaluate(limit_.project(state_, std::move(moved.positions), moved.faces, context_));
     if (!(next.total < state_.total)) return;
     history_.forget();
     rule_.reset();
@@ -173,7 +176,7 @@ class Minimizer {
   /// Whether a full step of the model promises far more than the steps gave: then they are small
   /// because something holds them back, not because nothing is left to gain.
   [[nodiscard]] bool stuck() const {
-    return in_trust_region() && region_.promised(objective_, state_) >
+    return in_trust_region() && region_.promised(objective_, state_, context_) >
                                     std::max(kStuck, options_.tolerance) * state_.total;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/progress.hpp"
 #include "voronoi/local_spacing.hpp"
 
 namespace dapple {
@@ -78,8 +79,9 @@ double Objective::scale(std::size_t term, std::size_t sites) const {
 }
 
 Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
-                         std::span<const std::int32_t> which) const {
-  if (homes.size() < 2) return (homes.empty() ? domain() : *homes[0]).project(points, hints);
+                         std::span<const std::int32_t> which, const Context* context) const {
+  if (homes.size() < 2)
+    return (homes.empty() ? domain() : *homes[0]).project(points, hints, context);
   Sites result{points, {hints.begin(), hints.end()}, Vectors(points.size())};
   for (std::size_t c = 0; c < homes.size(); ++c) {
     std::vector<std::int32_t> members;
@@ -88,7 +90,7 @@ Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hi
           static_cast<std::int32_t>(c))
         members.push_back(static_cast<std::int32_t>(k));
     const Sites mine = select(result, members);
-    const Sites found = homes[c]->project(mine.positions, mine.faces);
+    const Sites found = homes[c]->project(mine.positions, mine.faces, context);
     put(result, members, found);
   }
   return result;
@@ -102,17 +104,19 @@ void Objective::restrict(Vectors& v, const Vectors& normals) const {
 }
 
 State evaluate(const Objective& objective, Sites sites,
-               const std::vector<std::vector<double>>& radii, const Context* context) {
+               const std::vector<std::vector<double>>& radii, Context* context) {
   State state;
   state.sites = std::move(sites);
   objective.domain().check(state.sites);
   for (const std::int32_t face : state.sites.faces)
     state.normals.push_back(objective.domain().normal(face));
-  for (const Term& term : objective.terms) {
+  for (std::size_t t = 0; t < objective.terms.size(); ++t) {
+    const Term& term = objective.terms[t];
+    Stretch evaluating(context, t, objective.terms.size());
     Part part;
     part.energy = evaluate_energy(
         *term.domain, term.members.empty() ? state.sites : select(state.sites, term.members),
-        objective.capacity_weight, context);
+        objective.capacity_weight, evaluating.context());
     state.parts.push_back(std::move(part));
   }
   if (!objective.discs.empty())

@@ -40,7 +40,8 @@ struct Objective {
   /// \param hints faces near the points
   /// \param which sites the points are of; empty: of all, in order
   [[nodiscard]] Sites project(const Vectors& points, std::span<const std::int32_t> hints,
-                              std::span<const std::int32_t> which = {}) const;
+                              std::span<const std::int32_t> which = {},
+                              const Context* context = nullptr) const;
 
   /// Remove what is not a move along the surface of a site that may move.
   void restrict(Vectors& v, const Vectors& normals) const;
@@ -72,7 +73,7 @@ struct State {
 
 /// \param radii of the repulsion, per term
 [[nodiscard]] State evaluate(const Objective& objective, Sites sites,
-                             const std::vector<std::vector<double>>& radii, const Context* context);
+                             const std::vector<std::vector<double>>& radii, Context* context);
 
 /// Add up again after the radii have changed.
 void set_radii(const Objective& objective, State& state,

@@ -13,8 +13,8 @@ constexpr double kPull = 0.8;  // of the distance that is left after each; the l
 /// The projection may carry even a site that has not moved: to where there is density, or by
 /// rounding. Locked sites keep their bytes.
 Sites project_unlocked(const Objective& objective, const Sites& before, const Vectors& moved,
-                       std::span<const std::int32_t> hints) {
-  Sites sites = objective.project(moved, hints);
+                       std::span<const std::int32_t> hints, const Context* context) {
+  Sites sites = objective.project(moved, hints, {}, context);
   for (std::size_t k = 0; k < objective.locked.size(); ++k) {
     if (!objective.locked[k]) continue;
     sites.positions[k] = before.positions[k];
@@ -37,22 +37,24 @@ bool SlideLimit::exceeded(const State& state) const {
   return false;
 }
 
-Sites SlideLimit::project(const State& state, Vectors moved,
-                          std::span<const std::int32_t> hints) const {
-  if (std::isinf(max_slide_)) return project_unlocked(*objective_, state.sites, moved, hints);
+Sites SlideLimit::project(const State& state, Vectors moved, std::span<const std::int32_t> hints,
+                          const Context* context) const {
+  if (std::isinf(max_slide_))
+    return project_unlocked(*objective_, state.sites, moved, hints, context);
   for (std::size_t k = 0; k < moved.size(); ++k) {
     const Vec3 slide = moved[k] - home_.positions[k];
     const double excess = slide.norm() / reach(state, k);
     if (excess > 1.0) moved[k] = home_.positions[k] + slide / excess;
   }
-  Sites sites = project_unlocked(*objective_, state.sites, moved, hints);
+  Sites sites = project_unlocked(*objective_, state.sites, moved, hints, context);
   for (int pull = 0; pull < kPulls; ++pull)
-    pull_back(state, sites, moved, pull + 1 < kPulls ? kPull : 0.0);
+    pull_back(state, sites, moved, pull + 1 < kPulls ? kPull : 0.0, context);
   return sites;
 }
 
 /// Project the sites that are out of reach again, with `part` of their distance; 0 is their home.
-void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part) const {
+void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+                           const Context* context) const {
   std::vector<std::int32_t> far;
   Sites pulled;
   for (std::size_t k = 0; k < moved.size(); ++k) {
@@ -63,7 +65,7 @@ void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, dou
     pulled.faces.push_back(home_.faces[k]);
     pulled.barycentric.push_back(home_.barycentric[k]);
   }
-  if (part > 0.0) pulled = objective_->project(pulled.positions, pulled.faces, far);
+  if (part > 0.0) pulled = objective_->project(pulled.positions, pulled.faces, far, context);
   put(sites, far, pulled);
 }
 

@@ -23,12 +23,15 @@ class SlideLimit {
   /// (around a bend, to another sheet): it is pulled toward its home until it does not.
   /// \param state whose sites are moved
   /// \param hints faces near the points
+  /// \throw Cancelled
   [[nodiscard]] Sites project(const State& state, Vectors moved,
-                              std::span<const std::int32_t> hints) const;
+                              std::span<const std::int32_t> hints,
+                              const Context* context = nullptr) const;
 
  private:
   [[nodiscard]] double reach(const State& state, std::size_t k) const;
-  void pull_back(const State& state, Sites& sites, Vectors& moved, double part) const;
+  void pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+                 const Context* context) const;
 
   const Objective* objective_;
   double max_slide_;

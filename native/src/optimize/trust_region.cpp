@@ -43,8 +43,9 @@ Vectors keep_apart(const State& state, const std::vector<std::vector<double>>& r
 // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
 // to it.
 Vectors TrustRegion::step(const Objective& objective, const State& state,
-                          const std::vector<std::vector<double>>& radii, LbfgsHistory& history) {
-  const GaussNewton model(objective, state, exact_ ? kExactSteps : kSteps);
+                          const std::vector<std::vector<double>>& radii, LbfgsHistory& history,
+                          const Context* context) {
+  const GaussNewton model(objective, state, exact_ ? kExactSteps : kSteps, context);
   const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
   const double first_delta = delta_;
   for (int solves = 1;; ++solves) {
@@ -71,8 +72,9 @@ void TrustRegion::update_radius(bool found, double shortened) {
   delta_ = std::min(delta_, kMost);
 }
 
-double TrustRegion::promised(const Objective& objective, const State& state) const {
-  const GaussNewton model(objective, state, kSteps);
+double TrustRegion::promised(const Objective& objective, const State& state,
+                             const Context* context) const {
+  const GaussNewton model(objective, state, kSteps, context);
   return 0.5 * dot(model.solve(state.gradient, least_delta_), state.gradient);
 }
 

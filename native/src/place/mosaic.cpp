@@ -15,10 +15,11 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 32;   // cells a chunk
-constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
-constexpr double kCellsShare = 0.4;  // of the progress: the cells are cut ...
-constexpr double kMade = 0.95;       // ... and the tiles made
+constexpr std::size_t kGrain = 32;  // cells a chunk
+constexpr double kRounding = 1e-9;  // spacings: no tolerance below it means anything
+// Of the progress: large faces are cut, the cells known and the tiles made.
+constexpr double kCut = 0.15, kCellsShare = 0.4;
+constexpr double kMade = 0.95;
 
 void check(const Surface& surface, const Samples& samples, const MosaicOptions& options) {
   check_samples(surface, samples);
@@ -104,11 +105,12 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
   Sites sites;
   sites.positions = samples.positions;
   sites.faces = samples.faces;
-  const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size());
+  Stretch cutting(context, 0.0, kCut);
+  const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size(), cutting.context());
   const Surface& drawn = cut ? cut->surface() : surface;
+  Stretch dividing(context, cut ? kCut : 0.0, kCellsShare);
   const std::vector<CellPolygon> pieces = restricted_voronoi_polygons(
-      drawn, cut ? cut->on_pieces(sites) : sites, options.cells, context);
-  if (context) context->advance(kCellsShare);
+      drawn, cut ? cut->on_pieces(sites) : sites, options.cells, dividing.context());
   const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
   const Tiler tiler(drawn, samples, options);
   std::vector<MadeTile> tiles(samples.size());

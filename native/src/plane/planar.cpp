@@ -3,6 +3,7 @@
 #include <cmath>
 #include <dapple/planar.hpp>
 
+#include "base/progress.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
 #include "density/cut_surface.hpp"
@@ -15,6 +16,7 @@
 namespace dapple {
 namespace {
 
+constexpr double kCut = 0.3;       // of the progress of an evaluation: large faces are cut
 constexpr double kOutside = 1e-9;  // of the domain's size: farther is not rounding
 
 const Image& checked(const Image& image) {
@@ -164,19 +166,21 @@ PlanarDomain PlanarDomain::polygon(const std::vector<Vec2>& outline,
   return {polygon_surface(outline, holes), Vec2::Zero(), nullptr};
 }
 
-RestrictedVoronoi PlanarDomain::cells(const Sites& sites, const Context* context) const {
+RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) const {
   if (context) context->check();
+  Stretch cutting(context, 0.0, kCut);
   // A rectangle has no corner that a straight way between two of its points could leave it at.
-  const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size()) : nullptr;
+  const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size(), cutting.context()) : nullptr;
+  Stretch dividing(context, cut ? kCut : 0.0, 1.0);
   return restricted_voronoi(cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
-                            plane_graph(sites.positions), context, cells_);
+                            plane_graph(sites.positions), dividing.context(), cells_);
 }
 
 double PlanarDomain::density_unit() const { return surface_.ordered().density_unit(); }
 
-Sites PlanarDomain::project(std::span<const Vec3> points,
-                            std::span<const std::int32_t> hints) const {
-  Projection found = projector_->project(points, hints);
+Sites PlanarDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                            const Context* context) const {
+  Projection found = projector_->project(points, hints, context);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
@@ -240,7 +244,7 @@ Vec2 TorusDomain::canonical(const Vec3& position) const {
   return {wrap(position.x()), wrap(position.y())};
 }
 
-RestrictedVoronoi TorusDomain::cells(const Sites& sites, const Context* context) const {
+RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const {
   if (context) context->check();
   Sites wrapped;
   for (const Vec3& x : sites.positions) {
@@ -253,8 +257,10 @@ RestrictedVoronoi TorusDomain::cells(const Sites& sites, const Context* context)
 
 double TorusDomain::density_unit() const { return cover_.ordered().density_unit(); }
 
-Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>) const {
+Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>,
+                           const Context* context) const {
   check_finite("points", points);
+  if (context) context->check();
   Sites sites;
   for (const Vec3& x : points) {
     const Vec2 p = canonical(x);

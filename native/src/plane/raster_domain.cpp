@@ -10,6 +10,7 @@
 
 #include "base/density_unit.hpp"
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/segment.hpp"
 #include "base/validate.hpp"
 #include "plane/delaunay_graph.hpp"
@@ -80,14 +81,15 @@ RasterDomain::RasterDomain(Image density)
       mass_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
       frame_(rectangle(size_)) {}
 
-RestrictedVoronoi RasterDomain::cells(const Sites& sites, const Context* context) const {
+RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) const {
   const SiteGraph graph = plane_graph(sites.positions);
   RestrictedVoronoi result;
   result.cells.resize(sites.size());
   result.rows.resize(sites.size());
   std::vector<std::vector<CellBoundary>> boundaries((sites.size() + kGrain - 1) / kGrain);
+  Tally tally(context, sites.size());
   parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    if (context) context->check();
+    tally.check();
     FlatPolygon cell;
     PixelIntegrals integrals(density_);
     std::vector<CellBoundary>& mine = boundaries[begin / kGrain];
@@ -100,6 +102,7 @@ RestrictedVoronoi RasterDomain::cells(const Sites& sites, const Context* context
       append_boundaries(cell, integrals, graph.of(k), mine);
       result.rows[k] = {first, mine.size() - first};
     }
+    tally.add(end - begin);
   });
   for (std::size_t k = 0; k < sites.size(); ++k) {
     if (k % kGrain == 0 && k > 0) {
@@ -114,12 +117,14 @@ RestrictedVoronoi RasterDomain::cells(const Sites& sites, const Context* context
   return result;
 }
 
-Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>) const {
+Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>,
+                            const Context* context) const {
   Sites sites;
   sites.positions.resize(points.size());
   sites.faces.resize(points.size());
   sites.barycentric.assign(points.size(), Vec3::Zero());
   parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) {
       const Vec2 p = nearest(flat(points[k]));
       const Vec2 last = size_ - Vec2::Ones();

@@ -16,10 +16,10 @@ class RasterDomain final : public Domain {
   /// \throw ArgumentError as check_image("density", density)
   explicit RasterDomain(Image density);
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, const Context* context) const override;
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
   /// The nearest points in pixels with density.
-  [[nodiscard]] Sites project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const override;
+  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t) const override { return Vec3::UnitZ(); }
   [[nodiscard]] double area() const override { return size_.x() * size_.y(); }
   [[nodiscard]] double mass() const override { return mass_; }

@@ -155,7 +155,7 @@ Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Co
     starts.classes.push_back({&member.domain->sampling_surface(), member.count, member.radius,
                               member.domain->to_sampling_surface(member.locked)});
   Sites sites = kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context);
-  return starts.period > 0.0 ? problem.all->project(sites.positions, {}) : sites;
+  return starts.period > 0.0 ? problem.all->project(sites.positions, {}, context) : sites;
 }
 
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,

@@ -6,6 +6,7 @@
 #include <dapple/energy.hpp>
 #include <numeric>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/validate_samples.hpp"
 #include "surface/ordered_surface.hpp"
@@ -131,8 +132,8 @@ Report analyze(const Surface& surface, const Samples& samples, double capacity_w
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
   const SurfaceDomain domain(surface, cells);
   Report report;
-  const Energy energy = evaluate_energy(domain, sites, capacity_weight, context);
-  if (context) context->advance(kEvaluated);
+  Stretch evaluating(context, 0.0, kEvaluated);
+  const Energy energy = evaluate_energy(domain, sites, capacity_weight, evaluating.context());
   static_cast<Quality&>(report) = measure(domain, energy, sites, samples.normals);
   report.evaluations = 1;
   if (context) context->advance(1.0);

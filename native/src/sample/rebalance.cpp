@@ -89,7 +89,7 @@ class Round {
         limited_(limited),
         random_(random),
         context_(context),
-        diagram_(domain.cells(sites, context)),
+        diagram_(domain.cells(sites, cells_share().context())),
         fill_(sites.size(), 0.0),
         patch_(sites.size(), 0),
         guests_(sites.size()) {
@@ -110,6 +110,12 @@ class Round {
   }
 
  private:
+  /// How much of the progress the cells are, as far as one knows before they are known.
+  [[nodiscard]] Stretch cells_share() const {
+    const auto cells = static_cast<double>(sites_.size());
+    return {context_, 0.0, cells / rebalancing_work(sites_.size(), count_)};
+  }
+
   using Place = std::vector<std::int32_t>::const_iterator;
   using Queue = std::set<std::pair<double, std::size_t>>;
 
@@ -279,7 +285,7 @@ class Round {
     const std::vector<Vec3> near = near_positions(host);
     const std::vector<Vec3> places = places_around(host);
     const std::vector<std::int32_t> hints(places.size(), sites_.faces[host]);
-    const Sites found = domain_.project(places, hints);
+    const Sites found = domain_.project(places, hints, context_);
     std::size_t best = 0;
     double most = -1.0;
     for (std::size_t k = 0; k < found.size(); ++k) {

@@ -141,6 +141,7 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
   const std::vector<std::int32_t> ordered_vertex = invert(result.original_vertex);
   std::vector<Vec3> centroids(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(context, f);
     const auto corner = [&](std::size_t k) -> const Vec3& {
       return vertices[static_cast<std::size_t>(faces[f][k])];
     };
@@ -150,6 +151,7 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
   result.ordered_face = invert(result.original_face);
   result.faces.reserve(faces.size());
   for (const std::int32_t f : result.original_face) {
+    check_at(context, result.faces.size());
     const Face& face = faces[static_cast<std::size_t>(f)];
     const auto ordered = [&](std::size_t k) {
       return ordered_vertex[static_cast<std::size_t>(face[k])];

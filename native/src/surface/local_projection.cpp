@@ -136,12 +136,13 @@ bool on_another_sheet(const Surface& surface, std::int32_t from, std::int32_t hi
 
 }  // namespace
 
-Projection LocalProjection::walk(std::span<const Vec3> points,
-                                 std::span<const std::int32_t> from) const {
+Projection LocalProjection::walk(std::span<const Vec3> points, std::span<const std::int32_t> from,
+                                 const Context* context) const {
   const std::size_t count = points.size();
   Projection hits{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
                   std::vector<Vec3>(count), std::vector<double>(count)};
   parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
     for (std::size_t k = begin; k < end; ++k)
       walk_to(points[k], surface_->ordered().ordered_face(from[k]), k, hits);
   });
@@ -149,8 +150,9 @@ Projection LocalProjection::walk(std::span<const Vec3> points,
 }
 
 void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
-                           Projection& hits) const {
+                           Projection& hits, const Context* context) const {
   parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t start = surface_->ordered().ordered_face(from[k]);
       const std::int32_t hit = surface_->ordered().ordered_face(hits.faces[k]);

@@ -15,14 +15,14 @@ class LocalProjection {
   explicit LocalProjection(const Surface& surface) : surface_(&surface) {}
 
   /// The nearest points met by walking from the faces `from` (caller's indices), one per point.
-  [[nodiscard]] Projection walk(std::span<const Vec3> points,
-                                std::span<const std::int32_t> from) const;
+  [[nodiscard]] Projection walk(std::span<const Vec3> points, std::span<const std::int32_t> from,
+                                const Context* context = nullptr) const;
 
   /// Mend the hits of `points`, which left the faces `from`, in place. Only hits on another
   /// component or on a face turned away are looked at, and those to which going straight over the
   /// faces does not lead: of two sheets at one place a point stays on its own.
-  void mend(std::span<const Vec3> points, std::span<const std::int32_t> from,
-            Projection& hits) const;
+  void mend(std::span<const Vec3> points, std::span<const std::int32_t> from, Projection& hits,
+            const Context* context = nullptr) const;
 
   struct Hit;
 

@@ -17,8 +17,21 @@ namespace {
 // A face thinner than this against its longest edge has no usable normal; it counts as having no
 // area.
 constexpr double kDegenerate = 1e-14;
-constexpr std::size_t kGrain = 4096;              // faces a chunk
-constexpr double kPlaced = 0.3, kMeasured = 0.9;  // of the progress
+constexpr std::size_t kGrain = 4096;  // faces a chunk
+// Of the progress.
+constexpr double kPlaced = 0.1, kMeasured = 0.95;
+constexpr double kMade = 0.4;  // of that of measuring: there is room for the faces
+
+/// Room for that many faces: it is large, and the system hands it out page by page.
+std::vector<FaceGeometry> make_room(std::size_t count, Context* context) {
+  std::vector<FaceGeometry> faces;
+  faces.reserve(count);
+  while (faces.size() < count) {
+    report_at(context, faces.size(), count, 1);
+    faces.resize(std::min(count, faces.size() + kGrain));
+  }
+  return faces;
+}
 
 /// Geometry of the triangle x with the density f at its corners.
 FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
@@ -81,8 +94,9 @@ OrderedSurface OrderedSurface::with_density(const Density& density, Context* con
 void OrderedSurface::measure(Context* context) {
   auto result = std::make_shared<Geometry>();
   const double unit = result->density_unit = find_density_unit();
-  result->faces.resize(face_count());
-  Tally tally(context, result->faces.size());
+  Stretch making(context, 0.0, kMade), measuring(context, kMade, 1.0);
+  result->faces = make_room(face_count(), making.context());
+  Tally tally(measuring.context(), face_count());
   parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     tally.check();
     for (std::size_t f = begin; f < end; ++f) {

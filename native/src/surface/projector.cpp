@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/errors.hpp>
 #include <dapple/projector.hpp>
 
 #include "surface/ordered_surface.hpp"
@@ -14,6 +15,7 @@
 #include <limits>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
 #include "surface/validate_surface.hpp"
@@ -27,6 +29,7 @@ namespace {
 constexpr double kMargin = 2e-6;
 // Sizes of the surface from its middle: from farther away, only the direction counts.
 constexpr double kFar = 1e12;
+constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
 
 /// Something of Embree's, given back at the end.
 template <typename T, void (*Release)(T)>
@@ -47,11 +50,14 @@ class Handle {
 }  // namespace
 
 struct Projector::Scene {
-  Scene(const Surface& s, bool support_only);
+  Scene(const Surface& s, bool support_only, const Context* context);
 
   [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
   [[nodiscard]] Vec3 within_reach(const Vec3& p) const;
-  void attach_triangles();
+  void find_faces(bool support_only, const Context* context);
+  void find_size(const Context* context);
+  void attach_triangles(const Context* context);
+  void build(const Context* context);
   void check() const;
 
   Surface surface;
@@ -141,22 +147,53 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
   return false;
 }
 
+/// Asks whether to go on while Embree builds its tree, from any of its threads. Exceptions must not
+/// pass through it.
+bool go_on(void* context, double) noexcept {
+  try {
+    (*static_cast<const Context**>(context))->check();
+    return true;
+  } catch (const Cancelled&) {
+    return false;
+  }
+}
+
 }  // namespace
 
-Projector::Scene::Scene(const Surface& s, bool support_only) : surface(s) {
-  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
-    if (!support_only || surface.ordered().geometry(f).moments.capacity > 0.0) faces.push_back(f);
+Projector::Scene::Scene(const Surface& s, bool support_only, const Context* context) : surface(s) {
+  find_faces(support_only, context);
+  find_size(context);
+  attach_triangles(context);
+  build(context);
+}
+
+void Projector::Scene::find_faces(bool support_only, const Context* context) {
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    check_at(context, f, kGrain);
+    const auto face = static_cast<std::int32_t>(f);
+    if (!support_only || surface.ordered().geometry(face).moments.capacity > 0.0)
+      faces.push_back(face);
+  }
+}
+
+void Projector::Scene::find_size(const Context* context) {
   Vec3 low = surface.ordered().vertex(0);
   Vec3 high = low;
   for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    check_at(context, k, kGrain);
     low = low.cwiseMin(surface.ordered().vertex(static_cast<std::int32_t>(k)));
     high = high.cwiseMax(surface.ordered().vertex(static_cast<std::int32_t>(k)));
   }
   center = 0.5 * (low + high);
   scale = 0.5 * (high - low).maxCoeff();  // > 0: a surface has area
   factor = std::ldexp(1.0, -std::ilogb(scale));
-  attach_triangles();
+}
+
+void Projector::Scene::build(const Context* context) {
+  if (context)
+    rtcSetSceneProgressMonitorFunction(handle.get(), go_on, static_cast<void*>(&context));
   rtcCommitScene(handle.get());
+  if (context) rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
   check();
 }
 
@@ -167,9 +204,11 @@ Vec3 Projector::Scene::within_reach(const Vec3& p) const {
   return most <= kFar * scale ? p : Vec3(center + kFar * scale * (way / most));
 }
 
-/// \throw std::bad_alloc, std::runtime_error for what Embree could not do
+/// \throw Cancelled if Embree was told to stop; std::bad_alloc, std::runtime_error for what it
+/// could not do
 void Projector::Scene::check() const {
   const RTCError error = rtcGetDeviceError(device.get());
+  if (error == RTC_ERROR_CANCELLED) throw Cancelled();
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
 }
@@ -181,28 +220,31 @@ T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::si
   return static_cast<T*>(memory);
 }
 
-void Projector::Scene::attach_triangles() {
+void Projector::Scene::attach_triangles(const Context* context) {
   const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
       rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE)};
   const RTCGeometry triangles = geometry.get();
   auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
                              surface.vertex_count());
   for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+    check_at(context, k, kGrain);
     const Vec3 unit = to_unit(surface.ordered().vertex(static_cast<std::int32_t>(k)));
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
   }
   auto* index =
       buffer_of<unsigned>(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(context, f, kGrain);
     for (std::size_t k = 0; k < 3; ++k)
       index[3 * f + k] = static_cast<unsigned>(surface.ordered().corners(faces[f])[k]);
+  }
   rtcCommitGeometry(triangles);
   rtcAttachGeometry(handle.get(), triangles);
 }
 
-Projector::Projector(const Surface& surface, bool support_only)
-    : scene_(std::make_unique<Scene>(surface, support_only)) {}
+Projector::Projector(const Surface& surface, bool support_only, const Context* context)
+    : scene_(std::make_unique<Scene>(surface, support_only, context)) {}
 Projector::~Projector() = default;
 Projector::Projector(Projector&&) noexcept = default;
 Projector& Projector::operator=(Projector&&) noexcept = default;
@@ -219,22 +261,23 @@ std::int32_t first_guess(const Scene& scene, std::span<const std::int32_t> hints
 
 }  // namespace
 
-Projection Projector::project(std::span<const Vec3> points,
-                              std::span<const std::int32_t> hints) const {
+Projection Projector::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context) const {
   check_hints(scene_->surface, points, hints);
   const std::size_t count = points.size();
   Projection result{std::vector<Vec3>(count), std::vector<std::int32_t>(count),
                     std::vector<Vec3>(count), std::vector<double>(count)};
   parallel_chunks(count, 64, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) {
       const Vec3 point = scene_->within_reach(points[k]);
       Query query{&scene_->surface, &scene_->faces, scene_->scale, scene_->factor, point};
       query.consider(first_guess(*scene_, hints, k));
       const Vec3 unit = scene_->to_unit(point);
       RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
-      RTCPointQueryContext context;
-      rtcInitPointQueryContext(&context);
-      rtcPointQuery(scene_->handle.get(), &embree, &context, visit, &query);
+      RTCPointQueryContext embree_context;
+      rtcInitPointQueryContext(&embree_context);
+      rtcPointQuery(scene_->handle.get(), &embree, &embree_context, visit, &query);
       result.faces[k] = query.face;
       result.barycentric[k] = query.barycentric;
       result.positions[k] = scene_->surface.point(query.face, query.barycentric);
@@ -262,9 +305,9 @@ std::vector<std::vector<std::int32_t>> Projector::faces_within(
       const Vec3 unit = scene_->to_unit(points[k]).cwiseMax(-kFar).cwiseMin(kFar);
       RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
                            search_radius(radii[k], scene_->scale)};
-      RTCPointQueryContext context;
-      rtcInitPointQueryContext(&context);
-      rtcPointQuery(scene_->handle.get(), &embree, &context, gather, &query);
+      RTCPointQueryContext embree_context;
+      rtcInitPointQueryContext(&embree_context);
+      rtcPointQuery(scene_->handle.get(), &embree, &embree_context, gather, &query);
       if (query.error) std::rethrow_exception(query.error);
       std::sort(query.found.begin(), query.found.end());
       result[k] = std::move(query.found);

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <optional>
 #include <tuple>
-#include <unordered_map>
+#include <utility>
 
 #include "base/progress.hpp"
 
@@ -27,11 +27,57 @@ constexpr double kBordersSettled = 0.35, kSettled = 0.4, kSidesFound = 0.7;
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
+/// Lists of points by the hash of their cell, all in two arrays: a map of vectors takes long to
+/// grow, and longer to be given back.
+class Buckets {
+ public:
+  explicit Buckets(std::size_t points) : slots_(kFewest), next_(points, -1) {}
+
+  /// The first point of a list, -1 for none; next() gives the others, in the order they came.
+  [[nodiscard]] std::int32_t first(std::uint64_t key) const { return slots_[find(key)].first; }
+  [[nodiscard]] std::int32_t next(std::int32_t k) const { return next_[as_size(k)]; }
+
+  void add(std::uint64_t key, std::int32_t k) {
+    Slot& slot = slots_[find(key)];
+    if (slot.first < 0) {
+      slot = {key, k, k};
+      if (2 * ++used_ > slots_.size()) grow();
+      return;
+    }
+    next_[as_size(slot.last)] = k;
+    slot.last = k;
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    std::int32_t first = -1, last = -1;
+  };
+  static constexpr std::size_t kFewest = 1024;  // a power of two, as all sizes are
+
+  /// Where the key is, or else the free slot for it.
+  [[nodiscard]] std::size_t find(std::uint64_t key) const {
+    std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15u >> 32) & (slots_.size() - 1);
+    while (slots_[at].first >= 0 && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
+    return at;
+  }
+
+  void grow() {
+    const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(2 * slots_.size()));
+    for (const Slot& slot : old)
+      if (slot.first >= 0) slots_[find(slot.key)] = slot;
+  }
+
+  std::vector<Slot> slots_;
+  std::vector<std::int32_t> next_;  // per point, in its list
+  std::size_t used_ = 0;
+};
+
 /// Finds, for points added one after another, an earlier one within the tolerance.
 class Places {
  public:
   Places(std::span<const Vec3> points, double tolerance)
-      : points_(points), tolerance_(tolerance), low_(points[0]) {
+      : points_(points), tolerance_(tolerance), low_(points[0]), cells_(points.size()) {
     Vec3 high = low_;
     for (const Vec3& p : points) {
       low_ = low_.cwiseMin(p);
@@ -51,7 +97,7 @@ class Places {
     return best;
   }
 
-  void add(std::int32_t k) { cells_[hash(address(points_[as_size(k)]))].push_back(k); }
+  void add(std::int32_t k) { cells_.add(hash(address(points_[as_size(k)])), k); }
 
  private:
   using Address = std::array<std::int64_t, 3>;
@@ -61,12 +107,9 @@ class Places {
   }
 
   [[nodiscard]] std::int32_t find_in(const Address& at, const Vec3& p) const {
-    const auto cell = cells_.find(hash(at));
-    if (cell == cells_.end()) return -1;
-    const auto found = std::find_if(cell->second.begin(), cell->second.end(), [&](std::int32_t k) {
-      return (points_[as_size(k)] - p).norm() <= tolerance_;
-    });
-    return found == cell->second.end() ? -1 : *found;
+    std::int32_t k = cells_.first(hash(at));
+    while (k >= 0 && !((points_[as_size(k)] - p).norm() <= tolerance_)) k = cells_.next(k);
+    return k;
   }
 
   [[nodiscard]] Address address(const Vec3& p) const {
@@ -86,7 +129,7 @@ class Places {
   double tolerance_;
   Vec3 low_;
   double cell_;
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;
+  Buckets cells_;
 };
 
 /// A half-edge and what lies around its edge, seen along the edge from its lower place.

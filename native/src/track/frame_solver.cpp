@@ -54,7 +54,7 @@ Vectors face_normals(const Surface& surface, const Sites& sites) {
 }
 
 /// The sites after their moves; those that do not move keep their bytes.
-Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
+Sites move(Sites sites, const Vectors& moves, const Objective& objective, const Context* context) {
   std::vector<std::int32_t> moving;
   for (std::size_t k = 0; k < moves.size(); ++k)
     if (moves[k] != Vec3::Zero()) moving.push_back(static_cast<std::int32_t>(k));
@@ -62,7 +62,7 @@ Sites move(Sites sites, const Vectors& moves, const Objective& objective) {
   Vectors points = from.positions;
   for (std::size_t k = 0; k < moving.size(); ++k)
     points[k] += moves[static_cast<std::size_t>(moving[k])];
-  put(sites, moving, objective.project(points, from.faces, moving));
+  put(sites, moving, objective.project(points, from.faces, moving, context));
   return sites;
 }
 
@@ -80,7 +80,7 @@ Sites carried(const Surface& surface, Sites sites) {
 
 FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
                          const TrackerOptions& options, std::vector<SampleClass> classes,
-                         const Context* context)
+                         Context* context)
     : options_(options),
       classes_(counted(std::move(classes), samples.classes)),
       ids_(samples.ids),
@@ -118,8 +118,8 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Minimum found = minimize(frame.objective, move(start, moves, frame.objective), options,
-                                 context, {.home = home, .restoration = &restoration_});
+  const Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context),
+                                 options, context, {.home = home, .restoration = &restoration_});
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
   return {std::move(samples), found.settled};
@@ -129,8 +129,8 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       const Vectors& moves, const Sites& home,
                                       Context* context) const {
   const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
-  Minimum found = minimize(frame.objective, move(start, moves, frame.objective), aims(), context,
-                           {.home = &home, .restoration = &restoration_});
+  Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context), aims(),
+                           context, {.home = &home, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
 

@@ -22,7 +22,7 @@ class FrameSolver {
   /// \throw ArgumentError for options out of range, or samples of a class that is not given;
   /// Cancelled
   FrameSolver(const Surface& surface, const Samples& samples, const TrackerOptions& options,
-              std::vector<SampleClass> classes, const Context* context);
+              std::vector<SampleClass> classes, Context* context);
 
   /// Moves back toward the first frame's pattern; see PatternMemory.
   /// \param before the sites on the last frame

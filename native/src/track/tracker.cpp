@@ -15,10 +15,11 @@
 namespace dapple {
 namespace {
 
-constexpr int kMostParts = 16;   // of a frame
-constexpr double kStill = 1e-9;  // motion that rounding alone makes, relative to the size
-constexpr double kBound = 0.2;   // of the progress of a new tracker: the samples are bound
-constexpr double kHeld = 0.9;    // of the longest slide: a sample so far was held back by it
+constexpr int kMostParts = 16;      // of a frame
+constexpr double kStill = 1e-9;     // motion that rounding alone makes, relative to the size
+constexpr double kBound = 0.2;      // of the progress of a new tracker: the samples are bound ...
+constexpr double kEvaluated = 0.9;  // ... and evaluated
+constexpr double kHeld = 0.9;       // of the longest slide: a sample so far was held back by it
 
 int part_count(const Motion& motion, double longest) {
   if (longest == 0.0 || !(motion.extent > longest)) return 1;
@@ -54,9 +55,10 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
     context->check();
     context->advance(kBound);
   }
+  Stretch evaluating(context, kBound, kEvaluated);
   with_threads(options.threads, [&] {
     solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes),
-                                                  context);
+                                                  evaluating.context());
   });
   if (context) context->advance(1.0);
 }

@@ -24,7 +24,7 @@ class Window {
         solver_(
             surface,
             bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes),
-            options.tracker, {}, context) {}
+            options.tracker, {}, Stretch(context, 0.0, 0.0).context()) {}
 
   std::vector<Samples> solve(const Samples& samples) {
     const int closing = options_.closed ? 2 : 0;  // the pass backwards, and the way over to it

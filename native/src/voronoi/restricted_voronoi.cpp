@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
 #include "voronoi/cell_integrals.hpp"
@@ -17,10 +18,14 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  // cells a chunk
 
+// Of the progress: the cells are known but for the orphans, which are in few of them or in many.
+constexpr double kFlooded = 0.7;
+constexpr double kCut = 0.6;  // of that of polygons: the cells are known
+
 class Builder {
  public:
   Builder(const Surface& surface, const Sites& sites, const SiteGraph* graph, Cells cells,
-          const Context* context)
+          Context* context)
       : surface_(surface),
         sites_(surface, sites),
         index_(sites_, graph),
@@ -34,21 +39,23 @@ class Builder {
     result_.rows.resize(count());
     std::vector<std::int32_t> all(count());
     std::iota(all.begin(), all.end(), 0);
-    integrate(all);
-    if (!whole_ && missing_area()) {
-      give_away_orphans();
-    }
+    Stretch flooding(context_, 0.0, whole_ ? 1.0 : kFlooded), mending(context_, kFlooded, 1.0);
+    integrate(all, flooding.context());
+    if (!whole_ && missing_area()) give_away_orphans(mending.context());
+    if (context_) context_->advance(1.0);
     pieces_.clear();
     return std::move(result_);
   }
 
-  std::vector<CellPolygon> polygons() {
-    build();
+  /// Of cells that are built.
+  std::vector<CellPolygon> polygons(Context* context) {
     std::vector<std::vector<CellPolygon>> cells(count());
+    Tally tally(context, count());
     parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
-      if (context_) context_->check();
+      tally.check();
       for (std::size_t s = begin; s < end; ++s)
         collect(static_cast<std::int32_t>(s), cells[original(static_cast<std::int32_t>(s))]);
+      tally.add(end - begin);
     });
     std::vector<CellPolygon> result;
     for (auto& cell : cells) std::move(cell.begin(), cell.end(), std::back_inserter(result));
@@ -100,14 +107,16 @@ class Builder {
     return std::span(owners_).subspan(divided_[f], divided_[f + 1] - divided_[f]);
   }
 
-  void integrate(std::span<const std::int32_t> sites) {
+  void integrate(std::span<const std::int32_t> sites, Context* context) {
     const std::size_t chunks = (sites.size() + kGrain - 1) / kGrain;
     std::vector<std::vector<CellBoundary>> boundaries(chunks);
     pieces_.assign(chunks, {});
+    Tally tally(context, sites.size());
     parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      if (context_) context_->check();
+      tally.check();
       integrate_chunk(sites.subspan(begin, end - begin), boundaries[begin / kGrain],
                       pieces_[begin / kGrain]);
+      tally.add(end - begin);
     });
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
       for (const std::int32_t s :
@@ -153,7 +162,7 @@ class Builder {
 
   /// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
   /// that this changes again.
-  void give_away_orphans() {
+  void give_away_orphans(Context* context) {
     std::vector<Coverage> pieces;
     for (const auto& chunk : pieces_) pieces.insert(pieces.end(), chunk.begin(), chunk.end());
     std::vector<std::int32_t> orphans = find_orphans(surface_, pieces);
@@ -173,7 +182,7 @@ class Builder {
     for (const Share& share : shares_) changed.push_back(share.site);
     std::sort(changed.begin(), changed.end());
     changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
-    integrate(changed);
+    integrate(changed, context);
   }
 
   /// Of the sites asked, those that own something of the face when only the rivals compete.
@@ -264,7 +273,7 @@ class Builder {
   SiteIndex index_;
   bool whole_;      // no cell can have parts that its site does not reach
   bool connected_;  // cells follow the surface
-  const Context* context_;
+  Context* context_;
   tbb::enumerable_thread_specific<CellFlood> floods_;
   std::vector<std::vector<Coverage>> pieces_;  // of the last floods, per chunk
   std::vector<Share> shares_;                  // of orphans; sorted by site
@@ -275,7 +284,7 @@ class Builder {
 
 }  // namespace
 
-RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, const Context* context,
+RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, Context* context,
                                Cells cells) {
   return Builder(surface, sites, nullptr, cells, context).build();
 }
@@ -293,22 +302,25 @@ RestrictedVoronoi without_unit(RestrictedVoronoi diagram, double density_unit) {
   return diagram;
 }
 
-RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                     const Context* context, Cells cells) {
+RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, Context* context,
+                                     Cells cells) {
   check_sites(surface, sites);
   return without_unit(unit_voronoi(surface, sites, context, cells),
                       surface.ordered().density_unit());
 }
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                     const SiteGraph& graph, const Context* context, Cells cells) {
+                                     const SiteGraph& graph, Context* context, Cells cells) {
   return Builder(surface, sites, &graph, cells, context).build();
 }
 
 std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, const Sites& sites,
-                                                     Cells cells, const Context* context) {
+                                                     Cells cells, Context* context) {
   check_sites(surface, sites);
-  return Builder(surface, sites, nullptr, cells, context).polygons();
+  Stretch cutting(context, 0.0, kCut), collecting(context, kCut, 1.0);
+  Builder builder(surface, sites, nullptr, cells, cutting.context());
+  builder.build();
+  return builder.polygons(collecting.context());
 }
 
 }  // namespace dapple

@@ -30,7 +30,7 @@ struct SiteGraph {
 /// covers the cells: as restricted_voronoi(surface, sites), with the neighbors known
 /// and the integrals of the density times Surface::density_unit().
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                                   const SiteGraph& graph, const Context* context,
+                                                   const SiteGraph& graph, Context* context,
                                                    Cells cells = Cells::kEuclidean);
 
 }  // namespace dapple

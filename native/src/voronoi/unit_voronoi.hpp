@@ -9,7 +9,7 @@ namespace dapple {
 
 /// The restricted Voronoi diagram with the integrals of the density times Surface::density_unit().
 [[nodiscard]] RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites,
-                                             const Context* context, Cells cells);
+                                             Context* context, Cells cells);
 
 /// The same in the density's own unit.
 [[nodiscard]] RestrictedVoronoi without_unit(RestrictedVoronoi diagram, double density_unit);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <dapple/errors.hpp>
 
 #include "optimize/gauss_newton.hpp"
 #include "sample/class_problem.hpp"
@@ -123,6 +124,15 @@ TEST(GaussNewton, DoesNotDependOnTheUnits) {
   const Vectors a = GaussNewton(f.objective, f.state, kEnough).solve(f.state.gradient, kDelta);
   const Vectors b = GaussNewton(strong, tiny.state, kEnough).solve(f.state.gradient, kDelta);
   EXPECT_LT((flat(a) - flat(b)).norm(), 1e-4 * flat(a).norm());
+}
+
+TEST(GaussNewton, CanBeCancelled) {
+  const Fixture f;
+  Context context;
+  const GaussNewton model(f.objective, f.state, kEnough, &context);
+  EXPECT_NO_THROW((void)model.solve(f.state.gradient, kDelta));
+  context.cancel();
+  EXPECT_THROW((void)model.solve(f.state.gradient, kDelta), Cancelled);
 }
 
 }  // namespace
