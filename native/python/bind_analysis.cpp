@@ -108,8 +108,7 @@ std::shared_ptr<Report> analyze_samples(const Surface& surface, const py::object
   const SamplesPtr bound = samples_of(surface, "samples", samples, binding ? &*binding : nullptr);
   const py::gil_scoped_release released;
   return std::make_shared<Report>(analyze(surface, *bound, options.optimizer.capacity_weight,
-                                          options.cells,
-                                          analyzing ? &*analyzing : context.get()));
+                                          options.cells, analyzing ? &*analyzing : context.get()));
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,

@@ -141,7 +141,8 @@ class CancelWithThreads : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, CancelWithThreads, testing::Values(1, 2));
 
 TEST_P(CancelWithThreads, EverywhereInASample) {
-  const Surface surface = two_sheets(4, 0.02).surface();  // with orphans, so that all passes run
+  const Surface surface =
+      two_sheets(4, 0.02).surface();  // with uncovered faces, so that all passes run
   const SampleOptions options = few_evaluations(GetParam());
   const Samples expected = sample(surface, 120, options);
   cancel_everywhere([&](Context* context) { (void)sample(surface, 120, options, context); }, [] {});
@@ -273,30 +274,28 @@ TEST(Watched, Curvature) {
 TEST(Watched, NewTrackersAndMeasures) {
   const Surface surface = blob(2).surface();
   const Samples samples = sample(surface, 400);
-  const double no_orphans = 0.5;
+  const double all_covered = 0.5;
   expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, {}, context); },
-                 no_orphans);
+                 all_covered);
   expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
-                 no_orphans);
+                 all_covered);
   expect_watched(
       [&](Context* context) { (void)analyze(surface, samples, 30.0, Cells::kConnected, context); },
-      no_orphans);
+      all_covered);
 }
 
 TEST(Watched, CellsOfAllKinds) {
-  const Surface orphans = two_sheets(4, 0.02).surface();
-  const Sites sites = sites_of(sample(orphans, 400));
+  const Surface walls = two_sheets(4, 0.02).surface();
+  const Sites sites = sites_of(sample(walls, 400));
   const double chunk = 0.2;
   for (const Cells cells : {Cells::kConnected, Cells::kEuclidean}) {
     expect_watched(
-        [&](Context* context) { (void)restricted_voronoi(orphans, sites, context, cells); }, chunk);
+        [&](Context* context) { (void)restricted_voronoi(walls, sites, context, cells); }, chunk);
     expect_watched(
-        [&](Context* context) {
-          (void)restricted_voronoi_polygons(orphans, sites, cells, context);
-        },
+        [&](Context* context) { (void)restricted_voronoi_polygons(walls, sites, cells, context); },
         chunk);
     expect_watched(
-        [&](Context* context) { (void)evaluate_energy(orphans, sites, 30.0, context, cells); },
+        [&](Context* context) { (void)evaluate_energy(walls, sites, 30.0, context, cells); },
         chunk);
   }
   std::vector<Vec2> points;
@@ -304,8 +303,8 @@ TEST(Watched, CellsOfAllKinds) {
   for (int k = 0; k < 400; ++k) points.emplace_back(random.uniform(), random.uniform());
   const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
   const Sites on_square = square.sites(points);
-  const double no_orphans = 0.5;
-  expect_watched([&](Context* context) { (void)square.cells(on_square, context); }, no_orphans);
+  const double all_covered = 0.5;
+  expect_watched([&](Context* context) { (void)square.cells(on_square, context); }, all_covered);
   const TorusDomain torus;
   const Sites on_torus = torus.sites(points);
   expect_watched([&](Context* context) { (void)torus.cells(on_torus, context); }, chunk);
@@ -391,7 +390,8 @@ TEST(Watched, AWindowOfFrames) {
 }
 
 TEST(Watched, AMosaic) {
-  const Surface surface = two_sheets(4, 0.02).surface();  // with orphans, so that all passes run
+  const Surface surface =
+      two_sheets(4, 0.02).surface();  // with uncovered faces, so that all passes run
   const Samples samples = sample(surface, 120);
   expect_watched([&](Context* context) {
     (void)mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01}, context);

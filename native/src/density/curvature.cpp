@@ -30,7 +30,7 @@ std::vector<double> orient(const Surface& surface, const Context* context) {
   std::vector<std::int32_t> pending;
   std::size_t seen = 0;
   const auto start_of = [&](std::int32_t h) {
-    return surface.ordered().welded_corners(h / 3)[as_size(h % 3)];
+    return surface.ordered().welded_corners(face_of(h))[as_size(h % 3)];
   };
   for (std::size_t first = 0; first < signs.size(); ++first) {
     if (signs[first] != 0.0) continue;
@@ -108,10 +108,10 @@ class CurvatureField {
 
  private:
   [[nodiscard]] const FaceGeometry& geometry(std::size_t f) const {
-    return surface_.ordered().geometry(static_cast<std::int32_t>(f));
+    return surface_.ordered().geometry(nth_face(f));
   }
   [[nodiscard]] Face corners(std::size_t f) const {
-    return surface_.ordered().welded_corners(static_cast<std::int32_t>(f));
+    return surface_.ordered().welded_corners(nth_face(f));
   }
   [[nodiscard]] Vec3& normal_at(std::int32_t vertex) { return normals_[as_size(vertex)]; }
 

@@ -47,8 +47,7 @@ EdgeMarks longest_edge(const Piece& piece, double narrow) {
 
 bool has_large_face(const Surface& surface, double capacity) {
   for (std::size_t f = 0; f < surface.face_count(); ++f)
-    if (surface.ordered().geometry(static_cast<std::int32_t>(f)).moments.capacity > capacity)
-      return true;
+    if (surface.ordered().geometry(nth_face(f)).moments.capacity > capacity) return true;
   return false;
 }
 

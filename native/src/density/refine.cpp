@@ -18,7 +18,7 @@ constexpr std::int32_t kNone = -1;
 constexpr double kCut = 0.5;
 constexpr double kRound = 0.25;
 
-std::int32_t as_index(std::size_t k) { return static_cast<std::int32_t>(k); }
+std::int32_t as_int(std::size_t k) { return static_cast<std::int32_t>(k); }
 
 struct Edge {
   std::array<std::int32_t, 2> ends;
@@ -61,9 +61,9 @@ class CutMesh {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       check_at(context_, f);
-      Triangle triangle{faces_[f], {}, as_index(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+      Triangle triangle{faces_[f], {}, as_int(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t h = 3 * surface.ordered().ordered_face(as_index(f)) + as_index(k);
+        const std::int32_t h = half_edge(surface.ordered().ordered_face(as_int(f)), as_int(k));
         if (edge_of[static_cast<std::size_t>(h)] == kNone) number_ring(h, edge_of);
         triangle.edges[k] = edge_of[static_cast<std::size_t>(h)];
       }
@@ -142,7 +142,7 @@ class CutMesh {
   }
 
   std::int32_t add_edge(std::int32_t a, std::int32_t b) {
-    const std::int32_t e = as_index(edges_.size());
+    const std::int32_t e = as_int(edges_.size());
     edges_.push_back(
         {.ends = {a, b}, .squared_length = (vertex(b) - vertex(a)).squaredNorm(), .twin = e});
     return e;
@@ -183,7 +183,7 @@ class CutMesh {
   /// The caller's vertices where a half-edge starts and ends.
   [[nodiscard]] std::array<std::int32_t, 2> ends_of(std::int32_t half_edge) const {
     const Face& face =
-        faces_[static_cast<std::size_t>(surface_->ordered().original_face(half_edge / 3))];
+        faces_[static_cast<std::size_t>(surface_->ordered().original_face(face_of(half_edge)))];
     const auto k = static_cast<std::size_t>(half_edge % 3);
     return {face[k], face[(k + 1) % 3]};
   }
@@ -217,8 +217,8 @@ class CutMesh {
 
   void halve(std::size_t e) {
     const auto [a, b] = edges_[e].ends;
-    edges_[e].midpoint = as_index(vertices_.size());
-    edges_[e].half = as_index(edges_.size());
+    edges_[e].midpoint = as_int(vertices_.size());
+    edges_[e].half = as_int(edges_.size());
     ends_.push_back({a, b});
     vertices_.emplace_back(0.5 * (vertex(a) + vertex(b)));
     const std::int32_t middle = edges_[e].midpoint;

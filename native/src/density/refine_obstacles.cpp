@@ -77,7 +77,7 @@ EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
   return {(t[1] - t[0]).norm() > limit, (t[2] - t[1]).norm() > limit, (t[0] - t[2]).norm() > limit};
 }
 
-std::array<Vec3, 3> corners_of(const OrderedSurface& surface, std::int32_t face) {
+std::array<Vec3, 3> corners_of(const OrderedSurface& surface, OrderedFace face) {
   const auto [a, b, c] = surface.corners(face);
   return {surface.vertex(a), surface.vertex(b), surface.vertex(c)};
 }
@@ -108,7 +108,7 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
   bool left = false;
   for (std::size_t f = 0; f < refined.parents.size(); ++f) {
     report_at(filling.context(), f, refined.parents.size());
-    const std::int32_t face = fine.ordered_face(static_cast<std::int32_t>(f));
+    const OrderedFace face = fine.ordered_face(static_cast<std::int32_t>(f));
     const bool taken =
         in_area(refined.parents[f]) || balls.reach(refined.parents[f], corners_of(fine, face));
     const Vec3 values = taken ? Vec3(Vec3::Zero()) : fine.densities(face);

@@ -53,7 +53,8 @@ class GaussNewton {
               const Context* context = nullptr);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
-  /// restricted. \throw Cancelled
+  /// restricted.
+  /// \throw Cancelled
   [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
 
  private:

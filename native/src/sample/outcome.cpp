@@ -31,13 +31,11 @@ double whole_count_variation(const Surface& surface, const Sites& sites) {
   if (surface.ordered().components() < 2 || sites.size() == 0) return 0.0;
   const auto components = static_cast<std::size_t>(surface.ordered().components());
   std::vector<double> masses(components, 0.0), counts(components, 0.0);
-  const auto component_of = [&](std::int32_t ordered) {
-    return static_cast<std::size_t>(surface.ordered().component(ordered));
+  const auto component_of = [&](OrderedFace face) {
+    return static_cast<std::size_t>(surface.ordered().component(face));
   };
-  for (std::size_t f = 0; f < surface.face_count(); ++f) {
-    const auto face = static_cast<std::int32_t>(f);
-    masses[component_of(face)] += surface.ordered().geometry(face).moments.capacity;
-  }
+  for (std::size_t f = 0; f < surface.face_count(); ++f)
+    masses[component_of(nth_face(f))] += surface.ordered().geometry(nth_face(f)).moments.capacity;
   for (const std::int32_t face : sites.faces)
     ++counts[component_of(surface.ordered().ordered_face(face))];
   const double mean = surface.mass() / static_cast<double>(sites.size());

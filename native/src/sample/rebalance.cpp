@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "base/morton.hpp"
@@ -138,7 +139,7 @@ class Round {
       const auto last = first + held[c];
       fill(first, last, static_cast<double>(held[c] + changes[c]));
       if (held[c] > 0) split(first, last, changes[c]);
-      if (held[c] == 0 && changes[c] > 0) settle(largest_[c], changes[c]);
+      if (held[c] == 0 && changes[c] > 0) settle(*largest_[c], changes[c]);
       first = last;
     }
   }
@@ -152,20 +153,21 @@ class Round {
   /// Per component, how many it should have more.
   [[nodiscard]] std::vector<double> lacking(const std::vector<std::ptrdiff_t>& held) {
     std::vector<double> result(held.size(), 0.0);
-    largest_.assign(held.size(), -1);
+    largest_.assign(held.size(), std::nullopt);
     double sum = 0.0;
-    for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface_.face_count()); ++f) {
+    for (std::size_t k = 0; k < surface_.face_count(); ++k) {
+      const OrderedFace f = nth_face(k);
       const auto c = static_cast<std::size_t>(surface_.ordered().component(f));
       result[c] += mass(f);
       sum += mass(f);
-      if (largest_[c] < 0 || mass(f) > mass(largest_[c])) largest_[c] = f;
+      if (!largest_[c] || mass(f) > mass(*largest_[c])) largest_[c] = f;
     }
     for (std::size_t c = 0; c < held.size(); ++c)
       result[c] = static_cast<double>(count_) * result[c] / sum - static_cast<double>(held[c]);
     return result;
   }
 
-  [[nodiscard]] double mass(std::int32_t face) const {
+  [[nodiscard]] double mass(OrderedFace face) const {
     return surface_.ordered().geometry(face).moments.capacity;
   }
 
@@ -211,7 +213,7 @@ class Round {
   }
 
   /// A first site on a component that has none: the next round does the rest.
-  void settle(std::int32_t ordered_face, std::ptrdiff_t change) {
+  void settle(OrderedFace ordered_face, std::ptrdiff_t change) {
     const Vec3 middle = Vec3::Constant(1.0 / 3.0);
     const std::int32_t face = surface_.ordered().original_face(ordered_face);
     const Sites first{{surface_.point(face, middle)}, {face}, {middle}};
@@ -350,11 +352,11 @@ class Round {
   Random& random_;
   Context* context_;
   RestrictedVoronoi diagram_;
-  std::vector<std::int32_t> order_;    // sites by component, in each along a curve that fills space
-  std::vector<std::int32_t> largest_;  // per component: the face with the most density
-  std::vector<double> fill_;           // per site: how many samples what it owns is worth
-  std::vector<std::size_t> patch_;     // per site
-  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
+  std::vector<std::int32_t> order_;  // sites by component, in each along a curve that fills space
+  std::vector<std::optional<OrderedFace>> largest_;  // per component: the face of most mass
+  std::vector<double> fill_;             // per site: how many samples what it owns is worth
+  std::vector<std::size_t> patch_;       // per site
+  std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to come or to go
   std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
   double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
   std::size_t changed_ = 0;

@@ -30,13 +30,14 @@ void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& 
 
 }  // namespace
 
-Dart dart_at(const Surface& surface, std::int32_t ordered_face, const Vec3& weights) {
-  return {surface.point(surface.ordered().original_face(ordered_face), weights),
+Dart dart_at(const Surface& surface, OrderedFace face, const Vec3& weights) {
+  const OrderedSurface& ordered = surface.ordered();
+  return {surface.point(ordered.original_face(face), weights),
           weights,
-          surface.ordered().geometry(ordered_face).normal,
-          ordered_face,
-          surface.ordered().component(ordered_face),
-          weights.dot(surface.ordered().densities(ordered_face))};
+          ordered.geometry(face).normal,
+          face,
+          ordered.component(face),
+          weights.dot(ordered.densities(face))};
 }
 
 // ---- DartBoard ----
@@ -44,12 +45,11 @@ Dart dart_at(const Surface& surface, std::int32_t ordered_face, const Vec3& weig
 DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken)
     : surface_(&surface), masses_(static_cast<std::size_t>(surface.ordered().components()), 0.0) {
   for (std::size_t f = 0; f < surface.face_count(); ++f)
-    masses_[component(f)] +=
-        surface.ordered().geometry(static_cast<std::int32_t>(f)).moments.capacity;
+    masses_[component(nth_face(f))] += surface.ordered().geometry(nth_face(f)).moments.capacity;
   // Once cells follow the surface, components exchange no sites.
   places_ = allot(masses_, count);
   std::vector<std::size_t> held(places_.size(), 0);
-  for (const Dart& dart : taken) ++held[component(static_cast<std::size_t>(dart.face))];
+  for (const Dart& dart : taken) ++held[component(dart.face)];
   subtract(places_, held);
   sum_up();
 }
@@ -58,21 +58,21 @@ Dart DartBoard::draw(Random& random) const {
   while (true) {
     const double target = random.uniform() * cumulative_.back();
     const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), target);
-    const auto face =
+    const auto k =
         static_cast<std::size_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
-    if (places_[component(face)] > 0) return draw_on(static_cast<std::int32_t>(face), random);
+    if (places_[component(nth_face(k))] > 0) return draw_on(nth_face(k), random);
   }
 }
 
 void DartBoard::take(const Dart& dart) {
-  const std::size_t c = component(static_cast<std::size_t>(dart.face));
+  const std::size_t c = component(dart.face);
   if (--places_[c] > 0) return;
   closed_ += masses_[c];
   if (closed_ > 0.5 * cumulative_.back()) sum_up();
 }
 
-std::size_t DartBoard::component(std::size_t face) const {
-  return static_cast<std::size_t>(surface_->ordered().component(static_cast<std::int32_t>(face)));
+std::size_t DartBoard::component(OrderedFace face) const {
+  return static_cast<std::size_t>(surface_->ordered().component(face));
 }
 
 void DartBoard::sum_up() {
@@ -80,15 +80,15 @@ void DartBoard::sum_up() {
   closed_ = 0.0;
   cumulative_.resize(surface_->face_count());
   for (std::size_t f = 0; f < cumulative_.size(); ++f) {
-    if (places_[component(f)] > 0)
-      sum += surface_->ordered().geometry(static_cast<std::int32_t>(f)).moments.capacity;
+    if (places_[component(nth_face(f))] > 0)
+      sum += surface_->ordered().geometry(nth_face(f)).moments.capacity;
     cumulative_[f] = sum;
   }
 }
 
 // Uniform on the face, then accepted in proportion to the density: at least a third is, since it is
 // linear.
-Dart DartBoard::draw_on(std::int32_t face, Random& random) const {
+Dart DartBoard::draw_on(OrderedFace face, Random& random) const {
   const Vec3 values = surface_->ordered().densities(face);
   while (true) {
     const double root = std::sqrt(random.uniform());

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/random.hpp"
+#include "surface/ordered_face.hpp"
 
 namespace dapple {
 
@@ -14,7 +15,7 @@ struct Dart {
   Vec3 position;
   Vec3 barycentric;
   Vec3 normal;
-  std::int32_t face;  ///< ordered
+  OrderedFace face;
   std::int32_t component;
   double density;  ///< there
 
@@ -28,7 +29,7 @@ struct Dart {
 };
 
 /// The dart that would have hit a site of the surface.
-[[nodiscard]] Dart dart_at(const Surface& surface, std::int32_t ordered_face, const Vec3& weights);
+[[nodiscard]] Dart dart_at(const Surface& surface, OrderedFace face, const Vec3& weights);
 
 /// Draws points of a surface with its density, while their component has places left.
 class DartBoard {
@@ -43,9 +44,9 @@ class DartBoard {
   void take(const Dart& dart);
 
  private:
-  [[nodiscard]] std::size_t component(std::size_t face) const;
+  [[nodiscard]] std::size_t component(OrderedFace face) const;
   void sum_up();
-  [[nodiscard]] Dart draw_on(std::int32_t face, Random& random) const;
+  [[nodiscard]] Dart draw_on(OrderedFace face, Random& random) const;
 
   const Surface* surface_;
   std::vector<double> masses_;       // per component

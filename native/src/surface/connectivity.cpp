@@ -57,10 +57,10 @@ std::vector<std::int32_t> link_edges(std::span<const Face> faces, Context* conte
 /// Number the sets of faces connected over edges, in the order of their first faces.
 void find_components(Connectivity& mesh, const Context* context) {
   mesh.component.assign(mesh.faces.size(), -1);
-  std::vector<std::int32_t> pending;
+  std::vector<OrderedFace> pending;
   std::size_t seen = 0;
-  const auto push = [&](std::int32_t face) {
-    std::int32_t& component = mesh.component[static_cast<std::size_t>(face)];
+  const auto push = [&](OrderedFace face) {
+    std::int32_t& component = mesh.component[as_index(face)];
     if (component >= 0) return;
     component = mesh.components;
     pending.push_back(face);
@@ -70,13 +70,15 @@ void find_components(Connectivity& mesh, const Context* context) {
   };
   for (std::size_t start = 0; start < mesh.faces.size(); ++start) {
     if (mesh.component[start] >= 0) continue;
-    push(static_cast<std::int32_t>(start));
+    push(nth_face(start));
     while (!pending.empty()) {
       check_at(context, seen++);
-      const std::int32_t face = pending.back();
+      const OrderedFace face = pending.back();
       pending.pop_back();
-      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h)
-        for (std::int32_t g = next(h); g != h; g = next(g)) push(g / 3);
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const std::int32_t h = half_edge(face, k);
+        for (std::int32_t g = next(h); g != h; g = next(g)) push(face_of(g));
+      }
     }
     ++mesh.components;
   }
@@ -148,7 +150,8 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
     centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
   }
   result.original_face = morton_order(centroids, second.context());
-  result.ordered_face = invert(result.original_face);
+  for (const std::int32_t face : invert(result.original_face))
+    result.ordered_face.push_back(OrderedFace{face});
   result.faces.reserve(faces.size());
   for (const std::int32_t f : result.original_face) {
     check_at(context, result.faces.size());

@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "surface/ordered_face.hpp"
+
 namespace dapple {
 
 /// Faces and vertices in an order of their own (along Morton curves, which is kind to caches;
@@ -15,7 +17,7 @@ struct Connectivity {
   std::optional<double> weld;                  // see SurfaceOptions
   std::vector<Face> faces;                     // ordered faces of ordered vertices
   std::vector<std::int32_t> original_face;     // ordered -> caller's
-  std::vector<std::int32_t> ordered_face;      // caller's -> ordered
+  std::vector<OrderedFace> ordered_face;       // caller's -> ordered
   std::vector<std::int32_t> original_vertex;   // ordered -> caller's
   std::vector<std::int32_t> next_around_edge;  // per half-edge, see OrderedSurface::next_around
   std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see OrderedSurface::welded

@@ -12,10 +12,10 @@
 
 namespace dapple {
 
-/// The nearest point found so far, on an ordered face.
+/// The nearest point found so far.
 struct LocalProjection::Hit {
   double squared_distance;
-  std::int32_t face;
+  OrderedFace face;
   Vec3 barycentric;
 };
 
@@ -34,7 +34,7 @@ class Walk {
   Walk(const Surface& surface, const Vec3& point) : surface_(surface), point_(point) {}
 
   /// The nearest point among the faces connected to `start` within the ball that touches it.
-  Hit from(std::int32_t start) {
+  Hit from(OrderedFace start) {
     Hit best = closest(start);
     // The ball touches the edge where the nearest point is: rounding must not part them.
     const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
@@ -42,27 +42,28 @@ class Walk {
     const double ball = radius * radius;
     visit(start);
     while (!pending_.empty()) {
-      const std::int32_t face = pending_.back();
+      const OrderedFace face = pending_.back();
       pending_.pop_back();
-      for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const std::int32_t h = half_edge(face, k);
         if (squared_distance_to_edge(h) > ball) continue;
         for (std::int32_t g = surface_.ordered().next_around(h); g != h;
              g = surface_.ordered().next_around(g))
-          if (visit(g / 3) && surface_.ordered().geometry(g / 3).moments.capacity > 0.0)
-            best = better(best, closest(g / 3));
+          if (visit(face_of(g)) && surface_.ordered().geometry(face_of(g)).moments.capacity > 0.0)
+            best = better(best, closest(face_of(g)));
       }
     }
     return best;
   }
 
  private:
-  bool visit(std::int32_t face) {
+  bool visit(OrderedFace face) {
     if (!seen_.insert(face).second) return false;
     pending_.push_back(face);
     return true;
   }
 
-  [[nodiscard]] Hit closest(std::int32_t face) const {
+  [[nodiscard]] Hit closest(OrderedFace face) const {
     const auto [a, b, c] = surface_.ordered().corners(face);
     const Vec3 weights =
         closest_barycentric(point_, surface_.ordered().vertex(a), surface_.ordered().vertex(b),
@@ -80,7 +81,7 @@ class Walk {
   }
 
   [[nodiscard]] double squared_distance_to_edge(std::int32_t half_edge) const {
-    const Face& corners = surface_.ordered().corners(half_edge / 3);
+    const Face& corners = surface_.ordered().corners(face_of(half_edge));
     const auto k = static_cast<std::size_t>(half_edge % 3);
     const Vec3& a = surface_.ordered().vertex(corners[k]);
     const Vec3 along = surface_.ordered().vertex(corners[(k + 1) % 3]) - a;
@@ -91,13 +92,13 @@ class Walk {
 
   const Surface& surface_;
   const Vec3& point_;
-  std::unordered_set<std::int32_t> seen_;
-  std::vector<std::int32_t> pending_;
+  std::unordered_set<OrderedFace> seen_;
+  std::vector<OrderedFace> pending_;
 };
 
 /// The edge of a face (its half-edge) beyond which a point lies, seen along the face's normal; none
 /// if it lies over the face.
-std::optional<std::int32_t> edge_toward(const Surface& surface, std::int32_t face,
+std::optional<std::int32_t> edge_toward(const Surface& surface, OrderedFace face,
                                         const Vec3& point) {
   const Face& corners = surface.ordered().corners(face);
   const Vec3& normal = surface.ordered().geometry(face).normal;
@@ -109,26 +110,26 @@ std::optional<std::int32_t> edge_toward(const Surface& surface, std::int32_t fac
     const double beyond = normal.cross(along).dot(a - point) / along.norm();
     if (!(beyond > farthest + kDigits * point.cwiseAbs().maxCoeff())) continue;
     farthest = beyond;
-    best = 3 * face + static_cast<std::int32_t>(k);
+    best = half_edge(face, static_cast<std::int32_t>(k));
   }
   return best;
 }
 
 /// Whether going straight from one face leads to the hit: if it lies on another sheet it does not,
 /// not even on one that lies at the same place.
-bool leads_to(const Surface& surface, std::int32_t from, std::int32_t hit, const Vec3& point) {
+bool leads_to(const Surface& surface, OrderedFace from, OrderedFace hit, const Vec3& point) {
   for (int step = 0; step < kStraight && from != hit; ++step) {
     const std::optional<std::int32_t> edge = edge_toward(surface, from, point);
     if (!edge) return false;
     const std::int32_t across = surface.ordered().next_around(*edge);
     if (across == *edge || surface.ordered().next_around(across) != *edge) return false;
-    from = across / 3;
+    from = face_of(across);
   }
   return from == hit;
 }
 
 /// A hit on another component, or on a face turned away.
-bool on_another_sheet(const Surface& surface, std::int32_t from, std::int32_t hit) {
+bool on_another_sheet(const Surface& surface, OrderedFace from, OrderedFace hit) {
   return surface.ordered().component(from) != surface.ordered().component(hit) ||
          surface.ordered().geometry(from).normal.dot(surface.ordered().geometry(hit).normal) <
              kTurned;
@@ -154,8 +155,8 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
   parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) {
-      const std::int32_t start = surface_->ordered().ordered_face(from[k]);
-      const std::int32_t hit = surface_->ordered().ordered_face(hits.faces[k]);
+      const OrderedFace start = surface_->ordered().ordered_face(from[k]);
+      const OrderedFace hit = surface_->ordered().ordered_face(hits.faces[k]);
       if (start == hit) continue;
       if (on_another_sheet(*surface_, start, hit))
         walk_to(points[k], start, k, hits);
@@ -165,12 +166,12 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
   });
 }
 
-void LocalProjection::walk_to(const Vec3& point, std::int32_t start, std::size_t k,
+void LocalProjection::walk_to(const Vec3& point, OrderedFace start, std::size_t k,
                               Projection& hits) const {
   put(Walk(*surface_, point).from(start), k, hits);
 }
 
-void LocalProjection::stay(const Vec3& point, std::int32_t start, std::size_t k,
+void LocalProjection::stay(const Vec3& point, OrderedFace start, std::size_t k,
                            Projection& hits) const {
   const Hit hit = Walk(*surface_, point).from(start);
   const double same = hits.distances[k] * (1.0 + kRounding) + kDigits * point.cwiseAbs().maxCoeff();

@@ -3,6 +3,8 @@
 
 #include <dapple/projector.hpp>
 
+#include "surface/ordered_face.hpp"
+
 namespace dapple {
 
 /// Keeps projections from hopping to another sheet: petals, lips, fingers, the far side of a wall.
@@ -27,11 +29,11 @@ class LocalProjection {
   struct Hit;
 
  private:
-  /// Put the point where a walk from the ordered face `start` ends.
-  void walk_to(const Vec3& point, std::int32_t start, std::size_t k, Projection& hits) const;
+  /// Put the point where a walk from the face `start` ends.
+  void walk_to(const Vec3& point, OrderedFace start, std::size_t k, Projection& hits) const;
 
   /// The same if that is as near as the hit that is there.
-  void stay(const Vec3& point, std::int32_t start, std::size_t k, Projection& hits) const;
+  void stay(const Vec3& point, OrderedFace start, std::size_t k, Projection& hits) const;
   void put(const Hit& hit, std::size_t k, Projection& hits) const;
 
   const Surface* surface_;

@@ -100,7 +100,7 @@ void OrderedSurface::measure(Context* context) {
   parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     tally.check();
     for (std::size_t f = begin; f < end; ++f) {
-      const auto face = static_cast<std::int32_t>(f);
+      const OrderedFace face = nth_face(f);
       const auto [a, b, c] = corners(face);
       result->faces[f] = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face),
                                       density_->values.empty());
@@ -121,11 +121,11 @@ double OrderedSurface::find_density_unit() const {
   const double most = *std::max_element(density_->values.begin(), density_->values.end());
   if (dapple::density_unit(most, 1.0) == 1.0) return 1.0;
   double area = 0.0, sum = 0.0;  // the largest value may lie where there is no area
-  for (std::int32_t f = 0; f < static_cast<std::int32_t>(face_count()); ++f) {
-    const auto [a, b, c] = corners(f);
+  for (std::size_t f = 0; f < face_count(); ++f) {
+    const auto [a, b, c] = corners(nth_face(f));
     const double twice = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a)).norm();
     area += twice;
-    sum += twice * (densities(f) / most).mean();
+    sum += twice * (densities(nth_face(f)) / most).mean();
   }
   return dapple::density_unit(most, sum / area);
 }
@@ -138,7 +138,7 @@ void OrderedSurface::check(const Geometry& geometry) {
     throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
 }
 
-Vec3 OrderedSurface::densities(std::int32_t face) const {
+Vec3 OrderedSurface::densities(OrderedFace face) const {
   const std::vector<double>& values = density_->values;
   if (values.empty()) return Vec3::Ones();
   const auto f = static_cast<std::size_t>(face);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "surface/connectivity.hpp"
+#include "surface/ordered_face.hpp"
 
 namespace dapple {
 
@@ -45,38 +46,38 @@ class OrderedSurface {
   /// integrals stay in the range of numbers.
   [[nodiscard]] double density_unit() const { return geometry_->density_unit; }
 
-  [[nodiscard]] std::int32_t ordered_face(std::int32_t callers) const {
+  [[nodiscard]] OrderedFace ordered_face(std::int32_t callers) const {
     return connectivity_->ordered_face[static_cast<std::size_t>(callers)];
   }
-  [[nodiscard]] std::int32_t original_face(std::int32_t face) const {
-    return connectivity_->original_face[static_cast<std::size_t>(face)];
+  [[nodiscard]] std::int32_t original_face(OrderedFace face) const {
+    return connectivity_->original_face[as_index(face)];
   }
-  [[nodiscard]] const Face& corners(std::int32_t face) const {
-    return connectivity_->faces[static_cast<std::size_t>(face)];
+  [[nodiscard]] const Face& corners(OrderedFace face) const {
+    return connectivity_->faces[as_index(face)];
   }
   [[nodiscard]] const Vec3& vertex(std::int32_t vertex) const {
     return (*vertices_)[static_cast<std::size_t>(vertex)];
   }
   /// The density at the corners of a face; it is linear in between.
-  [[nodiscard]] Vec3 densities(std::int32_t face) const;
-  [[nodiscard]] const FaceGeometry& geometry(std::int32_t face) const {
-    return geometry_->faces[static_cast<std::size_t>(face)];
+  [[nodiscard]] Vec3 densities(OrderedFace face) const;
+  [[nodiscard]] const FaceGeometry& geometry(OrderedFace face) const {
+    return geometry_->faces[as_index(face)];
   }
   /// Sets of faces connected over edges; `component(face)` is in 0..components() - 1.
   [[nodiscard]] std::int32_t components() const { return connectivity_->components; }
-  [[nodiscard]] std::int32_t component(std::int32_t face) const {
-    return connectivity_->component[static_cast<std::size_t>(face)];
+  [[nodiscard]] std::int32_t component(OrderedFace face) const {
+    return connectivity_->component[as_index(face)];
   }
   /// The lowest vertex that another hangs together with over connected edges.
   [[nodiscard]] std::int32_t welded(std::int32_t vertex) const {
     return connectivity_->welded_vertex[static_cast<std::size_t>(vertex)];
   }
   /// The corners of a face as welded vertices.
-  [[nodiscard]] Face welded_corners(std::int32_t face) const {
+  [[nodiscard]] Face welded_corners(OrderedFace face) const {
     const auto [a, b, c] = corners(face);
     return {welded(a), welded(b), welded(c)};
   }
-  /// The next half-edge around the edge of `half_edge` (3 * face + corner it starts from):
+  /// The next half-edge around the edge of `half_edge` (see half_edge()):
   /// the other side of an inner edge, itself on a border, the next of a ring where three or more
   /// faces meet.
   [[nodiscard]] std::int32_t next_around(std::int32_t half_edge) const {

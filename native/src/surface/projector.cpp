@@ -61,7 +61,7 @@ struct Projector::Scene {
   void check() const;
 
   Surface surface;
-  std::vector<std::int32_t> faces;  // ordered faces that Embree knows, by its index
+  std::vector<OrderedFace> faces;  // that Embree knows, by its index
   Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
   Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get())};
   Vec3 center;
@@ -78,7 +78,7 @@ float search_radius(double distance, double scale) {
 /// The best candidate so far for one query point.
 struct Query {
   const Surface* surface;
-  const std::vector<std::int32_t>* faces;
+  const std::vector<OrderedFace>* faces;
   double scale;
   double factor;
   Vec3 point;
@@ -86,7 +86,7 @@ struct Query {
   std::int32_t face = -1;                                             // the caller's index
   Vec3 barycentric = Vec3::Zero();
 
-  void consider(std::int32_t ordered) {
+  void consider(OrderedFace ordered) {
     const auto [a, b, c] = surface->ordered().corners(ordered);
     const Vec3 weights = closest_barycentric(factor * point, factor * surface->ordered().vertex(a),
                                              factor * surface->ordered().vertex(b),
@@ -116,7 +116,7 @@ bool visit(RTCPointQueryFunctionArguments* arguments) noexcept {
 /// The faces nearer than a radius to one point.
 struct Gathering {
   const Surface* surface;
-  const std::vector<std::int32_t>* faces;
+  const std::vector<OrderedFace>* faces;
   Vec3 point;
   bool far;  // so far away that all of the surface is at one distance
   double radius;
@@ -124,7 +124,7 @@ struct Gathering {
   std::exception_ptr error = nullptr;
 };
 
-void gather_face(Gathering& query, std::int32_t ordered) {
+void gather_face(Gathering& query, OrderedFace ordered) {
   const auto [a, b, c] = query.surface->ordered().corners(ordered);
   const Vec3 weights = query.far
                            ? Vec3(Vec3::UnitX())
@@ -170,9 +170,8 @@ Projector::Scene::Scene(const Surface& s, bool support_only, const Context* cont
 void Projector::Scene::find_faces(bool support_only, const Context* context) {
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
     check_at(context, f, kGrain);
-    const auto face = static_cast<std::int32_t>(f);
-    if (!support_only || surface.ordered().geometry(face).moments.capacity > 0.0)
-      faces.push_back(face);
+    if (!support_only || surface.ordered().geometry(nth_face(f)).moments.capacity > 0.0)
+      faces.push_back(nth_face(f));
   }
 }
 
@@ -253,9 +252,9 @@ namespace {
 
 /// Any face will do to begin with, as long as Embree knows it.
 template <typename Scene>
-std::int32_t first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
+OrderedFace first_guess(const Scene& scene, std::span<const std::int32_t> hints, std::size_t k) {
   if (hints.empty()) return scene.faces[0];
-  const std::int32_t face = scene.surface.ordered().ordered_face(hints[k]);
+  const OrderedFace face = scene.surface.ordered().ordered_face(hints[k]);
   return std::binary_search(scene.faces.begin(), scene.faces.end(), face) ? face : scene.faces[0];
 }
 

@@ -89,7 +89,7 @@ template <typename Corners>
 std::vector<Face> original_faces(const Connectivity& mesh, const Corners& corners_of) {
   std::vector<Face> result(mesh.faces.size());
   for (std::size_t f = 0; f < result.size(); ++f) {
-    const Face corners = corners_of(static_cast<std::int32_t>(f));
+    const Face corners = corners_of(nth_face(f));
     for (std::size_t k = 0; k < 3; ++k)
       result[static_cast<std::size_t>(mesh.original_face[f])][k] =
           mesh.original_vertex[static_cast<std::size_t>(corners[k])];
@@ -119,7 +119,7 @@ std::vector<Vec3> vertex_normals(const OrderedSurface& mesh, std::span<const std
   const std::vector<double> angles = corner_angles(mesh, of);
   std::vector<Vec3> result(mesh.vertex_count(), Vec3::Zero());
   for (std::size_t c = 0; c < angles.size(); ++c) {
-    const auto face = static_cast<std::int32_t>(c / 3);
+    const OrderedFace face = nth_face(c / 3);
     result[static_cast<std::size_t>(mesh.corners(face)[c % 3])] +=
         angles[c] * mesh.geometry(face).normal;
   }
@@ -199,12 +199,12 @@ std::vector<double> Surface::density() const {
 
 std::vector<Face> Surface::faces() const {
   return original_faces(ordered_->connectivity(),
-                        [this](std::int32_t f) { return ordered_->corners(f); });
+                        [this](OrderedFace f) { return ordered_->corners(f); });
 }
 
 std::vector<Face> Surface::welded_faces() const {
   return original_faces(ordered_->connectivity(),
-                        [this](std::int32_t f) { return ordered_->welded_corners(f); });
+                        [this](OrderedFace f) { return ordered_->welded_corners(f); });
 }
 
 std::vector<std::int32_t> Surface::distinct_vertices() const {
@@ -232,7 +232,7 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
   const std::vector<Vec3> at_vertices = vertex_normals(*ordered_, faces);
   std::vector<Vec3> result(faces.size());
   for (std::size_t k = 0; k < faces.size(); ++k) {
-    const std::int32_t f = ordered_->ordered_face(faces[k]);
+    const OrderedFace f = ordered_->ordered_face(faces[k]);
     Vec3 sum = Vec3::Zero();
     for (std::size_t c = 0; c < 3; ++c)
       sum += weights[k][static_cast<Eigen::Index>(c)] *

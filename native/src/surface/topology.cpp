@@ -13,7 +13,7 @@ namespace {
 /// direction.
 bool count_edges(const Surface& surface, Topology& result) {
   const auto start = [&](std::int32_t h) {
-    return surface.ordered().welded_corners(h / 3)[static_cast<std::size_t>(h % 3)];
+    return surface.ordered().welded_corners(face_of(h))[static_cast<std::size_t>(h % 3)];
   };
   bool consistent = true;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
@@ -41,7 +41,7 @@ bool build(const Surface& surface, HalfEdgeMesh& mesh) {
     return h;
   };
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
-    const auto [a, b, c] = surface.ordered().welded_corners(static_cast<std::int32_t>(f));
+    const auto [a, b, c] = surface.ordered().welded_corners(nth_face(f));
     if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid())
       return false;
   }

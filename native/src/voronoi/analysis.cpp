@@ -138,11 +138,11 @@ std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
   for (std::int32_t h = 0; h < half_edges; ++h) {
     if (surface.ordered().next_around(h) != h) continue;
-    const Face& corners = surface.ordered().corners(h / 3);
+    const Face& corners = surface.ordered().corners(face_of(h));
     const Vec3& a = surface.ordered().vertex(corners[static_cast<std::size_t>(h % 3)]);
     const Vec3 step = surface.ordered().vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
     // Each next site lies farther along the edge than the one before, so the walk ends.
-    for (std::int32_t site = tree.nearest(surface.ordered().component(h / 3), a); site >= 0;) {
+    for (std::int32_t site = tree.nearest(surface.ordered().component(face_of(h)), a); site >= 0;) {
       const auto i = static_cast<std::size_t>(site);
       result[i] = true;
       site = leave_cell(diagram, i, a - sites.positions[i], step).site;

@@ -26,7 +26,7 @@ void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> oth
   bisectors_.reset_among(site, others);
 }
 
-bool CellFlood::clip(std::int32_t face) {
+bool CellFlood::clip(OrderedFace face) {
   tied_to_ = -1;
   const auto [a, b, c] = surface_->ordered().corners(face);
   const Vec3& x = position();

@@ -7,7 +7,7 @@
 
 namespace dapple {
 
-/// Walks the pieces of one cell after another; one per thread. Sites and faces are ordered ones.
+/// Walks the pieces of one cell after another; one per thread. Sites are ordered ones.
 class CellFlood {
  public:
   /// The arguments must outlive the flood.
@@ -33,28 +33,28 @@ class CellFlood {
   ///
   /// What lies in a bisector, to rounding, is as near to one site as to the other: both give it to
   /// the lower (caller's) index.
-  bool clip(std::int32_t face);
+  bool clip(OrderedFace face);
 
   /// Call `visit(face, whole)` for each piece of the cell that is connected to one of the seeds.
   template <typename Visit>
-  void flood(std::span<const std::int32_t> seeds, const Visit& visit) {
+  void flood(std::span<const OrderedFace> seeds, const Visit& visit) {
     ++stamp_;
     pending_.clear();
-    for (const std::int32_t face : seeds) push(face);
+    for (const OrderedFace face : seeds) push(face);
     while (!pending_.empty()) {
-      const std::int32_t face = pending_.back();
+      const OrderedFace face = pending_.back();
       pending_.pop_back();
       const bool whole = clip(face);
       if (polygon_.empty()) continue;
       visit(face, whole);
       for (const Polygon::Corner& corner : polygon_.corners())
-        if (corner.edge < 0) cross(3 * face - 1 - corner.edge);
+        if (corner.edge < 0) cross(half_edge(face, -1 - corner.edge));
     }
   }
 
  private:
-  void push(std::int32_t face) {
-    std::int32_t& stamp = stamps_[static_cast<std::size_t>(face)];
+  void push(OrderedFace face) {
+    std::int32_t& stamp = stamps_[as_index(face)];
     if (stamp == stamp_) return;
     stamp = stamp_;
     pending_.push_back(face);
@@ -63,7 +63,7 @@ class CellFlood {
   void cross(std::int32_t half_edge) {
     for (std::int32_t h = surface_->ordered().next_around(half_edge); h != half_edge;
          h = surface_->ordered().next_around(h))
-      push(h / 3);
+      push(face_of(h));
   }
 
   const Surface* surface_;
@@ -75,7 +75,7 @@ class CellFlood {
   Polygon polygon_;
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;
-  std::vector<std::int32_t> pending_;
+  std::vector<OrderedFace> pending_;
 };
 
 }  // namespace dapple

@@ -13,7 +13,7 @@ namespace {
 
 /// From a point near it: the differences are exact, where the centroid itself is rounded to the
 /// digits that coordinates have far from the origin.
-Vec3 centroid_of(const Surface& surface, std::int32_t face, const Vec3& from) {
+Vec3 centroid_of(const Surface& surface, OrderedFace face, const Vec3& from) {
   const auto [a, b, c] = surface.ordered().corners(face);
   return ((surface.ordered().vertex(a) - from) + (surface.ordered().vertex(b) - from) +
           (surface.ordered().vertex(c) - from)) /
@@ -27,7 +27,7 @@ void CellIntegrals::reset() {
   boundary_.clear();
 }
 
-void CellIntegrals::add(std::int32_t face, bool whole) {
+void CellIntegrals::add(OrderedFace face, bool whole) {
   const FaceGeometry& geometry = surface_->ordered().geometry(face);
   if (geometry.moments.area <= 0.0) return;
   const Vec3 centroid = geometry.centroid - flood_->position();

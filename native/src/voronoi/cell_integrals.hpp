@@ -19,7 +19,7 @@ class CellIntegrals {
   void reset();
 
   /// Add the piece of `face` that the flood has just clipped.
-  void add(std::int32_t face, bool whole);
+  void add(OrderedFace face, bool whole);
 
   [[nodiscard]] const Moments& moments() const { return moments_; }
 

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kGrain = 32;  // cells a chunk
 
-// Of the progress: the cells are known but for the orphans, which are in few of them or in many.
+// Of the progress: the cells are known but for the uncovered faces, which are in few of them or in
+// many.
 constexpr double kFlooded = 0.7;
 constexpr double kCut = 0.6;  // of that of polygons: the cells are known
 
@@ -41,7 +42,7 @@ class Builder {
     std::iota(all.begin(), all.end(), 0);
     Stretch flooding(context_, 0.0, whole_ ? 1.0 : kFlooded), mending(context_, kFlooded, 1.0);
     integrate(all, flooding.context());
-    if (!whole_ && missing_area()) give_away_orphans(mending.context());
+    if (!whole_ && missing_area()) share_uncovered_faces(mending.context());
     if (context_) context_->advance(1.0);
     pieces_.clear();
     return std::move(result_);
@@ -65,19 +66,21 @@ class Builder {
  private:
   [[nodiscard]] std::size_t count() const { return sites_.size(); }
 
-  /// A site's shares of orphans, as a range of shares_.
+  /// A site's shares of uncovered faces, as a range of shares_.
   [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const {
-    const auto first = std::lower_bound(shares_.begin(), shares_.end(), Share{site, -1});
-    const auto last = std::lower_bound(first, shares_.end(), Share{site + 1, -1});
+    const auto first =
+        std::lower_bound(shares_.begin(), shares_.end(), Share{site, OrderedFace{-1}});
+    const auto last = std::lower_bound(first, shares_.end(), Share{site + 1, OrderedFace{-1}});
     return {first, last};
   }
 
   /// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change
-  /// of bisectors. Orphans with owners are divided among these; what floods found there is void.
+  /// of bisectors. Uncovered faces with owners are divided among these; what floods found there is
+  /// void.
   template <typename Visit, typename Flush>
   void for_each_piece(CellFlood& flood, std::int32_t site, const Visit& visit, const Flush& flush) {
     if (!flood.reset(site)) return;
-    flood.flood(starts(site), [&](std::int32_t face, bool whole) {
+    flood.flood(starts(site), [&](OrderedFace face, bool whole) {
       if (!is_divided(face)) visit(face, whole);
     });
     flush();
@@ -92,18 +95,18 @@ class Builder {
   }
 
   /// The faces to flood a Euclidean cell from; a connected one is flooded from its site alone.
-  [[nodiscard]] std::vector<std::int32_t> starts(std::int32_t site) const {
-    std::vector<std::int32_t> faces = {sites_.faces[static_cast<std::size_t>(site)]};
+  [[nodiscard]] std::vector<OrderedFace> starts(std::int32_t site) const {
+    std::vector<OrderedFace> faces = {sites_.faces[static_cast<std::size_t>(site)]};
     if (!connected_)
       for (const Share& share : shares_of(site)) faces.push_back(share.face);
     return faces;
   }
 
-  [[nodiscard]] bool is_divided(std::int32_t face) const {
+  [[nodiscard]] bool is_divided(OrderedFace face) const {
     return connected_ && !divided_.empty() && !owners_of(face).empty();
   }
-  [[nodiscard]] std::span<const std::int32_t> owners_of(std::int32_t face) const {
-    const auto f = static_cast<std::size_t>(face);
+  [[nodiscard]] std::span<const std::int32_t> owners_of(OrderedFace face) const {
+    const auto f = as_index(face);
     return std::span(owners_).subspan(divided_[f], divided_[f + 1] - divided_[f]);
   }
 
@@ -137,7 +140,7 @@ class Builder {
       boundary.clear();
       for_each_piece(
           flood, s,
-          [&](std::int32_t face, bool whole) {
+          [&](OrderedFace face, bool whole) {
             const double before = integrals.moments().area;
             integrals.add(face, whole);
             pieces.push_back({s, face, integrals.moments().area - before});
@@ -162,22 +165,22 @@ class Builder {
 
   /// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
   /// that this changes again.
-  void give_away_orphans(Context* context) {
+  void share_uncovered_faces(Context* context) {
     std::vector<Coverage> pieces;
     for (const auto& chunk : pieces_) pieces.insert(pieces.end(), chunk.begin(), chunk.end());
-    std::vector<std::int32_t> orphans = find_orphans(surface_, pieces);
+    std::vector<OrderedFace> uncovered = uncovered_faces(surface_, pieces);
     std::vector<std::int32_t> changed;
     if (connected_) {
       for (const Coverage& piece : pieces)
-        if (std::binary_search(orphans.begin(), orphans.end(), piece.face))
+        if (std::binary_search(uncovered.begin(), uncovered.end(), piece.face))
           changed.push_back(piece.site);
-      shares_ = share_orphans(
-          surface_, pieces, orphans,
-          [this](std::int32_t face, std::span<const std::int32_t> asked,
+      shares_ = share_out(
+          surface_, pieces, uncovered,
+          [this](OrderedFace face, std::span<const std::int32_t> asked,
                  std::span<const std::int32_t> rivals) { return winners(face, asked, rivals); });
-      orphans = without_owner(orphans);
+      uncovered = without_owner(uncovered);
     }
-    add_nearest_owners(orphans);
+    add_nearest_owners(uncovered);
     index_owners();
     for (const Share& share : shares_) changed.push_back(share.site);
     std::sort(changed.begin(), changed.end());
@@ -186,7 +189,7 @@ class Builder {
   }
 
   /// Of the sites asked, those that own something of the face when only the rivals compete.
-  std::vector<std::int32_t> winners(std::int32_t face, std::span<const std::int32_t> asked,
+  std::vector<std::int32_t> winners(OrderedFace face, std::span<const std::int32_t> asked,
                                     std::span<const std::int32_t> rivals) {
     CellFlood& flood = floods_.local();
     std::vector<std::int32_t> result;
@@ -198,15 +201,15 @@ class Builder {
     return result;
   }
 
-  [[nodiscard]] std::vector<std::int32_t> without_owner(std::vector<std::int32_t> faces) const {
+  [[nodiscard]] std::vector<OrderedFace> without_owner(std::vector<OrderedFace> faces) const {
     std::vector<bool> owned(surface_.face_count(), false);
-    for (const Share& share : shares_) owned[static_cast<std::size_t>(share.face)] = true;
-    std::erase_if(faces, [&](std::int32_t face) { return owned[static_cast<std::size_t>(face)]; });
+    for (const Share& share : shares_) owned[as_index(share.face)] = true;
+    std::erase_if(faces, [&](OrderedFace face) { return owned[as_index(face)]; });
     return faces;
   }
 
   /// Euclidean cells, and components without any site: the sites nearest in space.
-  void add_nearest_owners(std::span<const std::int32_t> faces) {
+  void add_nearest_owners(std::span<const OrderedFace> faces) {
     std::vector<std::vector<Share>> found(faces.size());
     parallel_chunks(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       if (context_) context_->check();
@@ -218,17 +221,17 @@ class Builder {
 
   void index_owners() {
     divided_.assign(surface_.face_count() + 1, 0);
-    for (const Share& share : shares_) ++divided_[static_cast<std::size_t>(share.face) + 1];
+    for (const Share& share : shares_) ++divided_[as_index(share.face) + 1];
     std::partial_sum(divided_.begin(), divided_.end(), divided_.begin());
     owners_.resize(shares_.size());
     std::vector<std::size_t> next(divided_.begin(), divided_.end() - 1);
     for (const Share& share : shares_)  // sorted by site, and so is each row
-      owners_[next[static_cast<std::size_t>(share.face)]++] = share.site;
+      owners_[next[as_index(share.face)]++] = share.site;
   }
 
   /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
   /// piece too.
-  std::vector<Share> nearest_owners(std::int32_t face) {
+  std::vector<Share> nearest_owners(OrderedFace face) {
     CellFlood& flood = floods_.local();
     std::vector<std::int32_t> known = {nearest_to(face)};
     std::vector<Share> result;
@@ -246,7 +249,7 @@ class Builder {
     return result;
   }
 
-  [[nodiscard]] std::int32_t nearest_to(std::int32_t face) const {
+  [[nodiscard]] std::int32_t nearest_to(OrderedFace face) const {
     const auto near = std::lower_bound(sites_.faces.begin(), sites_.faces.end() - 1, face);
     return index_.nearest(surface_.ordered().geometry(face).centroid,
                           static_cast<std::int32_t>(near - sites_.faces.begin()));
@@ -256,7 +259,7 @@ class Builder {
     CellFlood& flood = floods_.local();
     for_each_piece(
         flood, site,
-        [&](std::int32_t face, bool) {
+        [&](OrderedFace face, bool) {
           CellPolygon piece{sites_.original(site), surface_.ordered().original_face(face), {}, {}};
           for (const Polygon::Corner& corner : flood.polygon().corners()) {
             piece.points.push_back(corner.x + flood.position());
@@ -276,7 +279,7 @@ class Builder {
   Context* context_;
   tbb::enumerable_thread_specific<CellFlood> floods_;
   std::vector<std::vector<Coverage>> pieces_;  // of the last floods, per chunk
-  std::vector<Share> shares_;                  // of orphans; sorted by site
+  std::vector<Share> shares_;                  // of uncovered faces; sorted by site
   std::vector<std::size_t> divided_;           // per face, one more: rows of owners_
   std::vector<std::int32_t> owners_;           // of divided faces
   RestrictedVoronoi result_;

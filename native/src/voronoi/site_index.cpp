@@ -14,13 +14,13 @@ constexpr std::size_t kCrowd = 16;  // sites on one face: fewer are looked throu
 }  // namespace
 
 OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) : originals(sites.size()) {
-  std::vector<std::int32_t> ordered(sites.size());
+  std::vector<OrderedFace> ordered(sites.size());
   for (std::size_t k = 0; k < sites.size(); ++k)
     ordered[k] = surface.ordered().ordered_face(sites.faces[k]);
   std::iota(originals.begin(), originals.end(), 0);
   std::sort(originals.begin(), originals.end(), [&](std::int32_t a, std::int32_t b) {
-    const std::int32_t fa = ordered[static_cast<std::size_t>(a)];
-    const std::int32_t fb = ordered[static_cast<std::size_t>(b)];
+    const OrderedFace fa = ordered[static_cast<std::size_t>(a)];
+    const OrderedFace fb = ordered[static_cast<std::size_t>(b)];
     return fa != fb ? fa < fb : a < b;
   });
   for (const std::int32_t k : originals) {
@@ -43,7 +43,7 @@ SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
 
 // Sites are sorted by face and caller's index, so those of a face are one run.
 void SiteIndex::leave_crowds_out() {
-  const std::vector<std::int32_t>& faces = sites_->faces;
+  const std::vector<OrderedFace>& faces = sites_->faces;
   for (std::size_t first = 0, last = 0; first < faces.size(); first = last) {
     while (last < faces.size() && faces[last] == faces[first]) ++last;
     if (last - first >= kCrowd) find_crowds(first, last);

@@ -4,6 +4,7 @@
 #include <dapple/neighbors.hpp>
 #include <optional>
 
+#include "surface/ordered_face.hpp"
 #include "voronoi/site_graph.hpp"
 
 namespace dapple {
@@ -13,7 +14,7 @@ namespace dapple {
 struct OrderedSites {
   std::vector<std::int32_t> originals;  ///< ordered -> caller's
   std::vector<Vec3> positions;
-  std::vector<std::int32_t> faces;  ///< ordered faces
+  std::vector<OrderedFace> faces;
 
   OrderedSites(const Surface& surface, const Sites& sites);
 

@@ -39,9 +39,8 @@ TEST(CutSurface, NoPieceHoldsManyCells) {
   const auto cut = cut_for(surface, 8192);
   ASSERT_NE(cut, nullptr);
   for (std::size_t f = 0; f < cut->surface().face_count(); ++f)
-    EXPECT_LE(
-        cut->surface().ordered().geometry(static_cast<std::int32_t>(f)).moments.capacity * 8192,
-        24.0 * surface.mass());
+    EXPECT_LE(cut->surface().ordered().geometry(nth_face(f)).moments.capacity * 8192,
+              24.0 * surface.mass());
   EXPECT_NEAR(cut->surface().area(), surface.area(), 1e-12 * surface.area());
   EXPECT_EQ(cut->surface().ordered().components(), surface.ordered().components());
 }

@@ -39,7 +39,7 @@ Criterion finer_toward(const Vec3& point, double size) {
 double edge_length(const Surface& surface, int with_faces) {
   double sum = 0.0;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
-    const Face& corners = surface.ordered().corners(h / 3);
+    const Face& corners = surface.ordered().corners(face_of(h));
     const auto k = static_cast<std::size_t>(h % 3);
     int faces = 1;
     for (std::int32_t g = surface.ordered().next_around(h); g != h;
@@ -95,7 +95,7 @@ class RefineOf : public testing::TestWithParam<Shape> {
   }
 
   static Vec3 focus(const Surface& surface) {
-    return surface.ordered().vertex(surface.ordered().corners(0)[0]);
+    return surface.ordered().vertex(surface.ordered().corners(nth_face(0))[0]);
   }
 };
 
@@ -109,8 +109,8 @@ TEST_P(RefineOf, CutsUntilNothingIsMarked) {
   EXPECT_GT(surface.face_count(), fine.original.face_count());
   const Criterion criterion = finer_toward(focus(fine.original), std::sqrt(fine.original.area()));
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f) {
-    const auto [a, b, c] = surface.ordered().corners(f);
-    if (surface.ordered().geometry(f).moments.area > 0.0) {
+    const auto [a, b, c] = surface.ordered().corners(OrderedFace{f});
+    if (surface.ordered().geometry(OrderedFace{f}).moments.area > 0.0) {
       ASSERT_EQ(criterion({0,
                            {},
                            {surface.ordered().vertex(a), surface.ordered().vertex(b),
@@ -218,11 +218,11 @@ TEST_P(RefineOf, SamplesComeBackFromTheOriginal) {
 TEST_P(RefineOf, TwiceIsOneRefinement) {
   const Refined first = refined();
   const double size = std::sqrt(first.original.area());
-  const Refined second =
-      refine(first.surface,
-             finer_toward(first.surface.ordered().vertex(first.surface.ordered().corners(0)[1]),
-                          0.5 * size),
-             kPlenty);
+  const Refined second = refine(
+      first.surface,
+      finer_toward(first.surface.ordered().vertex(first.surface.ordered().corners(nth_face(0))[1]),
+                   0.5 * size),
+      kPlenty);
   const Refined both = first.then(second);
   expect_bound(both, first.original, second.surface);
   const std::vector<Vec3> moved = deformed(GetParam().vertices, 0.7);

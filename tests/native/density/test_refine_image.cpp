@@ -113,7 +113,7 @@ TEST_P(RefineImageOf, FollowsThePictureWithinTheToleranceOrAPixel) {
   const Vec2 size(static_cast<double>(image.columns), static_cast<double>(image.rows));
   Random random(4);
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f) {
-    const std::int32_t ordered = refined.surface.ordered().ordered_face(f);
+    const OrderedFace ordered = refined.surface.ordered().ordered_face(f);
     const Face& corners = refined.surface.ordered().corners(ordered);
     double longest = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -200,9 +200,10 @@ TEST(RefineImage, StaysConformingAtSeams) {
   std::map<std::int32_t, double> at_vertex;
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
-      const double value = refined.surface.ordered().densities(f)[static_cast<Eigen::Index>(k)];
+      const double value =
+          refined.surface.ordered().densities(OrderedFace{f})[static_cast<Eigen::Index>(k)];
       const auto known =
-          at_vertex.try_emplace(refined.surface.ordered().corners(f)[k], value).first;
+          at_vertex.try_emplace(refined.surface.ordered().corners(OrderedFace{f})[k], value).first;
       ASSERT_NEAR(known->second, value, 1e-9);
     }
 }
@@ -230,9 +231,10 @@ TEST(RefineImage, MultipliesTheDensityOfTheSurface) {
   const Refined refined = refine_image(shape.surface(), flat_uv(shape), image, fine);
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
-      const double x =
-          refined.surface.ordered().vertex(refined.surface.ordered().corners(f)[k]).x();
-      EXPECT_NEAR(refined.surface.ordered().densities(f)[static_cast<Eigen::Index>(k)],
+      const double x = refined.surface.ordered()
+                           .vertex(refined.surface.ordered().corners(OrderedFace{f})[k])
+                           .x();
+      EXPECT_NEAR(refined.surface.ordered().densities(OrderedFace{f})[static_cast<Eigen::Index>(k)],
                   x * std::clamp(x, 0.5 / 64, 63.5 / 64), 1e-12);
     }
 }

@@ -84,14 +84,15 @@ TEST(RefineObstacles, KeepTheDensityElsewhere) {
   const Refined refined = refine_obstacles(shape.surface(), balls.obstacles());
   int kept = 0;
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f) {
-    const Vec3 values = refined.surface.ordered().densities(f);
+    const Vec3 values = refined.surface.ordered().densities(OrderedFace{f});
     if (values.isZero(0.0)) continue;
     ++kept;
     for (std::size_t k = 0; k < 3; ++k)
-      ASSERT_NEAR(
-          values[static_cast<Eigen::Index>(k)],
-          1.0 + refined.surface.ordered().vertex(refined.surface.ordered().corners(f)[k]).x(),
-          1e-13);
+      ASSERT_NEAR(values[static_cast<Eigen::Index>(k)],
+                  1.0 + refined.surface.ordered()
+                            .vertex(refined.surface.ordered().corners(OrderedFace{f})[k])
+                            .x(),
+                  1e-13);
   }
   EXPECT_GT(kept, 32);
 }

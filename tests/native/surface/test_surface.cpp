@@ -60,7 +60,7 @@ TEST_P(SurfaceOf, WalksRingsAroundEdges) {
   const Surface surface = GetParam().surface();
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
   const auto ends = [&](std::int32_t half_edge) {
-    const Face& corners = surface.ordered().corners(half_edge / 3);
+    const Face& corners = surface.ordered().corners(face_of(half_edge));
     const auto c = static_cast<std::size_t>(half_edge % 3);
     return std::minmax({corners[c], corners[(c + 1) % 3]});
   };
@@ -100,9 +100,9 @@ TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
   EXPECT_EQ(same.uniform(), fresh.uniform());
   EXPECT_EQ(same.mass(), fresh.mass());
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f) {
-    ASSERT_EQ(same.ordered().densities(f), fresh.ordered().densities(f));
-    ASSERT_EQ(same.ordered().geometry(f).moments.second,
-              fresh.ordered().geometry(f).moments.second);
+    ASSERT_EQ(same.ordered().densities(OrderedFace{f}), fresh.ordered().densities(OrderedFace{f}));
+    ASSERT_EQ(same.ordered().geometry(OrderedFace{f}).moments.second,
+              fresh.ordered().geometry(OrderedFace{f}).moments.second);
   }
 }
 
@@ -153,7 +153,7 @@ TEST(Surface, HasTheGradientOfItsDensity) {
   const Shape shape = with_density(blob(1), [&](const Vec3& p) { return 5.0 + slope.dot(p); });
   const Surface surface = shape.surface();
   for (std::int32_t f = 0; f < 80; ++f) {
-    const FaceGeometry& face = surface.ordered().geometry(f);
+    const FaceGeometry& face = surface.ordered().geometry(OrderedFace{f});
     const Vec3 tangential = slope - slope.dot(face.normal) * face.normal;
     EXPECT_LE((face.density_gradient - tangential).norm(), 1e-12);
   }

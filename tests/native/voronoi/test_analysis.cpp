@@ -130,7 +130,8 @@ std::vector<bool> with_a_piece_on_the_border(const Surface& surface, const Sites
   for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites, cells))
     for (std::size_t k = 0; k < piece.points.size(); ++k) {
       if (piece.edges[k] >= 0) continue;
-      const std::int32_t h = 3 * surface.ordered().ordered_face(piece.face) - 1 - piece.edges[k];
+      const std::int32_t h =
+          half_edge(surface.ordered().ordered_face(piece.face), -1 - piece.edges[k]);
       const Vec3 side = piece.points[(k + 1) % piece.points.size()] - piece.points[k];
       if (surface.ordered().next_around(h) == h && side.norm() > 1e-9)
         result[static_cast<std::size_t>(piece.site)] = true;
