@@ -20,7 +20,7 @@ constexpr double kHarder = 10.0;            // ... and by how much it grows
 constexpr int kRounds = 4;
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
 constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
-constexpr double kRound = 0.5;  // of the progress that is left: nobody knows how many there will be
+constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
 constexpr double kPacking = std::numbers::pi / (2.0 * std::numbers::sqrt3);  // densest, of discs
 
