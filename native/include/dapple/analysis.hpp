@@ -17,10 +17,13 @@ struct Evenness {
 /// that the mean capacity would take at the cell's own density, averaged by itself (so a part of
 /// the cell without density does not count as room); with constant density that is
 /// Surface::spacing. Distances are along the surface, through the cells' common boundary.
+/// \return all 0 for a diagram without cells
 [[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
 /// Per site whether its cell touches a border edge of the surface. The border edges are walked from
 /// cell to cell, from the nearest site of the edge's component on, so no cell is cut anew.
+/// \pre the diagram is of these sites on this surface
+/// \throw ArgumentError if the sites are not of the surface or not as many as the cells
 [[nodiscard]] std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
                                                 const RestrictedVoronoi& diagram);
 
@@ -31,6 +34,7 @@ struct Evenness {
 /// by a border), nor do sites with fewer than three neighbors; 0 if none counts.
 /// \param normals  unit, per site
 /// \param left_out per site, or empty
+/// \throw ArgumentError if the lengths do not fit the diagram
 [[nodiscard]] double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normals,
                                 const std::vector<bool>& left_out = {});
 

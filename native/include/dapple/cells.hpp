@@ -28,6 +28,7 @@ struct RestrictedVoronoi {
   std::vector<Moments> cells;  ///< per site, relative to the site
 
   /// The boundaries of cell `site`, in a fixed order.
+  /// \pre site < cells.size()
   [[nodiscard]] std::span<const CellBoundary> boundary(std::size_t site) const {
     return std::span(boundaries).subspan(rows[site].first, rows[site].count);
   }
@@ -49,11 +50,12 @@ struct CellPolygon {
       edges;  ///< what edge k (points k, k+1) lies on: site j >= 0, or face edge -1-corner
 };
 
-/// Whose a part of a cell is that its site does not reach along the surface, because straight
-/// distance goes through walls: the other side of a sheet, a touching finger, a body under a cloth.
+/// Which site owns a part of the surface that its nearest site in space does not reach along the
+/// surface, because straight distance goes through walls: the other side of a sheet, a touching
+/// finger, a body under a cloth.
 enum class Cells {
-  kConnected,  ///< a site's that it is connected to along the surface: cells follow the surface
-  kEuclidean,  ///< the nearest site's in space, as in the paper
+  kConnected,  ///< one that it is connected to along the surface: cells follow the surface
+  kEuclidean,  ///< the nearest in space, as in the paper
 };
 
 constexpr std::array<Choice<Cells>, 2> choices_of(Cells) {

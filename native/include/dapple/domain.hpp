@@ -27,6 +27,7 @@ class Domain {
                                       const Context* context = nullptr) const = 0;
 
   /// Unit normal of a face (of the plane, for flat domains).
+  /// \pre the face is one of the domain's
   [[nodiscard]] virtual Vec3 normal(std::int32_t face) const = 0;
 
   [[nodiscard]] virtual double area() const = 0;

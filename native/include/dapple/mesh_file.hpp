@@ -14,8 +14,8 @@ namespace dapple {
 /// Write a triangle mesh in the format of the suffix: .off and .obj in text with every digit, .ply
 /// in binary and double precision, .stl in binary and single precision. The file is written whole,
 /// or what was there stays.
-/// \throw FileError naming the file; SurfaceError naming the first vertex
-/// index out of range
+/// \throw FileError naming the file; SurfaceError naming the first vertex index out
+/// of range
 void write_mesh(const std::filesystem::path& path, std::span<const Vec3> vertices,
                 std::span<const Face> faces);
 

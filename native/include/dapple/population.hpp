@@ -38,8 +38,7 @@ class Population {
   /// \return samples with `fade`: those that stay, in the order of their ids, then those that
   ///         vanish
   /// \throw SurfaceError, Cancelled; ArgumentError if the surface has grown so much that it asks
-  /// for
-  ///        more samples, or more ids, than there can be; the population is then unchanged
+  /// for more samples, or more ids, than there can be; the population is then unchanged
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
   [[nodiscard]] const Surface& surface() const { return tracker_.surface(); }

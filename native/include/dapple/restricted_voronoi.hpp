@@ -13,13 +13,14 @@ namespace dapple {
 /// radius). Faces that the floods leave uncovered are then given away by the rule of `cells`, so
 /// that every unit of area belongs to exactly one site.
 /// \pre the sites lie on their faces
-/// \throw Cancelled
+/// \throw ArgumentError naming the first site that is not finite or whose face is out of range;
+/// Cancelled
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                                    Context* context = nullptr,
                                                    Cells cells = Cells::kEuclidean);
 
 /// The same cells as polygons, sorted by site; memory grows with the number of pieces.
-/// \throw Cancelled
+/// \pre, \throw as restricted_voronoi()
 [[nodiscard]] std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface,
                                                                    const Sites& sites,
                                                                    Cells cells = Cells::kEuclidean,

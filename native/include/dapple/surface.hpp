@@ -38,8 +38,8 @@ class Surface {
   /// \param faces    vertex indices; degenerate, repeated and non-manifold faces are allowed
   /// \param density  one value per vertex, >= 0; empty means 1 everywhere
   /// \throw SurfaceError naming the first offender: an index out of range, a number that is not
-  /// finite, a negative
-  ///        density, a density array of another length, or no area (or no density) at all
+  /// finite, a negative density, a density array of another length, or no area (or no density) at
+  /// all
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
           std::span<const double> density = {});
 
@@ -63,7 +63,7 @@ class Surface {
 
   [[nodiscard]] std::size_t vertex_count() const;
   [[nodiscard]] std::size_t face_count() const;
-  [[nodiscard]] double area() const;
+  [[nodiscard]] double area() const;  ///< in squares of the vertices' unit
   [[nodiscard]] double mass() const;  ///< integral of the density over the surface
   /// Whether one was made from the other by deformed() or with_density().
   [[nodiscard]] bool same_faces(const Surface& other) const;
@@ -82,13 +82,18 @@ class Surface {
   [[nodiscard]] std::vector<std::int32_t> distinct_vertices() const;
 
   /// The point of the caller's face `face` with barycentric coordinates `weights`.
+  /// \pre face is in 0..face_count() - 1; the weights' sum is 1
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
 
   /// Unit normals at points of the surface, interpolated from angle-weighted vertex normals.
+  /// \param faces   the caller's
+  /// \param weights barycentric coordinates, one for each face
+  /// \throw ArgumentError naming the first face out of range; if the lengths differ
   [[nodiscard]] std::vector<Vec3> normals(std::span<const std::int32_t> faces,
                                           std::span<const Vec3> weights) const;
 
-  /// Distance between neighbors if n points were packed hexagonally: sqrt(2 A / (sqrt(3) n)).
+  /// Distance between neighbors if n points were packed hexagonally, sqrt(2 A / (sqrt(3) n)), in
+  /// the vertices' unit; a count of 0 is taken as 1.
   [[nodiscard]] double spacing(std::size_t count) const;
 
   /// For the library's own algorithms, whose headers are not installed.

@@ -5,7 +5,7 @@
 
 namespace dapple {
 
-/// How the faces of a surface hang together.
+/// The connectivity of a surface's faces. Vertices and faces are not moved or changed.
 struct Topology {
   std::int32_t components = 0;         ///< sets of faces connected over edges
   std::int32_t border_edges = 0;       ///< edges with one face
