@@ -26,8 +26,8 @@ STUBS = "native/python/dapple3d/_native.pyi"
 PAGE = "docs/options.md"
 HEAD = """# Options
 
-What the functions of the package take by name, as `dapple3d.option_table` tells it; the command
-line has flags of the same names. A default that is another one in some function is told with it.
+What the functions of the package take by name, as `dapple3d.option_table` returns it; the command
+line has flags of the same names. Where a function has a default of its own, it stands beside.
 `scripts/option_tables.py --write` makes this page from the C++ headers.
 
 """

@@ -103,11 +103,11 @@ def rows_17(count: int, played: list[Played]) -> list[Row]:
             "5-10 iterations",
             [f"{np.mean(n):.1f}, {min(n)}-{max(n)}" for n in (one.later for one in played)],
             "The preset minimizes every frame down to 1e-5, ours restores the first frame's "
-            "evenness only; how far the paper's body moves in a frame is not told.",
+            "evenness only; how far the paper's body moves in a frame is not given.",
         ),
         row(
             "normalized energy, first to last frame",
-            "not told",
+            "not given",
             [f"{one.energies[0]:.4f} to {one.energies[-1]:.4f}" for one in played],
             "A lattice has 0.1604: minimizing on every frame goes toward it, ours is held near "
             "the first frame's.",

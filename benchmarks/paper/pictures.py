@@ -111,7 +111,7 @@ def figure_15(setting: Setting) -> Plate:
     rows = [
         Row(
             f"time of {count:,} dots in seven inks",
-            "not told",
+            "not given",
             NOT_RUN,
             f"{dots.report.seconds:.0f} s",
             "Another picture, and inks of our own: the paper's are in an appendix that is not at "
@@ -119,7 +119,7 @@ def figure_15(setting: Setting) -> Plate:
         ),
         Row(
             "evaluations of the energy",
-            "not told",
+            "not given",
             NOT_RUN,
             str(dots.report.evaluations),
             "Those of each ink alone and of all together.",

@@ -178,7 +178,7 @@ def time_row(curves: list[Curve], spectral: float, setting: Setting) -> Row:
     weights = len(curves[0].alphas)
     return Row(
         f"time of the study: {setting.runs} runs at each of {weights} weights",
-        "not told",
+        "not given",
         f"{curves[0].seconds:.0f} s at tolerance 1e-5 ({curves[1].seconds:.0f} s at 1e-6, "
         f"{curves[2].seconds:.0f} s at 1e-7)",
         f"{curves[3].seconds:.0f} s",

@@ -113,7 +113,7 @@ def time_row(one: Body, count: int, found: list[dapple.Samples]) -> Row:
         "about 16 s",
         values,
         f"Another machine and another body: {len(one.surface.faces):,} faces here, the paper's dog "
-        "is not at hand and its faces are not told.",
+        "is not at hand and its number of faces is not given.",
     )
 
 
@@ -148,7 +148,7 @@ def figure_7(setting: Setting) -> Plate:
             PICTURE_ONLY,
             values,
             "Another body than the paper's cat, and a density of our own: how the paper turns "
-            "curvature into density is not told.",
+            "curvature into density is not given.",
         )
     ]
     return Plate(7, f"{one.name} by its curvature", setting.picture(7), rows)
