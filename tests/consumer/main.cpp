@@ -4,6 +4,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/topology.hpp>
 #include <dapple/tracker.hpp>
+#include <fstream>
 #include <iostream>
 
 /// Puts 500 points on a mesh and keeps them even while it bends: MESH POINTS.obj
@@ -24,7 +25,8 @@ int main(int count, char** arguments) try {
     const dapple::Samples& now = tracker.advance(vertices);
     std::cout << "frame " << frame << ": slid " << now.report.slide_max << " spacings at most\n";
   }
-  dapple::write_mesh(arguments[2], tracker.samples().positions, {});
+  std::ofstream points(arguments[2]);
+  for (const dapple::Vec3& x : tracker.samples().positions) points << "v " << x.transpose() << '\n';
 } catch (const std::exception& error) {  // names the input, the rule and the first offender
   return std::cerr << error.what() << '\n', 1;
 }
