@@ -12,11 +12,10 @@ int main(int count, char** arguments) try {
   if (count != 3) return std::cerr << "usage: consumer MESH POINTS.obj\n", 2;
   const dapple::MeshArrays mesh = dapple::read_mesh(arguments[1]);
   const dapple::Surface surface(mesh.vertices, mesh.faces);
-  std::cout << dapple::topology(surface).border_edges << " border edges\n";
 
   const dapple::Samples samples = dapple::sample(surface, 500, {.seed = 7});
-  std::cout << "spacing " << samples.report.spacing << ", nearest pair "
-            << samples.report.evenness.alpha_min << " of it\n";
+  std::cout << dapple::topology(surface).border_edges << " border edges, nearest pair at "
+            << samples.report.evenness.alpha_min << " spacings\n";
 
   dapple::Tracker tracker(surface, samples);  // sample k stays sample k
   for (int frame = 1; frame <= 5; ++frame) {
