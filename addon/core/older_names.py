@@ -4,14 +4,19 @@
 from collections.abc import MutableMapping
 from typing import Any
 
+from .tables import GROUPS
+
 _FIGURES = {
     "capacity_spread": "capacity_variation",
     "whole_count_spread": "whole_count_variation",
 }
 # By group, "" being the scatter itself: the old name, the new one.
 RENAMED = {
-    "": {"gap_weight": "repulsion_weight"},
-    "tiles": {"colour_by": "color_by"},
+    **{
+        group: {setting.older: setting.name for setting in settings if setting.older}
+        for group, settings in GROUPS.items()
+        if group != "classes"  # a list
+    },
     "report": _FIGURES,
     "solved": _FIGURES,
 }

@@ -13,29 +13,13 @@ from typing import Any
 from .errors import ScatterError
 from .older_names import rename
 from .settings import DensitySettings, Settings
+from .tables import GROUPS
 
 SCHEMA = 1
 DEFAULT = "Default"  # the preset that new scatters begin with
 NAMES = {
-    "": (
-        *("amount", "count", "points_per_area", "seed", "bind_to", "viewport_share"),
-        *("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations", "stickiness"),
-        *(
-            "scale",
-            "scale_randomness",
-            "turn_randomness",
-            "align",
-            "tilt",
-            "density_scale",
-            "forward",
-        ),
-        *("bake_smoothing", "count_over_time", "fade_frames", "key_every"),
-        *("on_topology_change", "preview_budget"),
-    ),
-    "density": tuple(
-        field.name for field in fields(DensitySettings) if field.name not in ("image", "obstacles")
-    ),
-    "tiles": ("grout", "inset_randomness", "thickness", "color_by"),
+    group: tuple(setting.name for setting in GROUPS[group] if setting.in_presets)
+    for group in ("", "density", "tiles")
 }
 Values = dict[str, dict[str, Any]]  # by group, then by name
 
@@ -95,7 +79,8 @@ def settings_with(values: Values) -> Settings:
     known = {field.name for field in fields(Settings)}
     settings = Settings(**{name: value for name, value in own.items() if name in known})
     if own.get("amount") == "PER_AREA":
-        settings = replace(settings, per_area=own.get("points_per_area", 100.0))
+        (unset,) = (one.default for one in GROUPS[""] if one.name == "points_per_area")
+        settings = replace(settings, per_area=own.get("points_per_area", unset))
     return replace(settings, density=DensitySettings(**values.get("density", {})))
 
 

@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from .settings import Settings
+from .solver_options import EVENNESS
 
 # Name, label, what it looks like: as Blender lists choices.
 QUALITIES = [
@@ -17,7 +17,6 @@ QUALITIES = [
     ),
     ("HONEYCOMB", "Honeycomb", "Patches of hexagons, as far as the surface allows"),
 ]
-_DEFAULT = Settings()
 _PRESETS: dict[str, dict[str, Any]] = {
     "DRAFT": {"tolerance": 5e-4, "max_evaluations": 30},
     "NATURAL": {},
@@ -29,5 +28,4 @@ _PRESETS: dict[str, dict[str, Any]] = {
 
 def quality_settings(name: str) -> dict[str, Any]:
     """What the preset of that name sets; the rest of these are at their defaults."""
-    names = ("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations")
-    return {key: getattr(_DEFAULT, key) for key in names} | _PRESETS[name]
+    return {setting.name: setting.default for setting in EVENNESS} | _PRESETS[name]

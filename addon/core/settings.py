@@ -1,78 +1,87 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the artist sets before a scatter is optimized; field names as in the native package."""
+"""What the artist sets before a scatter is optimized; field names as in the native package.
 
-from dataclasses import asdict, dataclass
-from typing import Any
+The fields are made from the tables of settings, with their defaults; only those are written here
+that are none of one setting alone. Data-blocks are there by their names.
+"""
+
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import Field, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from .density_table import DENSITY
+from .descriptors import Changes, Setting
+from .instance_table import CLASS, TILES
+from .solver_options import MOTION, SAMPLE, TRACKED
+from .tables import SCATTER
+
+_Class = TypeVar("_Class", bound="_Values")
 
 
-@dataclass(frozen=True)
-class ClassSettings:
+class _Values:
+    """A dataclass whose fields a type checker cannot know."""
+
+    if TYPE_CHECKING:
+        __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+        def __init__(self, **values: Any) -> None: ...
+        def __getattr__(self, name: str) -> Any: ...
+
+
+def _fields_of(settings: Iterable[Setting]) -> Callable[[type[_Class]], type[_Class]]:
+    """Make a class a frozen dataclass with a field for each setting, before its own."""
+
+    def made(cls: type[_Class]) -> type[_Class]:
+        own = inspect.get_annotations(cls)
+        given = {one.field_name: one.default for one in settings if one.field_name not in own}
+        for name, default in given.items():
+            setattr(cls, name, default)
+        cls.__annotations__ = {name: type(default) for name, default in given.items()} | own
+        return dataclass(frozen=True)(cls)
+
+    return made
+
+
+def _that(settings: Iterable[Setting], changes: Changes) -> list[Setting]:
+    return [one for one in settings if one.changes is changes]
+
+
+@_fields_of(_that(CLASS, Changes.SOLUTION))
+class ClassSettings(_Values):
     """One object type among several."""
 
-    share: float = 1.0  # of the points that no class counts itself, in relation to other shares
     count: int = 0  # exactly so many; 0: by its share
-    radius: float = 0.0  # of an instance, in world units: they are kept from overlapping
-    density: str = ""  # values of the surface that multiply its density for this class
 
 
-@dataclass(frozen=True)
-class DensitySettings:
+@_fields_of(DENSITY)
+class DensitySettings(_Values):
     """Terms that are multiplied; none: the same density everywhere. Angles in radians."""
 
-    attribute: str = ""  # values of the surface's vertices, faces or corners, or a vertex group
-    curvature: float = 0.0  # 0..1: how much thinner flat places are than bent ones
-    use_slope: bool = False  # the angle between normal and world Z
-    slope_from: float = 0.0
-    slope_to: float = 0.7853982
-    slope_fade: float = 0.1745329
-    use_height: bool = False  # world Z
-    height_from: float = 0.0
-    height_to: float = 1.0
-    height_fade: float = 0.1
-    image: str = ""  # brightness of a picture
-    uv_map: str = ""  # through these texture coordinates; none: those that renders use
-    use_camera: bool = False  # where the scene's camera looks
-    camera_margin: float = 0.1  # and so much beyond its frame, of half the frame
-    obstacles: str = ""  # objects of a collection that points avoid
-    obstacle_margin: float = 0.05  # by so much, in world units
+
+@_fields_of(TILES)
+class TileSettings(_Values):
+    """How tiles are cut; lengths in spacings of the points."""
 
 
-@dataclass(frozen=True)
-class Settings:
+@_fields_of([*_that(SCATTER, Changes.SOLUTION), *SAMPLE, *MOTION])
+class Settings(_Values):
     """Options of one optimization."""
 
-    count: int = 1000  # number of points, met exactly
     per_area: float = 0.0  # points on a unit of area where the density is 1; 0: count holds
-    seed: int = 0  # another seed, another scatter
-    capacity_weight: float = 30.0  # lambda: equal areas against regular spacing
-    repulsion_weight: float = 3.0  # kappa: keeps neighbors apart
-    tolerance: float = 5e-5  # stop at this relative decrease of the energy: smaller is more regular
-    max_evaluations: int = 200  # stop after so many evaluations of the energy
-    forward: str = "NONE"  # or an axis of the surface, X to -Z, along which instances point
-    stickiness: float = 0.0  # gamma: points slide less on a deforming surface, and are less even
     classes: tuple[ClassSettings, ...] = ()  # none: all points are alike
     density: DensitySettings = DensitySettings()
 
     def sample_options(self) -> dict[str, Any]:
         """Keyword options of dapple.sample, without count, classes and density."""
-        options = asdict(self)
-        for name in ("count", "per_area", "forward", "stickiness", "classes", "density"):
-            del options[name]
-        return options
+        return {one.name: getattr(self, one.name) for one in SAMPLE}
 
     def tracker_options(self) -> dict[str, Any]:
         """Keyword options of dapple.Tracker, which has a limit of evaluations of its own, without
         classes."""
-        names = ("capacity_weight", "repulsion_weight", "tolerance", "stickiness")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in TRACKED}
 
 
-@dataclass(frozen=True)
-class BakeSettings:
+@_fields_of(_that(SCATTER, Changes.BAKE))
+class BakeSettings(_Values):
     """What only a bake takes; the solution that it begins with has no part in it."""
-
-    stickiness: float = 0.0
-    key_every: int = 1  # frames from one key to the next
-    smoothing: str = "FORWARDS"  # or BOTH_WAYS, LOOP
-    count_over_time: str = "KEEP_COUNT"  # or KEEP_DENSITY
-    fade: int = 0  # frames that a point takes to appear or to vanish, where some do

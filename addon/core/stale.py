@@ -12,24 +12,23 @@ from typing import Any
 
 import numpy as np
 
+from .density_table import DENSITY
+from .descriptors import DATA_BLOCKS, Changes, Kind
 from .older_names import rename
 from .records import own_random
 from .settings import BakeSettings, Settings
+from .solver_options import MOTION, SAMPLE
 from .surface import Floats, SurfaceArrays
+from .tables import SCATTER
 
 SKETCH_SUMS = 3
-# Settings that older files do not have: they were solved without.
-_ADDED = ("classes", "density", "forward", "per_area")
-# Settings that only a bake takes.
-_BAKING = ("stickiness",)
-_NAMES = ("attribute", "image", "obstacles")
-# Terms of a density -> how settings begin that count only with them.
-_TERMS = {
-    "use_slope": "slope_",
-    "use_height": "height_",
-    "use_camera": "camera_",
-    "obstacles": "obstacle_",
-}
+# Settings that all files have; without another one they were solved with its default.
+_OLDEST = [setting.name for setting in SCATTER if setting.oldest]
+# Options that change no solution: of a bake alone, or of no result.
+_APART = [one.name for one in (*SAMPLE, *MOTION) if one.changes is not Changes.SOLUTION]
+_NAMES = [setting.name for setting in DENSITY if setting.kind in {Kind.VALUES, *DATA_BLOCKS}]
+_COMPARED_ELSEWHERE = [setting.name for setting in DENSITY if setting.kind is Kind.UV_MAP]
+_UNDER = {setting.name: setting.under for setting in DENSITY if setting.under}
 _VERTICES = 4096  # so many are looked at, evenly spread over their indices
 _TOLERANCE = 1e-5  # of the sketched vertices' extent: evaluation on another machine may differ
 
@@ -46,11 +45,11 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
     stand for. Those that another setting leaves without effect do not count.
     """
     before, defaults = _read(stored), _plain(Settings())
-    for name in _ADDED:
+    for name in defaults.keys() - _OLDEST:
         before.setdefault(name, defaults[name])
     if isinstance(before["density"], dict):
         before["density"] = defaults["density"] | before["density"]
-    wanted = {name: value for name, value in _plain(now).items() if name not in _BAKING}
+    wanted = {name: value for name, value in _plain(now).items() if name not in _APART}
     return [
         name
         for name, value in _of_effect(wanted).items()
@@ -103,13 +102,12 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def _terms(density: dict[str, Any]) -> dict[str, Any]:
-    found = {name: value for name, value in density.items() if name != "uv_map"}
+    found = dict(density)
     for name in _NAMES:
         found[name] = bool(found[name])
-    for term in _TERMS:
-        if not found[term]:
-            for name in [one for one in found if one.startswith(_TERMS[term])]:
-                found[name] = None
+    for name, switch in _UNDER.items():
+        if not found[switch] or name in _COMPARED_ELSEWHERE:
+            found[name] = None
     return found
 
 

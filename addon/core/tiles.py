@@ -10,22 +10,13 @@ import numpy as np
 from .binding import samples_of
 from .native import package
 from .records import Binding, Columns, own_random
+from .settings import TileSettings
 from .solve import named
 from .surface import Floats, Ints, SurfaceArrays
 
 _INSET_STREAM, _COLOR_STREAM = 2, 3  # of own_random
 _HUES = (0.06, 0.53, 0.13, 0.35, 0.90, 0.72)  # of classes, one after another
 _SATURATION = 0.6
-
-
-@dataclass(frozen=True)
-class TileSettings:
-    """How tiles are cut; lengths in spacings of the points."""
-
-    grout: float = 0.1  # width of the gap between tiles
-    inset_randomness: float = 0.0  # up to so much farther a tile draws back, by its id
-    thickness: float = 0.15  # 0: they lie in the surface
-    color_by: str = "RANDOM"  # or CLASS
 
 
 @dataclass(frozen=True)

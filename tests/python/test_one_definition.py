@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+import importlib
 import json
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -99,6 +102,93 @@ def test_a_new_option_is_a_flag(tables):
     assert flag.opts == ["--damping"]
     assert (flag.type.min, flag.type.max) == (0.0, 1.0)
     assert flag.help == "Share of a step that is held back. In spacings.  [default: 0.25]"
+
+
+@pytest.fixture
+def core(tables, root, monkeypatch):
+    """Modules of the add-on's core, as they are where the package has the option more."""
+    monkeypatch.setattr(dapple, "option_table", tables.__getitem__)
+    yield from fresh_core(root, monkeypatch)
+
+
+@pytest.fixture
+def core_alone(root, monkeypatch):
+    """The same where there is no package."""
+    monkeypatch.setitem(sys.modules, "dapple3d", None)
+    yield from fresh_core(root, monkeypatch)
+
+
+def fresh_core(root, monkeypatch):
+    """A function that imports a module of the add-on's core, as if it had not been."""
+    monkeypatch.syspath_prepend(root)
+    before = {name: module for name, module in sys.modules.items() if belongs_to_addon(name)}
+    for name in before:
+        del sys.modules[name]
+    yield lambda name: importlib.import_module(f"addon.core.{name}")
+    for name in filter(belongs_to_addon, list(sys.modules)):
+        del sys.modules[name]
+    sys.modules.update(before)
+
+
+def belongs_to_addon(name):
+    return name.split(".")[0] == "addon"
+
+
+def test_a_new_option_is_a_setting_of_the_add_on(core):
+    (setting,) = [one for one in core("tables").GROUPS[""] if one.name == "damping"]
+    assert (setting.kind.name, setting.default) == ("NUMBER", 0.25)
+    assert (setting.low, setting.high) == (0.0, 1.0)
+    assert setting.label == "Damping"
+    assert setting.tooltip == "Share of a step that is held back. In spacings"
+    assert setting in core("solver_options").EVENNESS, "a row of the panel"
+    assert "damping" in core("presets").NAMES[""]
+    assert core("quality").quality_settings("REGULAR")["damping"] == 0.25
+
+
+def test_a_new_option_of_the_add_on_reaches_the_solver_and_the_check(core):
+    stale, settings = core("stale"), core("settings").Settings()
+    changed = dataclasses.replace(settings, damping=0.5)
+    assert changed.sample_options()["damping"] == changed.tracker_options()["damping"] == 0.5
+    assert stale.changed_settings(stale.settings_text(settings), changed) == ["damping"]
+    older = json.loads(stale.settings_text(settings))
+    del older["damping"]
+    assert stale.changed_settings(json.dumps(older), settings) == [], "solved without it"
+    assert stale.changed_settings(json.dumps(older), changed) == ["damping"]
+
+
+def test_a_new_option_touches_no_page_of_the_add_on(core, root):
+    assert any(one.name == "damping" for one in core("solver_options").SAMPLE)
+    script = runpy.run_path(str(root / "scripts/setting_tables.py"))
+    page = script["PAGE"].read_text()
+    assert script["written"](page) == page
+
+
+def test_the_add_on_has_no_options_without_the_package(core_alone):
+    assert core_alone("solver_options").SAMPLE == core_alone("solver_options").MOTION == ()
+    settings = core_alone("settings").Settings()
+    assert (settings.count, settings.sample_options()) == (1000, {})
+    assert "seed" not in core_alone("presets").NAMES[""]
+
+
+def test_a_motion_keeps_its_own_limit_of_evaluations(core):
+    options = core("settings").Settings().tracker_options()
+    assert {"stickiness", "tolerance"} <= options.keys()
+    assert not {"seed", "max_evaluations"} & options.keys()
+
+
+def test_settings_of_the_add_on_are_told_as_they_are(root):
+    """scripts/setting_tables.py --write mends it."""
+    command = [sys.executable, str(root / "scripts/setting_tables.py")]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+@pytest.mark.parametrize("name", ["repulsion_weight", "max_evaluations"])
+def test_the_add_on_gives_words_to_an_option_in_one_place(root, name):
+    """Beside that, presets of quality set some, and the panel looks at the limit."""
+    sources = (root / "addon").rglob("*.py")
+    naming = {path.name for path in sources if re.search(rf"\b{name}\b", path.read_text())}
+    assert naming - {"quality.py", "results.py"} == {"solver_options.py"}
 
 
 @pytest.mark.parametrize("name", ["repulsion_weight", "pattern_strength", "longest_motion"])

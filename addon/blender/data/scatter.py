@@ -7,14 +7,20 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.records import SCHEMA_KEY
-from ...core.settings import BakeSettings, ClassSettings, DensitySettings, Settings
+from ...core.settings import (
+    BakeSettings,
+    ClassSettings,
+    DensitySettings,
+    Settings,
+    TileSettings,
+)
 from ...core.solve import Report
 from ...core.stale import changed_baking, changed_settings
-from ...core.tiles import TileSettings
+from ...core.tables import SCATTER
 from ..base.translation import Say, label_of, told
 
-# Settings whose property has another name.
-_PROPERTIES = {"per_area": "points_per_area", "smoothing": "bake_smoothing", "fade": "fade_frames"}
+# Fields of the core's settings and their properties.
+_PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -112,11 +118,11 @@ def settings_of(obj: bpy.types.Object) -> Settings:
 
 def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
     """What a bake takes beside them."""
-    own = obj.dapple
-    fade = own.fade_frames if own.count_over_time == "KEEP_DENSITY" else 0
-    return BakeSettings(
-        own.stickiness, own.key_every, own.bake_smoothing, own.count_over_time, fade
-    )
+    names = [field.name for field in fields(BakeSettings)]
+    values = {name: getattr(obj.dapple, _PROPERTIES[name]) for name in names}
+    if obj.dapple.count_over_time != "KEEP_DENSITY":
+        values["fade"] = 0
+    return BakeSettings(**values)
 
 
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
@@ -129,13 +135,14 @@ def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
 
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
     """How the tiles of a scatter are cut."""
-    tiles = obj.dapple.tiles
-    return TileSettings(tiles.grout, tiles.inset_randomness, tiles.thickness, tiles.color_by)
+    names = [field.name for field in fields(TileSettings)]
+    return TileSettings(**{name: getattr(obj.dapple.tiles, name) for name in names})
 
 
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
-    share, count = (0.0, kind.count) if kind.use_count else (kind.share, 0)
-    return ClassSettings(share, count, kind.radius, kind.density)
+    values = {field.name: getattr(kind, field.name) for field in fields(ClassSettings)}
+    values |= {"share": 0.0} if kind.use_count else {"count": 0}
+    return ClassSettings(**values)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:

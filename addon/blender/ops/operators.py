@@ -5,23 +5,24 @@ from typing import Any, ClassVar
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty
 
-from ...core.settings import Settings
 from ...core.steps import Steps
+from ...core.tables import SCATTER
 from ..base.job import OPTIONS, Status, StepsOperator
-from ..base.translation import OWN, operator_label, reported, told
+from ..base.translation import operator_label, reported, told
 from ..data.scatter import rest_note
-from ..settings.properties import BIND_TO
+from ..settings.making import with_arguments
 from ..steps.adding import add_steps
 from ..steps.tiling import tile_steps
 from ..steps.work import optimize_steps, rebind_steps
 from ..viewport import preview
 from .polls import ready
 
-_DEFAULT = Settings()
+_ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "bind_to")]
 
 
+@with_arguments(_ADDED_WITH)
 class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
     """Scatter points evenly on the active object"""
 
@@ -29,32 +30,14 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
     bl_label = "Dapple Scatter"
     bl_options = OPTIONS
 
-    count: IntProperty(
-        name="Count", description="Exact number of points", default=_DEFAULT.count, min=1
-    )
-    seed: IntProperty(
-        name="Seed",
-        description="Seed of the random start; each seed gives another scatter",
-        default=_DEFAULT.seed,
-        min=0,
-    )
-
-    bind_to: EnumProperty(
-        name="Attach To",
-        description="What the points are attached to while the surface deforms",
-        items=BIND_TO,
-        translation_context=OWN,
-        default="AUTO",
-    )
-
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=False)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        chosen = ("count", "seed", "bind_to")
+        names = [setting.name for setting in _ADDED_WITH]
         given = {
-            name: getattr(self, name) for name in chosen if self.properties.is_property_set(name)
+            name: getattr(self, name) for name in names if self.properties.is_property_set(name)
         }
         return add_steps(context, **given)
 

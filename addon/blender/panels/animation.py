@@ -3,6 +3,7 @@
 
 import bpy
 
+from ...core.solver_options import MOTION
 from ..base.labels import lines_of
 from ..base.translation import counted, told
 from ..ops.bake_operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
@@ -27,7 +28,8 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
             layout.prop(settings, "fade_frames")
         else:
             layout.prop(settings, "bake_smoothing")
-        layout.prop(settings, "stickiness")
+        for option in MOTION:
+            layout.prop(settings, option.name)
         layout.prop(settings, "key_every")
         layout.prop(settings, "on_topology_change")
         row = layout.row(align=True)

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import bpy
 
+from ...core.solver_options import EVENNESS
 from ..ops.tools import DAPPLE_OT_set_quality
 from . import shown
 from .base import ScatterPanel
@@ -19,8 +20,8 @@ class DAPPLE_PT_evenness(ScatterPanel, bpy.types.Panel):
         icon = shown.PATTERN.of(context.object)
         self.layout.template_icon(icon_value=icon, scale=6.0)
         self.layout.operator_menu_enum(DAPPLE_OT_set_quality.bl_idname, "quality")
-        for name in ("capacity_weight", "repulsion_weight", "tolerance", "max_evaluations"):
-            self.layout.prop(context.object.dapple, name)
+        for setting in EVENNESS:
+            self.layout.prop(context.object.dapple, setting.name)
         column = self.layout.column()
         column.prop(context.object.dapple.report, "spacing")
         column.enabled = False

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import bpy
 
+from ...core.instance_table import TILES
 from ..ops.operators import DAPPLE_OT_tile
 from .base import ScatterPanel
 
@@ -16,8 +17,8 @@ class DAPPLE_PT_tiles(ScatterPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, tiles = self.layout, context.object.dapple.tiles
         layout.use_property_split, layout.use_property_decorate = True, False
-        for name in ("grout", "inset_randomness", "thickness", "color_by"):
-            layout.prop(tiles, name)
+        for setting in TILES:
+            layout.prop(tiles, setting.name)
         layout.operator(
             DAPPLE_OT_tile.bl_idname,
             text="Replace Tiles" if tiles.object else "Make Tiles",

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a scatter itself, and the tables of all groups."""
+
+from .density_table import DENSITY
+from .descriptors import Changes, Kind, Setting, Settings
+from .forward import AXES
+from .instance_table import CLASS, INSTANCES, TILES
+from .solver_options import MOTION, SAMPLE
+
+BOUND_TO = (  # the numbers are those of older files
+    (
+        "FACES",
+        "Faces",
+        "Faces after all modifiers, which must be the same in the viewport and in renders",
+        0,
+    ),
+    (
+        "REST",
+        "Rest Position",
+        "Shape before all modifiers, which may change the faces in every frame and in "
+        "renders. Enables Rest Position on the surface",
+        1,
+    ),
+)
+_BIND_TO = (
+    (
+        "AUTO",
+        "Automatic",
+        "Faces, or the rest position if the viewport and renders have different faces",
+        2,
+    ),
+    *BOUND_TO,
+)
+_AMOUNT = (
+    Setting(
+        "surface",
+        Kind.SURFACE,
+        "",
+        "Surface",
+        "Object to scatter points on: a mesh, curve, text or metaball",
+        Changes.INDIRECTLY,
+    ),
+    Setting(
+        "count",
+        Kind.WHOLE,
+        1000,
+        "Count",
+        "Exact number of points",
+        low=1,
+        soft_high=100_000,
+        oldest=True,
+    ),
+    Setting(
+        "amount",
+        Kind.CHOICE,
+        "COUNT",
+        "Amount",
+        "How the number of points is defined",
+        Changes.INDIRECTLY,
+        choices=(
+            ("COUNT", "Count", "An exact number of points"),
+            (
+                "PER_AREA",
+                "Per Area",
+                "A number of points per square unit of the surface in world space",
+            ),
+        ),
+    ),
+    Setting(
+        "points_per_area",
+        Kind.NUMBER,
+        100.0,
+        "Points per Area",
+        "Number of points on a square unit of the surface in world space where the density is 1",
+        Changes.INDIRECTLY,
+        low=0.0001,
+        soft_high=10_000.0,
+        field="per_area",
+    ),
+)
+_DISPLAY = (
+    Setting(
+        "forward",
+        Kind.CHOICE,
+        "NONE",
+        "Forward Axis",
+        "Axis of the surface object that the X axis of the instances follows along the surface; "
+        "instances then turn with the surface. Set Random Z Rotation to 0",
+        choices=(
+            ("NONE", "Any", "Instances point in any direction"),
+            *((axis, axis, f"{axis} axis of the surface object") for axis in AXES),
+        ),
+    ),
+    Setting(
+        "viewport_share",
+        Kind.NUMBER,
+        1.0,
+        "Viewport Amount",
+        "Fraction of the points shown in the viewport, evenly spread; renders show all points",
+        Changes.INSTANCES,
+        low=0.0,
+        high=1.0,
+        subtype="FACTOR",
+    ),
+)
+_BAKE = (
+    Setting(
+        "key_every",
+        Kind.WHOLE,
+        1,
+        "Keyframe Interval",
+        "Number of frames from one keyframe to the next; larger intervals make smaller files, "
+        "and points are interpolated in between",
+        Changes.BAKE,
+        low=1,
+        high=25,
+    ),
+    Setting(
+        "bake_smoothing",
+        Kind.CHOICE,
+        "FORWARDS",
+        "Smoothing",
+        "How a bake smooths the motion of the points over time",
+        Changes.BAKE,
+        choices=(
+            (
+                "FORWARDS",
+                "Forward",
+                "Solve frame by frame; solved frames are kept next to the file",
+            ),
+            (
+                "BOTH_WAYS",
+                "Both Directions",
+                "Solve all frames together: motion is smooth in both directions of time",
+            ),
+            (
+                "LOOP",
+                "Loop",
+                "Solve all frames together, with the last frame leading back to the first",
+            ),
+        ),
+        field="smoothing",
+    ),
+    Setting(
+        "bind_to",
+        Kind.CHOICE,
+        "AUTO",
+        "Attach To",
+        "What the points are attached to while the surface deforms",
+        Changes.INDIRECTLY,
+        choices=_BIND_TO,
+        own_words=True,
+    ),
+    Setting(
+        "count_over_time",
+        Kind.CHOICE,
+        "KEEP_COUNT",
+        "Population",
+        "What a bake preserves while the surface grows and shrinks",
+        Changes.BAKE,
+        choices=(
+            ("KEEP_COUNT", "Keep Count", "The same points in all frames"),
+            (
+                "KEEP_DENSITY",
+                "Keep Density",
+                "As many points per area as at the start; points fade in and out",
+            ),
+        ),
+    ),
+    Setting(
+        "fade_frames",
+        Kind.WHOLE,
+        12,
+        "Fade Duration",
+        "Number of frames over which a point appears or vanishes",
+        Changes.BAKE,
+        low=1,
+        soft_high=100,
+        field="fade",
+    ),
+    Setting(
+        "on_topology_change",
+        Kind.CHOICE,
+        "REFUSE",
+        "On Topology Change",
+        "What to do if the faces of the surface are not those that the points are attached to, "
+        "at the start of a bake or in a later frame",
+        Changes.NOTHING,
+        choices=(
+            ("REFUSE", "Stop", "Stop with an error message that names the frame"),
+            ("REBIND", "Reattach", "Continue from the nearest places on the new faces"),
+        ),
+    ),
+    Setting(
+        "preview_budget",
+        Kind.WHOLE,
+        40,
+        "Preview Budget",
+        "Time limit of the live preview per frame, in milliseconds; if it takes longer, points "
+        "stick to the surface",
+        Changes.NOTHING,
+        low=1,
+        soft_high=1000,
+    ),
+)
+SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DISPLAY, *MOTION, *_BAKE)
+# By the name of the property that holds the group; "" is the scatter itself.
+GROUPS: dict[str, Settings] = {
+    "": (*SCATTER, *INSTANCES),
+    "density": DENSITY,
+    "tiles": TILES,
+    "classes": (*CLASS, *INSTANCES),
+}
