@@ -37,7 +37,10 @@ COSTLY = {
 
 @pytest.fixture
 def computed(monkeypatch):
-    """Names of what was computed, walked or read."""
+    """Names of what was computed, walked or read; pictures that another test had drawn are gone."""
+    kept = addon_host.part("blender.panels.pictures")
+    kept.unregister()
+    kept.register()
     seen = []
     for module, names in COSTLY.items():
         for name in names:
