@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The door to the native package, which may be missing."""
+"""The door to the native package, which may be missing or too old."""
 
 import importlib
 from functools import cache
@@ -11,14 +11,20 @@ PACKAGE = "dapple3d"
 
 
 def package() -> ModuleType:
-    """The native package; MissingPackageError says what is missing and why."""
+    """The native package; MissingPackageError says why it cannot be used."""
     try:
-        return importlib.import_module(PACKAGE)
+        module = importlib.import_module(PACKAGE)
     except ImportError as error:
         raise MissingPackageError(
             f"Dapple's native Python package '{PACKAGE}' cannot be loaded ({error}): "
             "install it for Blender's Python, then enable the add-on again"
         ) from error
+    if not hasattr(module, "option_table"):
+        raise MissingPackageError(
+            f"Dapple's native Python package '{PACKAGE}' is older than this add-on: "
+            "install the one that belongs to it for Blender's Python, then start Blender again"
+        )
+    return module
 
 
 @cache

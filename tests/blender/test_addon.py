@@ -28,9 +28,10 @@ for name in names:
 print(len(names))
 """
 
-WITHOUT_DAPPLE = """
-import tempfile
-sys.modules["dapple3d"] = None
+# With what the module of the native package is given as.
+INSTEAD_OF_DAPPLE = """
+import tempfile, types
+sys.modules["dapple3d"] = {module}
 import addon_host
 import addon_utils
 addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
@@ -87,8 +88,13 @@ def test_the_core_needs_no_bpy():
 
 
 def test_without_the_native_package_the_add_on_enables_and_says_what_is_missing():
-    said = child.run(WITHOUT_DAPPLE)
+    said = child.run(INSTEAD_OF_DAPPLE.format(module="None"))
     assert "False Dapple's native Python package 'dapple3d' cannot be loaded" in said
+
+
+def test_with_an_older_native_package_the_add_on_enables_and_says_so():
+    said = child.run(INSTEAD_OF_DAPPLE.format(module="types.ModuleType('dapple3d')"))
+    assert "False Dapple's native Python package 'dapple3d' is older than this add-on" in said
 
 
 def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():
