@@ -9,22 +9,20 @@ process of its own: python -m benchmarks.tracking.blender_points IN.npz OUT.npz
 from __future__ import annotations
 
 import contextlib
-import itertools
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 import dapple3d as dapple
 import numpy as np
 
 from benchmarks.tracking.animations import Animation
 from benchmarks.tracking.implicit import Array
+from benchmarks.tracking.scatter_node import ScatterNode
 
 TIMEOUT = 900  # seconds; a bpy process can hang at exit
-HALVINGS = 12  # of the distance, until the first frame holds about the wanted number
 
 
 def replaced(animation: Animation, count: int, advances: int) -> dict[str, list[float]] | None:
@@ -73,64 +71,14 @@ def _main(given: str, made: str) -> None:
 
     with np.load(given) as stored:
         faces, frames, count = stored["faces"], stored["frames"], int(stored["count"])
-    mesh = bpy.data.meshes.new("Body")
-    mesh.from_pydata(frames[0].tolist(), [], faces.tolist())
-    body = bpy.data.objects.new("Body", mesh)
-    bpy.context.scene.collection.objects.link(body)
-    node = _scatter(bpy, body)
-    area = dapple.Surface(frames[0], faces).area
-    node.inputs["Density Max"].default_value = 30 * count / area
-    _set_distance(bpy, node, body, count, (2 * area / (np.sqrt(3) * count)) ** 0.5)
+    node = ScatterNode(bpy, frames[0], faces, dapple.Surface(frames[0], faces).area, count)
     points, milliseconds = [], []
     for frame in frames:
-        mesh.vertices.foreach_set("co", frame.astype(np.float32).ravel())
-        mesh.update()
         began = time.perf_counter()
-        points.append(_evaluated(bpy, body))
+        points.append(node.points(frame))
         milliseconds.append(1000 * (time.perf_counter() - began))
     ends = np.cumsum([len(one) for one in points])
     np.savez(made, points=np.vstack(points), ends=ends, milliseconds=milliseconds)
-
-
-def _scatter(bpy: Any, body: Any) -> Any:
-    """Gives the body the node and returns it."""
-    group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
-    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    chain = [
-        group.nodes.new(kind)
-        for kind in (
-            "NodeGroupInput",
-            "GeometryNodeDistributePointsOnFaces",
-            "GeometryNodePointsToVertices",
-            "NodeGroupOutput",
-        )
-    ]
-    chain[1].distribute_method = "POISSON"
-    for one, other in itertools.pairwise(chain):
-        group.links.new(one.outputs[0], other.inputs[0])
-    body.modifiers.new("Scatter", "NODES").node_group = group
-    return chain[1]
-
-
-def _set_distance(bpy: Any, node: Any, body: Any, count: int, longest: float) -> None:
-    """Halve the interval of the smallest distance until it leaves about `count` points."""
-    short, long = 0.3 * longest, longest
-    for _ in range(HALVINGS):
-        node.inputs["Distance Min"].default_value = (short + long) / 2
-        if len(_evaluated(bpy, body)) > count:
-            short = (short + long) / 2
-        else:
-            long = (short + long) / 2
-
-
-def _evaluated(bpy: Any, body: Any) -> Array:
-    evaluated = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    points = evaluated.to_mesh()
-    flat = np.empty(3 * len(points.vertices), dtype=np.float32)
-    points.vertices.foreach_get("co", flat)
-    evaluated.to_mesh_clear()
-    return flat.reshape(-1, 3).astype(np.float64)
 
 
 if __name__ == "__main__":
