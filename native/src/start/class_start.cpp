@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "start/darts.hpp"
 #include "surface/ordered_surface.hpp"
@@ -17,10 +18,13 @@ namespace {
 // very long.
 constexpr double kFirstRadius = 0.76;
 constexpr double kShrink = 0.96;
-constexpr std::size_t kPatience = 4;  // darts per wanted sample at one radius
-constexpr double kFillingTime = 4.0;  // filled to x takes as long as x to this power
-constexpr double kUnion = 0.85;       // distance to any class, in the spacing of all
-constexpr double kSizesYield = 0.4;   // fraction below which the discs' own radii shrink too
+constexpr std::size_t kPatience = 4;         // darts per wanted sample at one radius
+constexpr double kFillingTime = 4.0;         // filled to x takes as long as x to this power
+constexpr std::size_t kLeastBatch = 64;      // darts that are thrown together
+constexpr std::size_t kLargestBatch = 8192;  // it may take 10 ms
+constexpr std::size_t kGrain = 256;          // of them, in one piece of parallel work
+constexpr double kUnion = 0.85;              // distance to any class, in the spacing of all
+constexpr double kSizesYield = 0.4;          // fraction below which the discs' own radii shrink too
 
 /// Where `count` points have the density n phi / mass, their hexagonal spacing is
 /// sqrt(2 mass / (sqrt(3) n phi)): this at phi = 1.
@@ -130,11 +134,10 @@ class Throwing {
   void fill(const std::vector<ClassDarts*>& group, Context* context) {
     const std::size_t count = count_of(group);
     for (double fraction = kFirstRadius;; fraction *= kShrink) {
-      for (std::size_t thrown = 0; thrown < kPatience * count; ++thrown) {
-        if (thrown % 1024 == 0) report(group, count, context);
-        ClassDarts* members = least_filled(group);
-        if (!members) return;
-        throw_one(*members, fraction);
+      for (std::size_t thrown = 0; thrown < kPatience * count;) {
+        report(group, count, context);
+        thrown += throw_some(group, fraction, kPatience * count - thrown);
+        if (!least_filled(group)) return;
       }
       for (ClassDarts* members : group) members->near.scale(kShrink);
       if (many()) any_.scale(kShrink);
@@ -148,12 +151,73 @@ class Throwing {
     return best;
   }
 
-  void throw_one(ClassDarts& members, double fraction) {
-    const Dart dart = members.board.draw(random_);
-    if (members.near.refuses(dart, own_radius(members, dart, fraction))) return;
-    if (many() && any_.refuses(dart, union_radius(dart, fraction))) return;
-    if (overlaps(members, dart, std::min(1.0, fraction / kSizesYield))) return;
-    members.board.take(dart);
+  /// How many were thrown, at most `most`. Where classes take turns, the next dart's class depends
+  /// on what became of the last one.
+  std::size_t throw_some(const std::vector<ClassDarts*>& group, double fraction, std::size_t most) {
+    if (group.size() == 1) return throw_batch(*group[0], fraction, most);
+    most = std::min(most, kLeastBatch);
+    for (std::size_t thrown = 0; thrown < most; ++thrown) {
+      ClassDarts* members = least_filled(group);
+      if (!members) return thrown;
+      const Dart dart = dart_on(*members, members->board.draw(random_));
+      if (is_refused(*members, dart, fraction)) continue;
+      members->board.take(dart);
+      keep(*members, dart, fraction);
+    }
+    return most;
+  }
+
+  /// The same darts in the same order as one at a time. What is refused by the darts before the
+  /// batch is found in parallel; most are. The others are asked again once the batch has kept one.
+  std::size_t throw_batch(ClassDarts& members, double fraction, std::size_t most) {
+    draw(members, std::min(most, batch_));
+    test(members, fraction);
+    bool kept = false;
+    for (std::size_t k = 0; k < drawn_.size(); ++k) {
+      const Drawn& drawn = drawn_[k];
+      if (drawn.refused || (kept && is_refused(members, drawn.dart, fraction))) continue;
+      kept = true;
+      const bool closed = members.board.take(drawn.dart);
+      keep(members, drawn.dart, fraction);
+      if (!closed && !members.full()) continue;
+      // What was drawn after it was drawn from a board that has changed.
+      if (k + 1 < drawn_.size()) random_ = drawn_[k + 1].before;
+      batch_ = std::max(k + 1, kLeastBatch);
+      return k + 1;
+    }
+    batch_ = std::min(2 * batch_, kLargestBatch);
+    return drawn_.size();
+  }
+
+  void draw(const ClassDarts& members, std::size_t count) {
+    drawn_.resize(count);
+    for (Drawn& drawn : drawn_) {
+      drawn.before = random_;
+      drawn.draw = members.board.draw(random_);
+    }
+  }
+
+  void test(const ClassDarts& members, double fraction) {
+    parallel_chunks(drawn_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        drawn_[k].dart = dart_on(members, drawn_[k].draw);
+        drawn_[k].refused = is_refused(members, drawn_[k].dart, fraction);
+      }
+    });
+  }
+
+  static Dart dart_on(const ClassDarts& members, const DartBoard::Draw& draw) {
+    return dart_at(*members.start->surface, draw.face, draw.weights);
+  }
+
+  [[nodiscard]] bool is_refused(const ClassDarts& members, const Dart& dart,
+                                double fraction) const {
+    if (members.near.refuses(dart, own_radius(members, dart, fraction))) return true;
+    if (many() && any_.refuses(dart, union_radius(dart, fraction))) return true;
+    return overlaps(members, dart, std::min(1.0, fraction / kSizesYield));
+  }
+
+  void keep(ClassDarts& members, const Dart& dart, double fraction) {
     members.darts.push_back(dart);
     note(members, dart, fraction);
   }
@@ -167,12 +231,14 @@ class Throwing {
 
   // Only discs at least as large are there, so a grid's cell, twice its radius, is wide enough.
   [[nodiscard]] bool overlaps(const ClassDarts& members, const Dart& dart, double yield) const {
-    const auto reach = [&](const Dart& other, double radius) {
-      return dart.faces(other) ? yield * (radius + members.start->radius) : 0.0;
+    const double own = members.start->radius;
+    const auto reach = [&](const DartGrid::Member& other) {
+      return on_one_side(dart, other) ? yield * (other.radius + own) : 0.0;
     };
     return std::any_of(classes_.begin(), classes_.end(), [&](const ClassDarts& others) {
-      return others.start->radius > 0.0 && others.start->radius >= members.start->radius &&
-             others.discs.refuses(dart, reach);
+      const double radius = others.start->radius;
+      return radius > 0.0 && radius >= own &&
+             others.discs.refuses(dart, yield * (radius + own), reach);
     });
   }
 
@@ -187,9 +253,18 @@ class Throwing {
 
   [[nodiscard]] bool many() const { return classes_.size() > 1; }
 
+  struct Drawn {
+    Random before{0};  // the numbers that it was drawn with, and those of what comes after it
+    DartBoard::Draw draw{};
+    Dart dart{};
+    bool refused = false;
+  };
+
   const ClassStarts& starts_;
   Context* context_;
   Random random_;
+  std::vector<Drawn> drawn_;  // a batch
+  std::size_t batch_ = kLeastBatch;
   std::vector<ClassDarts> classes_;
   DartSet any_;  // of all classes
   double spacing_;
@@ -205,7 +280,8 @@ Sites random_start(const ClassStarts& starts) {
     std::vector<Dart> darts = darts_at(*wanted.surface, wanted.locked);
     DartBoard board(*wanted.surface, wanted.count, darts);
     while (darts.size() < wanted.count) {
-      darts.push_back(board.draw(random));
+      const DartBoard::Draw draw = board.draw(random);
+      darts.push_back(dart_at(*wanted.surface, draw.face, draw.weights));
       board.take(darts.back());
     }
     for (const Dart& dart : darts) {

@@ -11,7 +11,8 @@
 namespace dapple {
 namespace {
 
-constexpr double kCells = 0x1p62;  // numbers of cells along an axis
+constexpr double kCells = 0x1p62;   // numbers of cells along an axis
+constexpr double kSlack = 0x1p-50;  // of a place in cells: more than it is rounded by
 
 /// What is left of the quotas once some are taken; where a component holds more than its quota, the
 /// others give up places, the richest first.
@@ -54,21 +55,30 @@ DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vecto
   sum_up();
 }
 
-Dart DartBoard::draw(Random& random) const {
+DartBoard::Draw DartBoard::draw(Random& random) const {
   while (true) {
-    const double target = random.uniform() * cumulative_.back();
-    const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), target);
-    const auto k =
-        static_cast<std::size_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
-    if (places_[component(nth_face(k))] > 0) return draw_on(nth_face(k), random);
+    const OrderedFace face = nth_face(face_at(random.uniform() * cumulative_.back()));
+    if (places_[component(face)] > 0) return draw_on(face, random);
   }
 }
 
-void DartBoard::take(const Dart& dart) {
+// The first face whose cumulative mass lies above: a binary search would miss the cache at each of
+// its steps.
+std::size_t DartBoard::face_at(double mass) const {
+  const std::size_t last = cumulative_.size() - 1;
+  const double part = mass / cumulative_.back() * static_cast<double>(guide_.size());
+  std::size_t k = guide_[std::min(static_cast<std::size_t>(part), guide_.size() - 1)];
+  while (k > 0 && cumulative_[k - 1] > mass) --k;  // rounding
+  while (k < last && cumulative_[k] <= mass) ++k;
+  return k;
+}
+
+bool DartBoard::take(const Dart& dart) {
   const std::size_t c = component(dart.face);
-  if (--places_[c] > 0) return;
+  if (--places_[c] > 0) return false;
   closed_ += masses_[c];
   if (closed_ > 0.5 * cumulative_.back()) sum_up();
+  return true;
 }
 
 std::size_t DartBoard::component(OrderedFace face) const {
@@ -84,18 +94,25 @@ void DartBoard::sum_up() {
       sum += surface_->ordered().geometry(nth_face(f)).moments.capacity;
     cumulative_[f] = sum;
   }
+  guide_.resize(cumulative_.size());
+  std::size_t k = 0;
+  for (std::size_t part = 0; part < guide_.size(); ++part) {
+    const double begin = sum * static_cast<double>(part) / static_cast<double>(guide_.size());
+    while (k + 1 < cumulative_.size() && cumulative_[k] <= begin) ++k;
+    guide_[part] = static_cast<std::uint32_t>(k);
+  }
 }
 
 // Uniform on the face, then accepted in proportion to the density: at least a third is, since it is
 // linear.
-Dart DartBoard::draw_on(OrderedFace face, Random& random) const {
+DartBoard::Draw DartBoard::draw_on(OrderedFace face, Random& random) const {
   const Vec3 values = surface_->ordered().densities(face);
   while (true) {
     const double root = std::sqrt(random.uniform());
     const double along = random.uniform();
     const Vec3 weights(1.0 - root, root * (1.0 - along), root * along);
     if (random.uniform() * values.maxCoeff() >= weights.dot(values)) continue;
-    return dart_at(*surface_, face, weights);
+    return {face, weights};
   }
 }
 
@@ -109,27 +126,35 @@ DartGrid::DartGrid(double cell, double period)
 }
 
 void DartGrid::insert(const Dart& dart, double radius) {
-  members_.push_back({dart, radius, kNone});
+  members_.push_back({dart.position, dart.normal, radius, dart.component, kNone});
   if (members_.size() > heads_.size())
     grow();
   else
-    link(members_.size() - 1);
+    link(static_cast<std::uint32_t>(members_.size() - 1));
 }
 
-Vec3 DartGrid::offset(const Vec3& from, const Vec3& to) const {
-  Vec3 d = to - from;
-  if (flat())
-    for (Eigen::Index k = 0; k < 2; ++k) d[k] -= period_ * std::round(d[k] / period_);
-  return d;
-}
-
+// Far out the numbers of cells begin anew: two may be one, as they may in a bucket.
 DartGrid::Address DartGrid::address(const Vec3& p) const {
-  // Far out the numbers of cells begin anew: two may be one, as they may in a bucket.
   const auto along = [&](double x) {
-    const double cell = std::fmod(std::floor(x / cell_), kCells);
+    double cell = std::floor(x / cell_);
+    if (!(std::abs(cell) < kCells)) cell = std::fmod(cell, kCells);
     return std::isfinite(cell) ? static_cast<std::int64_t>(cell) : 0;
   };
   return {along(p.x()), along(p.y()), along(p.z())};
+}
+
+DartGrid::Block DartGrid::around(const Vec3& p, double most) const {
+  const Address center = address(p);
+  Block block{center, center, center};
+  for (Eigen::Index k = 0; k < (flat() ? 2 : 3); ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    const double at = p[k] / cell_;
+    const double inside = at - std::floor(at);
+    const double reach = most / cell_ * (1.0 + kSlack) + kSlack * (1.0 + std::abs(at));
+    if (!(inside > reach)) --block.low[axis];
+    if (!(1.0 - inside > reach)) ++block.high[axis];
+  }
+  return block;
 }
 
 std::size_t DartGrid::bucket(Address a) const {
@@ -143,25 +168,27 @@ std::size_t DartGrid::bucket(Address a) const {
   return (hash >> 32) & (heads_.size() - 1);
 }
 
-void DartGrid::link(std::size_t member) {
-  std::size_t& head = heads_[bucket(address(members_[member].dart.position))];
+void DartGrid::link(std::uint32_t member) {
+  std::uint32_t& head = heads_[bucket(address(members_[member].position))];
   members_[member].next = head;
   head = member;
 }
 
 void DartGrid::grow() {
   heads_.assign(4 * heads_.size(), kNone);
-  for (std::size_t m = 0; m < members_.size(); ++m) link(m);
+  for (std::uint32_t m = 0; m < members_.size(); ++m) link(m);
 }
 
 // ---- DartSet ----
 
 bool DartSet::refuses(const Dart& dart, double radius) const {
-  const auto reach = [&](const Dart& other, double other_radius) {
-    return dart.sees(other) ? std::min(radius, other_radius) : 0.0;
+  const auto reach = [&](const DartGrid::Member& other) {
+    return see_each_other(dart, other) ? std::min(radius, other.radius) : 0.0;
   };
-  return std::any_of(grids_.begin(), grids_.end(),
-                     [&](const auto& entry) { return entry.second.refuses(dart, reach); });
+  return std::any_of(grids_.begin(), grids_.end(), [&](const auto& entry) {
+    const double most = std::min(radius, std::ldexp(1.0, entry.first));
+    return entry.second.refuses(dart, most, reach);
+  });
 }
 
 void DartSet::insert(const Dart& dart, double radius) {

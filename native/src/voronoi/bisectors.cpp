@@ -2,87 +2,125 @@
 #include "voronoi/bisectors.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFirstNeighbors = 12;  // enough for most cells; more are fetched on demand
+constexpr std::size_t kFewRivals = 12;  // that are sorted at once: enough for most faces
 // So many are more than cells have whose faces are near: then it pays to find out which matter.
-constexpr std::size_t kMany = 50;
+constexpr std::size_t kMany = 51;
+constexpr double kFirstReach = 1.8;  // spacings
+constexpr double kFurther = 2.25;    // squared
+constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
+
+constexpr std::size_t kNone = ~std::size_t{0};
 
 }  // namespace
 
-void Bisectors::reset(std::int32_t site) {
-  site_ = site;
-  fetched_ = 0;
-  rivals_.clear();
-  next_rival_ = 0;
-  if (index_->has_graph())
-    take_links();
-  else
-    fetch(kFirstNeighbors + 1);
+Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
+    : surface_(&surface), sites_(&sites), index_(&index), neighborhood_(kNone) {
+  const double reach = kFirstReach * surface.spacing(std::max<std::size_t>(sites.size(), 1));
+  squared_reach_around_ = reach * reach;
 }
 
-// All sites may be at one place: any lower one settles that this is not the owner.
-std::int32_t Bisectors::owner() {
-  std::int32_t best = index_->leader(site_);
-  if (best != site_) return best;
-  const auto look_at = [&](std::int32_t site, double squared_distance) {
-    if (squared_distance == 0.0 && sites_->original(site) < sites_->original(best)) best = site;
-  };
-  if (index_->has_graph()) {
-    for (const Bisector& b : bisectors_) look_at(b.site, b.squared_distance);
-    return best;
-  }
-  while (true) {
-    for (const Neighbor& found : found_) look_at(found.index, found.squared_distance);
-    if (best != site_ || fetched_ == index_->population() || found_.back().squared_distance > 0.0)
-      return best;
-    fetch(2 * fetched_);
-  }
+void Bisectors::reset(std::int32_t site) {
+  note_need();
+  begin(site);
+  if (index_->has_graph()) return take_links();
+  owner_ = index_->leader(site);
+  const SiteIndex::Neighborhood here = index_->neighborhood(site);
+  if (here.number != neighborhood_) look_around(here);
+  take_near(around_);
 }
 
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
-  site_ = site;
-  fetched_ = index_->population();
-  bisectors_.clear();
-  settled_ = 0;
-  rivals_.clear();
-  next_rival_ = 0;
-  const Vec3& position = sites_->position(site);
+  note_need();
+  begin(site);
+  complete_ = true;
   for (const std::int32_t other : others)
-    if (other != site)
-      rivals_.push_back(
-          {(sites_->position(other) - position).squaredNorm(), sites_->original(other), other});
+    if (other != site) rivals_.push_back(rival(other));
+}
+
+void Bisectors::begin(std::int32_t site) {
+  site_ = owner_ = site;
+  settled_ = asked_ = next_rival_ = 0;
+  most_ = kMany;
+  complete_ = false;
+  squared_reach_ = squared_reach_around_;
+  bisectors_.clear();
+  rivals_.clear();
+}
+
+/// How far the last site had to look; where all are known nobody can tell.
+void Bisectors::note_need() {
+  if (settled_ > 0 && !complete_)
+    needed_ = std::max(needed_, bisectors_[std::min(asked_, settled_ - 1)].squared_distance);
+}
+
+void Bisectors::look_around(const SiteIndex::Neighborhood& here) {
+  neighborhood_ = here.number;
+  if (needed_ > 0.0) squared_reach_around_ = kMargin * std::exchange(needed_, 0.0);
+  squared_reach_ = squared_reach_around_;
+  around_.clear();
+  index_->for_each_near(here.box, squared_reach_,
+                        [this](std::int32_t other) { around_.push_back(other); });
+}
+
+void Bisectors::look_further() {
+  if (near_.size() >= most_) {
+    if (take_all_that_cut()) return;
+    most_ = 2 * most_ + 1;
+  } else {
+    squared_reach_ *= kFurther;
+  }
+  const Vec3& position = sites_->position(site_);
+  further_.clear();
+  index_->for_each_near({position, position}, squared_reach_,
+                        [this](std::int32_t other) { further_.push_back(other); });
+  take_near(further_);
+}
+
+/// Of the sites given, which hold all within reach, take those within reach, but not more than
+/// `most_`. Which of several at the last distance are among these is decided by their order: they
+/// count only when all of them are.
+void Bisectors::take_near(const std::vector<std::int32_t>& sites) {
+  near_.clear();
+  for (const std::int32_t other : sites) {
+    const Rival near = rival(other);
+    if (near.squared_distance < squared_reach_ && other != site_) near_.push_back(near);
+  }
+  std::sort(near_.begin(), near_.end());
+  const bool cut_off = near_.size() >= most_ && index_->population() > most_ + 1;
+  complete_ =
+      !cut_off && (near_.size() + 1 >= index_->population() || !std::isfinite(squared_reach_));
+  const double end =
+      cut_off ? near_[most_ - 1].squared_distance : std::numeric_limits<double>::infinity();
+  bisectors_.clear();
+  for (const Rival& near : near_) {
+    if (near.squared_distance == 0.0 && near.original < sites_->original(owner_))
+      owner_ = near.site;
+    if (near.squared_distance < end) add(near.site);
+  }
+  drop_twins();
+  settle(bisectors_.size());
 }
 
 /// Most faces are decided by the nearest few of many rivals: the others need not be sorted.
 void Bisectors::take_rivals() {
   const auto first = rivals_.begin() + static_cast<std::ptrdiff_t>(next_rival_);
-  const std::size_t count = std::min(kFirstNeighbors, rivals_.size() - next_rival_);
+  const std::size_t count = std::min(kFewRivals, rivals_.size() - next_rival_);
   const auto last = first + static_cast<std::ptrdiff_t>(count);
   if (last != rivals_.end()) std::nth_element(first, last, rivals_.end());
   std::sort(first, last);
   for (auto rival = first; rival != last; ++rival) add(rival->site);
   next_rival_ += count;
   drop_twins();
-  settled_ = bisectors_.size();
-}
-
-void Bisectors::fetch(std::size_t count) {
-  index_->nearest(sites_->position(site_), count, found_);
-  fetched_ = found_.size();
-  bisectors_.clear();
-  for (const Neighbor& found : found_)
-    if (found.index != site_) add(found.index);
-  sort();
-  settle();
-}
-
-void Bisectors::fetch_more() {
-  if (fetched_ < kMany || !take_all_that_cut()) fetch(2 * fetched_);
+  settle(bisectors_.size());
 }
 
 /// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, complete
@@ -94,8 +132,8 @@ bool Bisectors::take_all_that_cut() {
   for (const std::int32_t site : found) add(first_at_place_of(site));
   sort();
   for (Bisector& b : bisectors_) b.idle = !cell_.touches(b.normal, b.offset);
-  settled_ = bisectors_.size();
-  fetched_ = index_->population();
+  settle(bisectors_.size());
+  complete_ = true;
   return true;
 }
 
@@ -122,24 +160,30 @@ bool Bisectors::shrink_to_cell(std::vector<std::int32_t>& found) {
   return true;
 }
 
-std::int32_t Bisectors::first_at_place_of(std::int32_t site) {
-  const auto lower = [this](std::int32_t a, std::int32_t b) {
-    return sites_->original(a) < sites_->original(b);
-  };
-  for (std::size_t count = 2;; count *= 2) {
-    index_->nearest(sites_->position(site), count, found_);
-    for (const Neighbor& found : found_)
-      if (found.squared_distance == 0.0) site = std::min(site, found.index, lower);
-    if (found_.size() < count || found_.back().squared_distance > 0.0) return site;
-  }
+std::int32_t Bisectors::first_at_place_of(std::int32_t site) const {
+  const Vec3& place = sites_->position(site);
+  index_->for_each_near(
+      {place, place}, std::numeric_limits<double>::min(), [&](std::int32_t other) {
+        if (sites_->position(other) == place && sites_->original(other) < sites_->original(site))
+          site = other;
+      });
+  return site;
 }
 
 void Bisectors::take_links() {
   bisectors_.clear();
-  for (const auto& [site, d] : index_->links(site_))
-    bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), index_->ordered(site)});
-  settled_ = bisectors_.size();
-  fetched_ = index_->population();
+  for (const auto& [original, d] : index_->links(site_)) {
+    const std::int32_t site = index_->ordered(original);
+    bisectors_.push_back({d, 0.5 * d.squaredNorm(), d.squaredNorm(), site});
+    if (d.squaredNorm() == 0.0 && original < sites_->original(owner_)) owner_ = site;
+  }
+  settle(bisectors_.size());
+  complete_ = true;
+}
+
+Bisectors::Rival Bisectors::rival(std::int32_t other) const {
+  return {(sites_->position(other) - sites_->position(site_)).squaredNorm(),
+          sites_->original(other), other};
 }
 
 Bisector Bisectors::bisector_to(std::int32_t other) const {
@@ -171,13 +215,10 @@ void Bisectors::drop_twins() {
   bisectors_.resize(kept);
 }
 
-// Which of several sites at the last distance were found is an accident of the tree: they count
-// only when a longer list has found all of them.
-void Bisectors::settle() {
-  settled_ = bisectors_.size();
-  if (fetched_ == index_->population() || bisectors_.empty()) return;
-  const double last = found_.back().squared_distance;
-  while (settled_ > 0 && bisectors_[settled_ - 1].squared_distance >= last) --settled_;
+void Bisectors::settle(std::size_t count) {
+  settled_ = count;
+  for (std::size_t k = 0; k < count; ++k)
+    half_spaces_.assign(k, bisectors_[k].normal, bisectors_[k].offset);
 }
 
 }  // namespace dapple

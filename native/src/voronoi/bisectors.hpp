@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+
 #include "voronoi/cell_polyhedron.hpp"
+#include "voronoi/half_spaces.hpp"
 #include "voronoi/site_index.hpp"
 
 namespace dapple {
@@ -16,12 +19,11 @@ struct Bisector {
   bool idle = false;  ///< whether it is known to cut nothing off any face
 };
 
-/// The bisectors of one site in order of distance, fetched as far as someone asks.
+/// The bisectors of one site in order of distance, looked for as far as someone asks.
 class Bisectors {
  public:
   /// The arguments must outlive the bisectors.
-  Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
-      : surface_(&surface), sites_(&sites), index_(&index) {}
+  Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
   /// Turn to a site, with all others.
   void reset(std::int32_t site);
@@ -29,19 +31,25 @@ class Bisectors {
   /// Turn to a site, with `others` alone, whether it is one of them or not.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
-  /// The site that owns the cell: of those at the same place the one of the lowest (caller's) index
-  /// that is known so far. It may have a lower one itself, but nothing is fetched to tell.
-  [[nodiscard]] std::int32_t owner();
+  /// The site that owns the cell: of those at the same place the one of the lowest (caller's)
+  /// index.
+  [[nodiscard]] std::int32_t owner() const { return owner_; }
 
   /// Bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
+    asked_ = std::max(asked_, k);
     while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
-    while (k >= settled_ && fetched_ < index_->population()) fetch_more();
+    while (k >= settled_ && !complete_) look_further();
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
+  /// How many are known in their final order so far.
+  [[nodiscard]] std::size_t settled() const { return settled_; }
+  /// Their half-spaces, by the same numbers.
+  [[nodiscard]] const HalfSpaces& half_spaces() const { return half_spaces_; }
+
  private:
-  /// One of a given set of sites, before its bisector is asked for.
+  /// Another site, before its bisector is asked for.
   struct Rival {
     double squared_distance;
     std::int32_t original;  // the caller's index: the order at equal distances
@@ -52,18 +60,22 @@ class Bisectors {
     }
   };
 
-  void fetch_more();
-  void fetch(std::size_t count);
+  void begin(std::int32_t site);
+  void note_need();
+  void look_around(const SiteIndex::Neighborhood& here);
+  void look_further();
+  void take_near(const std::vector<std::int32_t>& sites);
   [[nodiscard]] bool take_all_that_cut();
   [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
-  [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site);
+  [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;
   void take_rivals();
   void take_links();
+  [[nodiscard]] Rival rival(std::int32_t other) const;
   [[nodiscard]] Bisector bisector_to(std::int32_t other) const;
   void add(std::int32_t other) { bisectors_.push_back(bisector_to(other)); }
   void sort();
   void drop_twins();
-  void settle();
+  void settle(std::size_t count);
 
   const Surface* surface_;
   const OrderedSites* sites_;
@@ -71,12 +83,24 @@ class Bisectors {
   Eigen::AlignedBox3d box_;  // around the surface, once it is needed
   CellPolyhedron cell_;
   std::int32_t site_ = 0;
-  std::size_t fetched_ = 0;
+  std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
-  std::vector<Neighbor> found_;
+  std::size_t asked_ = 0;      // the last one that someone looked at
+  bool complete_ = false;      // whether there are no others
+  std::size_t most_ = 0;       // that are taken only because they are near
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;
+  HalfSpaces half_spaces_;   // of those that are settled
+  std::vector<Rival> near_;  // all within reach
+  double squared_reach_ = 0.0;
+  std::vector<std::int32_t> further_;
+  // Sites of one neighborhood have much the same others around them, and what one neighborhood
+  // needs the next one will.
+  std::size_t neighborhood_;
+  std::vector<std::int32_t> around_;  // all within reach of it
+  double squared_reach_around_;
+  double needed_ = 0.0;  // the largest squared distance that mattered there so far
 };
 
 }  // namespace dapple

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voronoi/cell_flood.hpp"
 
+#include <algorithm>
+#include <bit>
+
 namespace dapple {
 namespace {
 
@@ -28,29 +31,56 @@ void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 
 bool CellFlood::clip(OrderedFace face) {
   tied_to_ = -1;
+  whole_ = true;
   const auto [a, b, c] = surface_->ordered().corners(face);
   const Vec3& x = position();
-  polygon_.start(surface_->ordered().vertex(a) - x, surface_->ordered().vertex(b) - x,
-                 surface_->ordered().vertex(c) - x);
-  double radius = polygon_.squared_radius();
-  bool whole = true;
+  const std::array<Vec3, 3> triangle = {surface_->ordered().vertex(a) - x,
+                                        surface_->ordered().vertex(b) - x,
+                                        surface_->ordered().vertex(c) - x};
+  polygon_.start(triangle[0], triangle[1], triangle[2]);
+  squared_radius_ = polygon_.squared_radius();
+  const double floor = -kTie * squared_radius_;
   std::size_t k = 0;
-  for (const Bisector* b_k = bisectors_.at(0); b_k && b_k->squared_distance < 4.0 * radius;
-       b_k = bisectors_.at(++k)) {
-    if (b_k->idle || b_k->squared_distance == 0.0) continue;
-    const auto [low, high] = polygon_.measure(b_k->normal, b_k->offset);
-    if (low >= -kTie * radius && high <= kTie * radius) {
-      if (sites_->original(site_) < sites_->original(b_k->site)) continue;
-      tied_to_ = b_k->site;
-      polygon_.clear();
-      return false;
-    }
-    if (high <= 0.0) continue;
-    polygon_.cut(static_cast<std::int32_t>(k));
-    whole = false;
-    radius = polygon_.squared_radius();
+  while (const Bisector* next = bisectors_.at(k)) {
+    if (is_far(*next)) break;
+    const std::size_t last =
+        std::min(k - k % HalfSpaces::kBlock + HalfSpaces::kBlock, bisectors_.settled());
+    const unsigned skipped = k % HalfSpaces::kBlock;
+    // What does not reach the triangle does not reach what is left of it.
+    const unsigned reached = bisectors_.half_spaces().reached_by(k - skipped, triangle, floor);
+    if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) break;
+    k = last;
   }
-  return whole;
+  return whole_;
+}
+
+/// Of the bisectors in [first, last) those whose bits are set. False if nothing is left to cut.
+bool CellFlood::cut_by_those(unsigned reached, std::size_t first, std::size_t last) {
+  for (; reached != 0; reached &= reached - 1) {
+    const std::size_t k = first + static_cast<std::size_t>(std::countr_zero(reached));
+    if (k >= last) return true;
+    const Bisector& bisector = *bisectors_.at(k);
+    if (is_far(bisector)) return false;
+    if (bisector.idle || bisector.squared_distance == 0.0) continue;
+    if (!cut_by(bisector, k)) return false;
+  }
+  return true;
+}
+
+bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
+  const auto [low, high] = polygon_.measure(bisector.normal, bisector.offset);
+  if (low >= -kTie * squared_radius_ && high <= kTie * squared_radius_) {
+    if (sites_->original(site_) < sites_->original(bisector.site)) return true;
+    tied_to_ = bisector.site;
+    polygon_.clear();
+    whole_ = false;
+    return false;
+  }
+  if (high <= 0.0) return true;
+  polygon_.cut(static_cast<std::int32_t>(k));
+  whole_ = false;
+  squared_radius_ = polygon_.squared_radius();
+  return true;
 }
 
 }  // namespace dapple

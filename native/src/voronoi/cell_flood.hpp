@@ -60,6 +60,12 @@ class CellFlood {
     pending_.push_back(face);
   }
 
+  [[nodiscard]] bool is_far(const Bisector& bisector) const {
+    return !(bisector.squared_distance < 4.0 * squared_radius_);
+  }
+  [[nodiscard]] bool cut_by_those(unsigned reached, std::size_t first, std::size_t last);
+  [[nodiscard]] bool cut_by(const Bisector& bisector, std::size_t k);
+
   void cross(std::int32_t half_edge) {
     for (std::int32_t h = surface_->ordered().next_around(half_edge); h != half_edge;
          h = surface_->ordered().next_around(h))
@@ -73,6 +79,8 @@ class CellFlood {
   std::int32_t owner_ = 0;
   std::int32_t tied_to_ = -1;
   Polygon polygon_;
+  double squared_radius_ = 0.0;       // of the polygon, about the site
+  bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;
   std::vector<OrderedFace> pending_;

@@ -2,6 +2,7 @@
 #include "voronoi/site_index.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "surface/ordered_surface.hpp"
@@ -33,7 +34,7 @@ SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
     : sites_(&sites), graph_(graph) {
   if (!graph) {
     leave_crowds_out();
-    tree_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
+    boxes_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
     return;
   }
   ordered_.resize(sites.size());
@@ -73,19 +74,27 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
   }
 }
 
-void SiteIndex::nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& found) const {
-  found.clear();
-  if (!tree_) return;
-  tree_->nearest(point, count, found);
-  if (!kept_.empty())
-    for (Neighbor& one : found) one.index = kept_[static_cast<std::size_t>(one.index)];
+SiteIndex::Neighborhood SiteIndex::neighborhood(std::int32_t site) const {
+  std::size_t k = static_cast<std::size_t>(site);
+  if (!kept_.empty()) {
+    k = static_cast<std::size_t>(std::lower_bound(kept_.begin(), kept_.end(), leader(site)) -
+                                 kept_.begin());
+  }
+  return {k / SiteBoxes::kFan, boxes_->leaf_of(k)};
 }
 
 std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
   if (graph_) return walk(point, from);
-  std::vector<Neighbor> found;
-  nearest(point, 1, found);
-  return found[0].index;
+  std::int32_t best = -1;
+  double least = std::numeric_limits<double>::infinity();
+  boxes_->for_each_nearest({point, point}, least, [&](std::size_t k) {
+    const std::int32_t site = site_in_boxes(k);
+    const double squared = squared_distance(point, site);
+    if (best >= 0 && !(squared < least)) return;
+    least = squared;
+    best = site;
+  });
+  return best;
 }
 
 // In a Delaunay triangulation every site but the nearest has a neighbor that is nearer.

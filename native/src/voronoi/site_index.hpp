@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/neighbors.hpp>
+#include <dapple/surface.hpp>
 #include <optional>
 
 #include "surface/ordered_face.hpp"
+#include "voronoi/site_boxes.hpp"
 #include "voronoi/site_graph.hpp"
 
 namespace dapple {
@@ -27,7 +28,8 @@ struct OrderedSites {
   }
 };
 
-/// Knows which sites are near: from a tree, or from a graph of the sites whose cells touch.
+/// Knows which sites are near: from boxes around them, or from a graph of the sites whose cells
+/// touch.
 class SiteIndex {
  public:
   /// The arguments must outlive the index.
@@ -35,9 +37,20 @@ class SiteIndex {
   SiteIndex(const OrderedSites& sites, const SiteGraph* graph);
 
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
-  /// Only without a graph: the `count` sites nearest to a point, nearest first. Of a crowd of sites
-  /// at one place on one face only the first (of the caller's order) is there.
-  void nearest(const Vec3& point, std::size_t count, std::vector<Neighbor>& found) const;
+  /// Only without a graph, as what follows: call visit(site) for at least all sites whose squared
+  /// distance from a box is below `limit`. Of a crowd of sites at one place on one face only the
+  /// first (of the caller's order) is there.
+  template <typename Visit>
+  void for_each_near(const Box& query, double limit, const Visit& visit) const {
+    boxes_->for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
+  }
+  /// A box around a few sites, of which this is one, that are near each other. The same box, the
+  /// same number.
+  struct Neighborhood {
+    std::size_t number;
+    Box box;
+  };
+  [[nodiscard]] Neighborhood neighborhood(std::int32_t site) const;
   /// How many there are to be found.
   [[nodiscard]] std::size_t population() const {
     return kept_.empty() ? sites_->size() : kept_.size();
@@ -59,6 +72,9 @@ class SiteIndex {
   [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
 
  private:
+  [[nodiscard]] std::int32_t site_in_boxes(std::size_t k) const {
+    return kept_.empty() ? static_cast<std::int32_t>(k) : kept_[k];
+  }
   void leave_crowds_out();
   void find_crowds(std::size_t first, std::size_t last);
   [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
@@ -68,10 +84,10 @@ class SiteIndex {
 
   const OrderedSites* sites_;
   const SiteGraph* graph_;
-  std::optional<Neighbors> tree_;  // without a graph
-  // Where there are crowds: a tree would look at all of a crowd for each of its sites.
+  std::optional<SiteBoxes> boxes_;  // without a graph
+  // Where there are crowds: a search would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site
-  std::vector<std::int32_t> kept_;     // the sites in the tree
+  std::vector<std::int32_t> kept_;     // the sites in the boxes
   std::vector<Vec3> kept_positions_;
   std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
 };
