@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whole runs whose time is measured, each made ready before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import dapple3d as dapple
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.progress.cases import torus
+
+Array = NDArray[np.float64]
+Run = Callable[[], dapple.Report | None]
+Make = Callable[[int], Run]  # of a seed
+
+_FACES = (264, 132)  # around a torus and its tube: 69,696 faces
+_TRACKED = (158, 79)  # 24,964 faces
+_RATIO = 100.0  # largest over smallest density
+
+
+class Mesh:
+    """What the runs are on: a file, or a torus with waves; the same torus with more faces."""
+
+    def __init__(self, file: Path | None = None) -> None:
+        self.vertices, self.faces = dapple.read_mesh(file) if file else torus(*_FACES)
+
+    def surface(self, density: Array | None = None) -> dapple.Surface:
+        return dapple.Surface(self.vertices, self.faces, density)
+
+    def ramp(self) -> Array:
+        """From 1 to 100 along the longest axis."""
+        extent = np.ptp(self.vertices, axis=0)
+        axis = int(np.argmax(extent))
+        t = (self.vertices[:, axis] - self.vertices[:, axis].min()) / extent[axis]
+        return np.asarray(_RATIO**t)
+
+
+def _evaluation(mesh: Mesh, count: int) -> Make:
+    def make(seed: int) -> Run:
+        surface = mesh.surface()
+        start = dapple.sample(surface, count, seed=seed, max_evaluations=2)
+        return lambda: _energy(surface, start)
+
+    return make
+
+
+def _energy(surface: dapple.Surface, start: dapple.Samples) -> None:
+    dapple.energy(surface, start.positions, start.faces, cells="connected")
+
+
+def _sample(mesh: Mesh, count: int, ramp: bool = False, locked: bool = False) -> Make:
+    def make(seed: int) -> Run:
+        surface = mesh.surface(mesh.ramp() if ramp else None)
+        options: dict[str, Any] = {"seed": seed}
+        if locked:
+            options["locked"] = _half(surface, dapple.sample(surface, count, seed=seed))
+        return lambda: dapple.sample(surface, count, **options).report
+
+    return make
+
+
+def _half(surface: dapple.Surface, samples: dapple.Samples) -> dapple.Samples:
+    """Half of them, here and there."""
+    chosen = np.random.default_rng(1).permutation(len(samples))[::2]
+    return dapple.Samples(surface, samples.faces[chosen], samples.barycentric[chosen])
+
+
+def _classes(mesh: Mesh, count: int) -> Make:
+    def make(seed: int) -> Run:
+        surface = mesh.surface()
+        counts = [dapple.SampleClass(count // 3)] * 3
+        return lambda: dapple.sample_classes(surface, counts, seed=seed).report
+
+    return make
+
+
+def _faces(around: int, tube: int, count: int) -> Make:
+    def make(seed: int) -> Run:
+        surface = dapple.Surface(*torus(around, tube))
+        return lambda: dapple.sample(surface, count, seed=seed).report
+
+    return make
+
+
+def _planar(domain: Callable[[], dapple.FlatDomain], count: int) -> Make:
+    def make(seed: int) -> Run:
+        flat = domain()
+        return lambda: dapple.sample_planar(flat, count, seed=seed).report
+
+    return make
+
+
+def _tracked(count: int) -> Make:
+    def make(seed: int) -> Run:
+        vertices, faces = torus(*_TRACKED)
+        surface = dapple.Surface(vertices, faces)
+        samples = dapple.sample(surface, count, seed=seed)
+        tracker = dapple.Tracker(surface, samples)
+        time = iter(np.arange(1, 10_000) * 0.05)
+
+        def frame() -> dapple.Report:
+            bent = vertices.copy()
+            bent[:, 2] += 0.2 * np.sin(3 * vertices[:, 0] + next(time))
+            tracker.advance(bent)
+            return tracker.samples.report
+
+        return frame
+
+    return make
+
+
+def _mosaic(mesh: Mesh, count: int) -> Make:
+    def make(seed: int) -> Run:
+        surface = mesh.surface()
+        samples = dapple.sample(surface, count, seed=seed)
+        height = 0.2 * samples.report.spacing
+
+        def run() -> None:
+            dapple.mosaic(surface, samples, thickness=height)
+
+        return run
+
+    return make
+
+
+def cases(mesh: Mesh) -> dict[str, Make]:
+    """By name; the number after the first slash is that of the samples."""
+    small = (2_000, 10_000, 100_000)
+    return (
+        {f"evaluation/{n}": _evaluation(mesh, n) for n in small}
+        | {f"sample/{n}": _sample(mesh, n) for n in (*small, 1_000_000)}
+        | {f"ramp/{n}": _sample(mesh, n, ramp=True) for n in small}
+        | {f"half locked/{n}": _sample(mesh, n, locked=True) for n in small}
+        | {f"3 classes/{n}": _classes(mesh, n) for n in small}
+        | {
+            "279,000 faces/2000": _faces(528, 264, 2_000),
+            "1.1M faces/2000": _faces(1_056, 528, 2_000),
+            "torus/100000": _planar(lambda: dapple.Torus(), 100_000),
+            "plane/100000": _planar(lambda: dapple.Plane(1.0, 1.0), 100_000),
+            "tracked frame/2000": _tracked(2_000),
+            "tracked frame/20000": _tracked(20_000),
+            "mosaic/10000": _mosaic(mesh, 10_000),
+        }
+    )
