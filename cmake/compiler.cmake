@@ -2,6 +2,9 @@
 # One place for what every target is compiled with.
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Nothing of the library is replaced at run time, so that calls within it need no table and may be inlined.
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
@@ -21,7 +24,7 @@ if(MSVC)
 else()
   # Contraction is off: a fused multiply-add on one machine and not on another would change the bytes.
   target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-                         -Wno-sign-conversion -Werror -ffp-contract=off)
+                         -Wno-sign-conversion -Werror -ffp-contract=off -fno-semantic-interposition)
 endif()
 if(DAPPLE_SANITIZE)
   # The sanitizers' own code makes GCC see uninitialized values where there are none.
