@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <dapple/option.hpp>
+#include <vector>
 
 namespace dapple {
 
@@ -17,10 +18,29 @@ namespace dapple {
 template <typename Body>
 void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   const std::size_t chunks = (count + grain - 1) / grain;
+  if (chunks <= 1) {
+    if (count > 0) body(std::size_t{0}, count);
+    return;
+  }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), [&](const auto& range) {
     for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
       body(chunk * grain, std::min(count, (chunk + 1) * grain));
   });
+}
+
+/// The sum of term(k) over [0, count), added up by chunks of `grain`, whose sums are added up in
+/// order: the same for any number of threads.
+template <typename Term>
+double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
+  std::vector<double> sums((count + grain - 1) / grain, 0.0);
+  parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) {
+    double sum = 0.0;
+    for (std::size_t k = begin; k < end; ++k) sum += term(k);
+    sums[begin / grain] = sum;
+  });
+  double total = 0.0;
+  for (const double sum : sums) total += sum;
+  return total;
 }
 
 /// Run `work()` with at most `threads` threads (0: as many as the machine has).

@@ -12,23 +12,23 @@ namespace dapple {
 class Polygon {
  public:
   struct Corner {
-    Vec3 x;       ///< relative to the site
-    double side;  ///< signed distance (scaled) to the plane that clips at the moment
-    std::int32_t
-        edge;  ///< what the edge to the next corner lies on: plane k >= 0, or face edge -1-k
+    Vec3 x;  ///< relative to the site
+    /// What the edge to the next corner lies on: plane k >= 0, or face edge -1-k.
+    std::int32_t edge;
   };
 
   /// Begin with a triangle; its edge k runs from corner k to corner k + 1.
   void start(const Vec3& a, const Vec3& b, const Vec3& c) {
-    corners_[0] = {a, 0.0, -1};
-    corners_[1] = {b, 0.0, -2};
-    corners_[2] = {c, 0.0, -3};
+    corners_[0] = {a, -1};
+    corners_[1] = {b, -2};
+    corners_[2] = {c, -3};
     size_ = 3;
   }
 
   /// Begin with the corners of a convex polygon.
   void start(std::span<const Corner> corners) {
     if (corners_.size() < corners.size()) corners_.resize(corners.size());
+    if (sides_.size() < corners_.size()) sides_.resize(corners_.size());
     std::copy(corners.begin(), corners.end(), corners_.begin());
     size_ = corners.size();
   }
@@ -41,7 +41,7 @@ class Polygon {
     Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (std::size_t k = 0; k < size_; ++k) {
       const double side = corners_[k].x.dot(normal) - offset;
-      corners_[k].side = side;
+      sides_[k] = side;
       range.low = std::min(range.low, side);
       range.high = std::max(range.high, side);
     }
@@ -50,22 +50,22 @@ class Polygon {
 
   /// Keep the part that was measured as not above 0; new edges are marked `plane`.
   // Sutherland and Hodgman: walk the corners, keep those inside, add one where an edge crosses the
-  // plane. Room is checked at each corner: rounding can make a polygon so slightly concave that a
-  // plane adds more than one.
+  // plane. Rounding can make a polygon so slightly concave that a plane adds more than one.
   void cut(std::int32_t plane) {
     std::size_t kept = 0;
+    if (2 * size_ > kept_.size()) kept_.resize(4 * size_);
     for (std::size_t k = 0; k < size_; ++k) {
+      const std::size_t next = k + 1 < size_ ? k + 1 : 0;
       const Corner& a = corners_[k];
-      const Corner& b = corners_[k + 1 < size_ ? k + 1 : 0];
-      const bool inside = a.side <= 0.0;
-      if (kept + 2 > kept_.size()) kept_.resize(2 * kept_.size());
-      if (inside) kept_[kept++] = a;
-      if (inside == (b.side <= 0.0)) continue;
-      const double t = a.side / (a.side - b.side);
-      kept_[kept++] = {a.x + t * (b.x - a.x), 0.0, inside ? plane : a.edge};
+      const bool inside = sides_[k] <= 0.0;
+      if (inside) keep(kept++, a.x, a.edge);
+      if (inside == (sides_[next] <= 0.0)) continue;
+      const double t = sides_[k] / (sides_[k] - sides_[next]);
+      keep(kept++, a.x + t * (corners_[next].x - a.x), inside ? plane : a.edge);
     }
     corners_.swap(kept_);
     size_ = kept;
+    if (sides_.size() < corners_.size()) sides_.resize(corners_.size());
   }
 
   void clear() { size_ = 0; }
@@ -81,8 +81,15 @@ class Polygon {
   }
 
  private:
+  // Member by member: a copy of the whole would wait for what was written in parts.
+  void keep(std::size_t k, const Vec3& x, std::int32_t edge) {
+    kept_[k].x = x;
+    kept_[k].edge = edge;
+  }
+
   std::vector<Corner> corners_ = std::vector<Corner>(16);  // the first size_ count
   std::vector<Corner> kept_ = std::vector<Corner>(16);
+  std::vector<double> sides_ = std::vector<double>(16);  // of the plane measured last, per corner
   std::size_t size_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include <dapple/energy.hpp>
 
 #include "base/validate.hpp"
+#include "base/vectors.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
@@ -11,7 +12,7 @@ namespace {
 /// Theorem 2).
 std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_weight) {
   std::vector<Vec3> result(diagram.cells.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
+  for_each_vector(result.size(), [&](std::size_t i) {
     const Moments& cell = diagram.cells[i];
     Vec3 capacity = Vec3::Zero();
     for (const CellBoundary& side : diagram.boundary(i))
@@ -19,7 +20,7 @@ std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_wei
           (cell.capacity - diagram.cells[static_cast<std::size_t>(side.neighbor)].capacity) *
           side.flux;
     result[i] = -2.0 * cell.first + 2.0 * capacity_weight * capacity;
-  }
+  });
   return result;
 }
 
@@ -27,10 +28,12 @@ std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_wei
 Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) {
   Energy energy;
   energy.diagram = std::move(diagram);
-  for (const Moments& cell : energy.diagram.cells) {
-    energy.cvt += cell.second;
-    energy.capacity_term += cell.capacity * cell.capacity;
-  }
+  const std::vector<Moments>& cells = energy.diagram.cells;
+  energy.cvt =
+      parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].second; });
+  energy.capacity_term = parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) {
+    return cells[k].capacity * cells[k].capacity;
+  });
   energy.total = energy.cvt + capacity_weight * energy.capacity_term;
   const auto count = static_cast<double>(energy.diagram.cells.size());
   energy.normalized = count / mass * energy.total / mass - capacity_weight;

@@ -1,182 +1,180 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "optimize/gauss_newton.hpp"
 
-#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/parallel.hpp"
-#include "base/tangent_basis.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr double kSolverTolerance =
-    1e-2;  // of the residual: the step is shortened and corrected anyway
+    1e-2;                            // of the residual: the step is shortened and corrected anyway
+constexpr double kLeastMass = 1e-3;  // of the mean: keeps empty cells from making H singular
 constexpr std::size_t kGrain = 1024;
 
-void add_pairs(const Repulsion& repulsion, const Vectors& v, Vectors& result) {
-  for (const ClosePair& pair : repulsion.pairs) {
-    const auto i = static_cast<std::size_t>(pair.i);
-    const auto j = static_cast<std::size_t>(pair.j);
-    const Vec3 force = pair.stiffness * pair.direction.dot(v[i] - v[j]) * pair.direction;
-    result[i] += force;
-    result[j] -= force;
-  }
+double mean_mass(const RestrictedVoronoi& diagram) {
+  double sum = 0.0;
+  for (const Moments& cell : diagram.cells) sum += cell.mass;
+  return sum / static_cast<double>(std::max<std::size_t>(diagram.cells.size(), 1));
 }
 
-void add_pair_blocks(const Repulsion& repulsion, std::vector<Eigen::Matrix3d>& blocks) {
-  for (const ClosePair& pair : repulsion.pairs) {
-    const Eigen::Matrix3d block = pair.stiffness * pair.direction * pair.direction.transpose();
-    blocks[static_cast<std::size_t>(pair.i)] += block;
-    blocks[static_cast<std::size_t>(pair.j)] += block;
+std::size_t site_of(const Term& term, std::size_t member) {
+  return term.members.empty() ? member : static_cast<std::size_t>(term.members[member]);
+}
+
+/// Call visit(i, j, pair, scale) for every pair that repels, with the numbers of their sites.
+template <typename Visit>
+void for_each_pair(const Objective& objective, const State& state, const Visit& visit) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const Term& term = objective.terms[t];
+    const double scale = objective.scale(t, state.parts[t].energy.gradient.size());
+    for (const ClosePair& pair : state.parts[t].repulsion.pairs)
+      visit(site_of(term, static_cast<std::size_t>(pair.i)),
+            site_of(term, static_cast<std::size_t>(pair.j)), pair, scale);
   }
+  for (const ClosePair& pair : state.discs.pairs)
+    visit(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair, 1.0);
+}
+
+std::vector<TangentBasis> tangent_bases(const Vectors& normals) {
+  std::vector<TangentBasis> bases(normals.size());
+  for_each_vector(bases.size(), [&](std::size_t k) { bases[k] = tangent_basis(normals[k]); });
+  return bases;
+}
+
+double largest(const Vectors& v) {
+  double most = 0.0;
+  for (const Vec3& x : v) most = std::max(most, x.cwiseAbs().maxCoeff());
+  return most;
 }
 
 }  // namespace
 
-// ---- one term ----
-
-GaussNewtonPart::GaussNewtonPart(const Part& part, const std::vector<std::int32_t>& members,
-                                 double capacity_weight, double scale)
-    : part_(part),
-      diagram_(part.energy.diagram),
-      members_(members),
-      capacity_weight_(capacity_weight),
-      scale_(scale) {
-  double mass = 0.0;
-  for (const Moments& cell : diagram_.cells) mass += cell.mass;
-  least_mass_ = 1e-3 * mass / static_cast<double>(std::max<std::size_t>(diagram_.cells.size(), 1));
-  own_.assign(diagram_.cells.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < own_.size(); ++i)
-    for (const CellBoundary& side : diagram_.boundary(i)) own_[i] += side.flux;
-  transpose();
-}
-
-// J needs a_ji in row i, and the cells list a_ij: gathering instead of scattering lets the rows run
-// in parallel.
-void GaussNewtonPart::transpose() {
-  const std::size_t count = diagram_.cells.size();
-  starts_.assign(count + 1, 0);
-  for (std::size_t i = 0; i < count; ++i)
-    for (const CellBoundary& side : diagram_.boundary(i))
-      ++starts_[static_cast<std::size_t>(side.neighbor) + 1];
-  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-  inflows_.resize(starts_.back());
-  std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
-  for (std::size_t i = 0; i < count; ++i)
-    for (const CellBoundary& side : diagram_.boundary(i))
-      inflows_[next[static_cast<std::size_t>(side.neighbor)]++] = {static_cast<std::int32_t>(i),
-                                                                   side.flux};
-}
-
-std::size_t GaussNewtonPart::site(std::size_t member) const {
-  return members_.empty() ? member : static_cast<std::size_t>(members_[member]);
-}
-
-Vectors GaussNewtonPart::product(const Vectors& v, double delta) const {
-  const std::size_t count = v.size();
-  std::vector<double> change(count);  // J v: how the capacities change
-  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      change[i] = own_[i].dot(v[i]);
-      for (std::size_t k = starts_[i]; k < starts_[i + 1]; ++k)
-        change[i] -= inflows_[k].flux.dot(v[static_cast<std::size_t>(inflows_[k].from)]);
-    }
-  });
-  Vectors result(count);
-  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Vec3 sum = change[i] * own_[i];
-      for (const CellBoundary& side : diagram_.boundary(i))
-        sum -= change[static_cast<std::size_t>(side.neighbor)] * side.flux;
-      result[i] = 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_) * v[i] +
-                  2.0 * capacity_weight_ * sum;
-    }
-  });
-  add_pairs(part_.repulsion, v, result);
-  return result;
-}
-
-void GaussNewtonPart::add_product(const Vectors& v, double delta, Vectors& result) const {
-  if (members_.empty()) return add_scaled(result, scale_, product(v, delta));
-  Vectors mine(members_.size());
-  for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = v[site(k)];
-  const Vectors found = product(mine, delta);
-  for (std::size_t k = 0; k < found.size(); ++k) result[site(k)] += scale_ * found[k];
-}
-
-void GaussNewtonPart::add_blocks(double delta, std::vector<Eigen::Matrix3d>& blocks) const {
-  std::vector<Eigen::Matrix3d> mine(own_.size());
-  for (std::size_t i = 0; i < own_.size(); ++i) {
-    Eigen::Matrix3d block = own_[i] * own_[i].transpose();
-    for (const CellBoundary& side : diagram_.boundary(i))
-      block += side.flux * side.flux.transpose();
-    mine[i] = 2.0 * capacity_weight_ * block;
-    mine[i].diagonal().array() += 2.0 * delta * std::max(diagram_.cells[i].mass, least_mass_);
-  }
-  add_pair_blocks(part_.repulsion, mine);
-  for (std::size_t i = 0; i < mine.size(); ++i) blocks[site(i)] += scale_ * mine[i];
-}
-
-// ---- all terms ----
-
+// Divided by the mean of the first term's diagonal, all is of the order of 1 in whatever units.
 GaussNewton::GaussNewton(const Objective& objective, const State& state, int steps,
                          const Context* context)
-    : objective_(objective), state_(state), steps_(steps), context_(context) {
-  for (std::size_t t = 0; t < state.parts.size(); ++t)
-    parts_.emplace_back(state.parts[t], objective.terms[t].members, objective.capacity_weight,
-                        objective.scale(t, state.parts[t].energy.gradient.size()));
-}
-
-Vectors GaussNewton::apply(const Vectors& v, double delta) const {
-  Vectors result(v.size(), Vec3::Zero());
-  for (const GaussNewtonPart& part : parts_) part.add_product(v, delta, result);
-  add_pairs(state_.discs, v, result);
-  for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
-    result[k] += 2.0 * objective_.stickiness[k] * v[k];
-  objective_.restrict(result, state_.normals);
-  return result;
-}
-
-// The inverses of H's diagonal blocks, restricted to the tangent planes.
-std::vector<Eigen::Matrix3d> GaussNewton::preconditioner(double delta) const {
-  std::vector<Eigen::Matrix3d> blocks(state_.sites.size(), Eigen::Matrix3d::Zero());
-  for (const GaussNewtonPart& part : parts_) part.add_blocks(delta, blocks);
-  add_pair_blocks(state_.discs, blocks);
-  for (std::size_t k = 0; k < objective_.anchors.size(); ++k)
-    blocks[k].diagonal().array() += 2.0 * objective_.stickiness[k];
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const Eigen::Matrix<double, 3, 2> basis = tangent_basis(state_.normals[i]);
-    const Eigen::Matrix2d inner = basis.transpose() * blocks[i] * basis;
-    blocks[i] = basis * inner.inverse() * basis.transpose();
+    : steps_(steps),
+      context_(context),
+      unit_(2.0 * objective.scale(0, state.sites.size()) * mean_mass(state.diagram())),
+      bases_(tangent_bases(state.normals)),
+      locked_(objective.locked) {
+  add_masses(objective, state);
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    if (context_) context_->check();
+    const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
+    const double scale = objective.scale(t, diagram.cells.size());
+    terms_.emplace_back(diagram, objective.terms[t].members, bases_,
+                        std::sqrt(2.0 * objective.capacity_weight * scale / unit_));
   }
-  return blocks;
+  add_pairs(objective, state);
+  add_blocks();
+}
+
+void GaussNewton::add_masses(const Objective& objective, const State& state) {
+  masses_.assign(state.sites.size(), 0.0);
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
+    const double factor = 2.0 * objective.scale(t, cells.size()) / unit_;
+    const double least = kLeastMass * mean_mass(state.parts[t].energy.diagram);
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      masses_[site_of(objective.terms[t], k)] += factor * std::max(cells[k].mass, least);
+  }
+  for (const double stickiness : objective.stickiness) held_.push_back(2.0 * stickiness / unit_);
+}
+
+void GaussNewton::add_pairs(const Objective& objective, const State& state) {
+  side_starts_.assign(state.sites.size() + 1, 0);
+  for_each_pair(objective, state, [&](std::size_t i, std::size_t j, const ClosePair&, double) {
+    ++side_starts_[i + 1];
+    ++side_starts_[j + 1];
+  });
+  std::partial_sum(side_starts_.begin(), side_starts_.end(), side_starts_.begin());
+  sides_.resize(side_starts_.back());
+  std::vector<std::size_t> next(side_starts_.begin(), side_starts_.end() - 1);
+  for_each_pair(objective, state,
+                [&](std::size_t i, std::size_t j, const ClosePair& pair, double scale) {
+                  const double root = std::sqrt(scale * pair.stiffness / unit_);
+                  const Tangent at_i = to_tangent(bases_[i], pair.direction, root);
+                  const Tangent at_j = to_tangent(bases_[j], pair.direction, root);
+                  sides_[next[i]++] = {static_cast<std::int32_t>(j), at_i, at_j};
+                  sides_[next[j]++] = {static_cast<std::int32_t>(i), at_j, at_i};
+                });
+}
+
+void GaussNewton::add_blocks() {
+  blocks_.resize(masses_.size());
+  for (const CapacityJacobian& term : terms_) term.add_blocks(blocks_);
+  for (std::size_t k = 0; k < blocks_.size(); ++k) {
+    for (const Side& side : sides(k)) blocks_[k].add_square(side.own);
+    if (held_.empty()) continue;
+    blocks_[k].uu += held_[k];
+    blocks_[k].vv += held_[k];
+  }
+}
+
+void GaussNewton::apply(const TangentVectors& v, double delta, std::vector<double>& change,
+                        TangentVectors& result) const {
+  parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Tangent sum = (delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
+      for (const Side& side : sides(k))
+        sum += (side.own.dot(v[k]) - side.others.dot(v[static_cast<std::size_t>(side.other)])) *
+               side.own;
+      result[k] = sum;
+    }
+  });
+  for (const CapacityJacobian& term : terms_) term.add_product(v, change, result);
+}
+
+/// The inverses of H's diagonal blocks; nothing where a site is locked.
+std::vector<TangentBlock> GaussNewton::preconditioner(double delta) const {
+  std::vector<TangentBlock> inverse(blocks_.size());
+  for (std::size_t k = 0; k < inverse.size(); ++k)
+    if (locked_.empty() || !locked_[k]) inverse[k] = blocks_[k].inverse(delta * masses_[k]);
+  return inverse;
 }
 
 Vectors GaussNewton::solve(const Vectors& b, double delta) const {
-  const std::vector<Eigen::Matrix3d> inverse = preconditioner(delta);
-  const auto precondition = [&](const Vectors& v) {
-    Vectors result(v.size());
-    for (std::size_t k = 0; k < v.size(); ++k) result[k] = inverse[k] * v[k];
-    return result;
-  };
-  Vectors x(b.size(), Vec3::Zero());
-  Vectors residual = b;
-  Vectors z = precondition(residual);
-  Vectors direction = z;
+  Vectors result(b.size(), Vec3::Zero());
+  const double size = largest(b);
+  if (!(size > 0.0)) return result;
+  TangentVectors right(b.size());
+  for_each_vector(b.size(),
+                  [&](std::size_t k) { right[k] = to_tangent(bases_[k], b[k], 1.0 / size); });
+  const TangentVectors x = solve(std::move(right), delta);
+  const double back = size / unit_;
+  for_each_vector(b.size(), [&](std::size_t k) { result[k] = to_space(bases_[k], x[k], back); });
+  return result;
+}
+
+TangentVectors GaussNewton::solve(TangentVectors residual, double delta) const {
+  const std::size_t count = residual.size();
+  const std::vector<TangentBlock> inverse = preconditioner(delta);
+  TangentVectors x(count), z(count), applied(count);
+  std::vector<double> change;
+  const auto precondition = [&](std::size_t k) { z[k] = inverse[k] * residual[k]; };
+  for_each_vector(count, precondition);
+  TangentVectors direction = z;
   double rho = dot(residual, z);
   const double enough = kSolverTolerance * kSolverTolerance * rho;
-  for (int k = 0; k < steps_ && rho > enough; ++k) {
+  for (int step = 0; step < steps_ && rho > enough; ++step) {
     if (context_) context_->check();
-    const Vectors applied = apply(direction, delta);
+    apply(direction, delta, change, applied);
     const double curvature = dot(direction, applied);
     if (!(curvature > 0.0)) break;
-    add_scaled(x, rho / curvature, direction);
-    add_scaled(residual, -rho / curvature, applied);
-    z = precondition(residual);
+    const double length = rho / curvature;
+    for_each_vector(count, [&](std::size_t k) {
+      x[k] += length * direction[k];
+      residual[k] += -length * applied[k];
+      precondition(k);
+    });
     const double next = dot(residual, z);
-    for (std::size_t i = 0; i < direction.size(); ++i)
-      direction[i] = z[i] + next / rho * direction[i];
+    const double ratio = next / rho;
+    for_each_vector(count, [&](std::size_t k) { direction[k] = z[k] + ratio * direction[k]; });
     rho = next;
   }
   return x;

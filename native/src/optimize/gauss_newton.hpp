@@ -1,54 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "optimize/capacity_jacobian.hpp"
 #include "optimize/objective.hpp"
 
 namespace dapple {
 
-/// One term's part of the model Hessian: scale (2 delta diag(m) + 2 lambda J^T J + the repulsion's
-/// part). J is the Jacobian of the capacities: J_ii = sum_j a_ij, J_ji = -a_ij, with a_ij the
-/// boundary fluxes.
-class GaussNewtonPart {
- public:
-  /// The arguments must outlive the part.
-  /// \param members as in Term
-  GaussNewtonPart(const Part& part, const std::vector<std::int32_t>& members,
-                  double capacity_weight, double scale);
-
-  /// Add the product with v to `result`; both hold all sites.
-  void add_product(const Vectors& v, double delta, Vectors& result) const;
-
-  /// Add the diagonal blocks.
-  void add_blocks(double delta, std::vector<Eigen::Matrix3d>& blocks) const;
-
- private:
-  struct Inflow {
-    std::int32_t from;  // j
-    Vec3 flux;          // a_ji
-  };
-
-  void transpose();
-  [[nodiscard]] std::size_t site(std::size_t member) const;
-  [[nodiscard]] Vectors product(const Vectors& v, double delta) const;
-
-  const Part& part_;
-  const RestrictedVoronoi& diagram_;
-  const std::vector<std::int32_t>& members_;
-  double capacity_weight_;
-  double scale_;
-  double least_mass_;                // keeps empty cells from making H singular
-  Vectors own_;                      // J_ii
-  std::vector<std::size_t> starts_;  // rows of inflows_, one more than sites
-  std::vector<Inflow> inflows_;
-};
-
-/// The model Hessian of an objective on the tangent planes, locked sites left out. Its first term
-/// is Lloyd's step scaled by delta, which a trust region raises to shorten the step.
+/// The model Hessian of an objective on the tangent planes, locked sites left out: the sum over the
+/// terms of scale (2 delta diag(m) + 2 lambda J^T J + the repulsion's part), with J the Jacobian of
+/// the capacities, and what holds sites back. Its first part is Lloyd's step scaled by delta, which
+/// a trust region raises to shorten the step.
 class GaussNewton {
  public:
-  /// The arguments must outlive the operator.
+  /// The context must outlive the operator.
   /// \param steps of conjugate gradients, at most
   /// \param context is asked at each whether to go on, no more
+  /// \throw Cancelled
   GaussNewton(const Objective& objective, const State& state, int steps,
               const Context* context = nullptr);
 
@@ -58,14 +25,35 @@ class GaussNewton {
   [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
 
  private:
-  [[nodiscard]] Vectors apply(const Vectors& v, double delta) const;
-  [[nodiscard]] std::vector<Eigen::Matrix3d> preconditioner(double delta) const;
+  /// One side of a pair of close sites, scaled by the root of its stiffness.
+  struct Side {
+    std::int32_t other;
+    Tangent own, others;  // the direction, in the planes of the two
+  };
 
-  const Objective& objective_;
-  const State& state_;
+  [[nodiscard]] TangentVectors solve(TangentVectors residual, double delta) const;
+  void add_masses(const Objective& objective, const State& state);
+  void add_pairs(const Objective& objective, const State& state);
+  void add_blocks();
+  [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
+    return std::span(sides_).subspan(side_starts_[site],
+                                     side_starts_[site + 1] - side_starts_[site]);
+  }
+  void apply(const TangentVectors& v, double delta, std::vector<double>& change,
+             TangentVectors& result) const;
+  [[nodiscard]] std::vector<TangentBlock> preconditioner(double delta) const;
+
   int steps_;
   const Context* context_;
-  std::vector<GaussNewtonPart> parts_;
+  double unit_;  // all entries are divided by it
+  std::vector<TangentBasis> bases_;
+  std::vector<double> masses_;  // what delta multiplies on the diagonal
+  std::vector<double> held_;    // what is added to it; empty: nothing
+  std::vector<CapacityJacobian> terms_;
+  std::vector<std::size_t> side_starts_;  // rows of sides_, one more than sites
+  std::vector<Side> sides_;
+  std::vector<TangentBlock> blocks_;  // on the diagonal, without what delta multiplies
+  std::vector<bool> locked_;
 };
 
 }  // namespace dapple

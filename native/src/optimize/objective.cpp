@@ -22,10 +22,11 @@ void add(const Objective& objective, std::size_t term, const Part& part, State& 
   const double scale = objective.scale(term, part.energy.gradient.size());
   const double relief = 1.0 - objective.cvt_weight;
   state.total += scale * (part.energy.total - relief * part.energy.cvt + part.repulsion.energy);
-  for (std::size_t k = 0; k < part.energy.gradient.size(); ++k)
+  for_each_vector(part.energy.gradient.size(), [&](std::size_t k) {
     state.gradient[members.empty() ? k : static_cast<std::size_t>(members[k])] +=
         scale * (part.energy.gradient[k] + 2.0 * relief * part.energy.diagram.cells[k].first +
                  part.repulsion.gradient[k]);
+  });
 }
 
 void add_stickiness(const Objective& objective, State& state) {
@@ -108,8 +109,10 @@ State evaluate(const Objective& objective, Sites sites,
   State state;
   state.sites = std::move(sites);
   objective.domain().check(state.sites);
-  for (const std::int32_t face : state.sites.faces)
-    state.normals.push_back(objective.domain().normal(face));
+  state.normals.resize(state.sites.size());
+  for_each_vector(state.normals.size(), [&](std::size_t k) {
+    state.normals[k] = objective.domain().normal(state.sites.faces[k]);
+  });
   for (std::size_t t = 0; t < objective.terms.size(); ++t) {
     const Term& term = objective.terms[t];
     Stretch evaluating(context, t, objective.terms.size());

@@ -2,9 +2,11 @@
 #include "optimize/repulsion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <dapple/neighbors.hpp>
 #include <map>
+#include <optional>
 
 namespace dapple {
 namespace {
@@ -14,20 +16,49 @@ namespace {
 // 0.98 best).
 constexpr double kNear = 0.98;
 
+/// A pair and what drives its two sites apart.
+struct Push {
+  ClosePair pair;
+  Vec3 force;
+};
+
+/// None if the two are not near enough to repel each other.
 /// \param d from j to i
-void add_pair(Repulsion& repulsion, std::size_t i, std::size_t j, const Vec3& d, double radius,
-              double weight) {
+std::optional<Push> push_between(std::size_t i, std::size_t j, const Vec3& d, double radius,
+                                 double weight) {
   const double distance = d.norm();
-  if (distance >= radius || distance <= 0.0) return;
+  if (distance >= radius || distance <= 0.0) return std::nullopt;
   const double overlap = 1.0 - distance / radius;
   const Vec3 direction = d / distance;
-  const Vec3 force = 2.0 * weight * overlap / radius * direction;
-  repulsion.energy += weight * overlap * overlap;
-  repulsion.gradient[i] -= force;
-  repulsion.gradient[j] += force;
-  repulsion.pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), overlap,
-                             weight * overlap * overlap, 2.0 * weight / (radius * radius),
-                             direction});
+  return Push{{static_cast<std::int32_t>(i), static_cast<std::int32_t>(j), overlap,
+               weight * overlap * overlap, 2.0 * weight / (radius * radius), direction},
+              2.0 * weight * overlap / radius * direction};
+}
+
+void add(Repulsion& repulsion, const Push& push) {
+  repulsion.energy += push.pair.energy;
+  repulsion.gradient[static_cast<std::size_t>(push.pair.i)] -= push.force;
+  repulsion.gradient[static_cast<std::size_t>(push.pair.j)] += push.force;
+  repulsion.pairs.push_back(push.pair);
+}
+
+/// Call visit(i, j, offset from j to i, out) for every pair of sites whose cells touch, in
+/// parallel, and return what it has put into `out`, in the order of the sites.
+template <typename Found, typename Visit>
+std::vector<Found> of_touching_pairs(const RestrictedVoronoi& diagram, const Visit& visit) {
+  const std::size_t count = diagram.cells.size();
+  std::vector<std::vector<Found>> found((count + kVectorGrain - 1) / kVectorGrain);
+  parallel_chunks(count, kVectorGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (const CellBoundary& side : diagram.boundary(i)) {
+        const auto j = static_cast<std::size_t>(side.neighbor);
+        // Each pair once: rounding aside, both cells list their common boundary.
+        if (j >= i) visit(i, j, -side.offset, found[begin / kVectorGrain]);
+      }
+  });
+  std::vector<Found> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 /// Things of one radius, with their images around the torus.
@@ -80,26 +111,26 @@ Repulsion evaluate_repulsion(const RestrictedVoronoi& diagram, const std::vector
   Repulsion repulsion;
   repulsion.gradient.assign(diagram.cells.size(), Vec3::Zero());
   if (weight == 0.0 || radii.empty()) return repulsion;
-  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
-    for (const CellBoundary& side : diagram.boundary(i)) {
-      const auto j = static_cast<std::size_t>(side.neighbor);
-      if (j < i) continue;  // each pair once: rounding aside, both cells list their common boundary
-      add_pair(repulsion, i, j, -side.offset, 0.5 * (radii[i] + radii[j]), weight);
-    }
+  const auto pushes = of_touching_pairs<Push>(
+      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Push>& out) {
+        if (const auto push = push_between(i, j, d, 0.5 * (radii[i] + radii[j]), weight))
+          out.push_back(*push);
+      });
+  for (const Push& push : pushes) add(repulsion, push);
   return repulsion;
 }
 
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
                                Vectors& moves) {
+  if (radii.empty()) return 0;
+  using Pair = std::array<std::size_t, 2>;
+  const auto near = of_touching_pairs<Pair>(
+      diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Pair>& out) {
+        const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
+        if ((d + moves[i] - moves[j]).norm() < least) out.push_back({i, j});
+      });
   std::vector<bool> shortened(radii.size(), false);
-  for (std::size_t i = 0; i < radii.size(); ++i)
-    for (const CellBoundary& side : diagram.boundary(i)) {
-      const auto j = static_cast<std::size_t>(side.neighbor);
-      if (j < i) continue;
-      const Vec3 d = -side.offset;
-      const double least = std::min(kNear * 0.5 * (radii[i] + radii[j]), d.norm());
-      if ((d + moves[i] - moves[j]).norm() < least) shortened[i] = shortened[j] = true;
-    }
+  for (const auto& [i, j] : near) shortened[i] = shortened[j] = true;
   for (std::size_t k = 0; k < radii.size(); ++k)
     if (shortened[k]) moves[k] *= 0.5;
   return static_cast<std::size_t>(std::count(shortened.begin(), shortened.end(), true));
@@ -126,7 +157,8 @@ Repulsion evaluate_disc_repulsion(const Sites& sites, const Vectors& normals,
             [&, r = large + small, same = small == large](std::int32_t other, const Vec3& d) {
               const auto j = static_cast<std::size_t>(other);
               if (j == i || (same && j < i)) return;
-              if (normals[i].dot(normals[j]) > -0.5) add_pair(repulsion, i, j, d, r, weight);
+              if (normals[i].dot(normals[j]) <= -0.5) return;
+              if (const auto push = push_between(i, j, d, r, weight)) add(repulsion, *push);
             });
       }
     }

@@ -21,7 +21,7 @@ std::vector<std::int32_t> neighbors_of(std::span<const CellPolygon> cell) {
 void start(Polygon& polygon, const CellPolygon& piece, const Vec3& site) {
   std::vector<Polygon::Corner> corners;
   for (std::size_t k = 0; k < piece.points.size(); ++k)
-    corners.push_back({piece.points[k] - site, 0.0, piece.edges[k]});
+    corners.push_back({piece.points[k] - site, piece.edges[k]});
   polygon.start(corners);
 }
 

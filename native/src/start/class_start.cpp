@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/morton.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "start/darts.hpp"
@@ -38,6 +39,24 @@ std::vector<Dart> darts_at(const Surface& surface, const Sites& sites) {
     result.push_back(
         dart_at(surface, surface.ordered().ordered_face(sites.faces[k]), sites.barycentric[k]));
   return result;
+}
+
+/// Append the darts of a class: the locked ones as they were, the others in an order in space. What
+/// is near is then near in memory too, from the optimization to whoever uses the samples.
+void add(const ClassStart& wanted, std::span<const Dart> darts, Sites& sites) {
+  const std::size_t first = wanted.locked.size();
+  std::vector<Vec3> thrown;
+  for (const Dart& dart : darts.subspan(first)) thrown.push_back(dart.position);
+  std::vector<std::int32_t> order(first);
+  std::iota(order.begin(), order.end(), 0);
+  for (const std::int32_t k : morton_order(thrown))
+    order.push_back(static_cast<std::int32_t>(first) + k);
+  for (const std::int32_t k : order) {
+    const Dart& dart = darts[static_cast<std::size_t>(k)];
+    sites.positions.push_back(dart.position);
+    sites.faces.push_back(wanted.surface->ordered().original_face(dart.face));
+    sites.barycentric.push_back(dart.barycentric);
+  }
 }
 
 /// The darts of one class.
@@ -85,12 +104,7 @@ class Throwing {
     }
     if (context_) context_->advance(1.0);
     Sites sites;
-    for (const ClassDarts& members : classes_)
-      for (const Dart& dart : members.darts) {
-        sites.positions.push_back(dart.position);
-        sites.faces.push_back(members.start->surface->ordered().original_face(dart.face));
-        sites.barycentric.push_back(dart.barycentric);
-      }
+    for (const ClassDarts& members : classes_) add(*members.start, members.darts, sites);
     return sites;
   }
 
@@ -284,11 +298,7 @@ Sites random_start(const ClassStarts& starts) {
       darts.push_back(dart_at(*wanted.surface, draw.face, draw.weights));
       board.take(darts.back());
     }
-    for (const Dart& dart : darts) {
-      sites.positions.push_back(dart.position);
-      sites.faces.push_back(wanted.surface->ordered().original_face(dart.face));
-      sites.barycentric.push_back(dart.barycentric);
-    }
+    add(wanted, darts, sites);
   }
   return sites;
 }

@@ -33,12 +33,9 @@ void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& 
 
 Dart dart_at(const Surface& surface, OrderedFace face, const Vec3& weights) {
   const OrderedSurface& ordered = surface.ordered();
-  return {surface.point(ordered.original_face(face), weights),
-          weights,
-          ordered.geometry(face).normal,
-          face,
-          ordered.component(face),
-          weights.dot(ordered.densities(face))};
+  return {ordered.point(face, weights),  weights,
+          ordered.geometry(face).normal, face,
+          ordered.component(face),       weights.dot(ordered.densities(face))};
 }
 
 // ---- DartBoard ----

@@ -11,8 +11,8 @@
 
 namespace dapple {
 
-/// What the algorithms need to know of one face.
-struct FaceGeometry {
+/// What the algorithms need to know of one face: two lines of memory.
+struct alignas(64) FaceGeometry {
   Vec3 normal = Vec3::Zero();            ///< unit; zero for a face without area
   Vec3 density_gradient = Vec3::Zero();  ///< of the linear density, in the face's plane
   Vec3 centroid = Vec3::Zero();
@@ -62,6 +62,22 @@ class OrderedSurface {
   [[nodiscard]] Vec3 densities(OrderedFace face) const;
   [[nodiscard]] const FaceGeometry& geometry(OrderedFace face) const {
     return geometry_->faces[as_index(face)];
+  }
+  /// The point of a face with these barycentric coordinates.
+  [[nodiscard]] Vec3 point(OrderedFace face, const Vec3& weights) const {
+    const auto [a, b, c] = corners(face);
+    return weights[0] * vertex(a) + weights[1] * vertex(b) + weights[2] * vertex(c);
+  }
+  /// Ask for what is known of a face, before it is needed.
+  void prefetch(OrderedFace face) const {
+#if defined(__GNUC__)
+    const auto* geometry = reinterpret_cast<const char*>(&geometry_->faces[as_index(face)]);
+    for (std::size_t byte = 0; byte < sizeof(FaceGeometry); byte += 64)
+      __builtin_prefetch(geometry + byte);
+    __builtin_prefetch(&connectivity_->faces[as_index(face)]);
+#else
+    static_cast<void>(face);
+#endif
   }
   /// Sets of faces connected over edges; `component(face)` is in 0..components() - 1.
   [[nodiscard]] std::int32_t components() const { return connectivity_->components; }

@@ -220,9 +220,7 @@ std::vector<std::int32_t> Surface::distinct_vertices() const {
 }
 
 Vec3 Surface::point(std::int32_t face, const Vec3& weights) const {
-  const auto [a, b, c] = ordered_->corners(ordered_->ordered_face(face));
-  return weights[0] * ordered_->vertex(a) + weights[1] * ordered_->vertex(b) +
-         weights[2] * ordered_->vertex(c);
+  return ordered_->point(ordered_->ordered_face(face), weights);
 }
 
 std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,

@@ -29,7 +29,6 @@ Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const Si
 }
 
 void Bisectors::reset(std::int32_t site) {
-  note_need();
   begin(site);
   if (index_->has_graph()) return take_links();
   owner_ = index_->leader(site);
@@ -39,7 +38,6 @@ void Bisectors::reset(std::int32_t site) {
 }
 
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
-  note_need();
   begin(site);
   complete_ = true;
   for (const std::int32_t other : others)
@@ -48,27 +46,27 @@ void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 
 void Bisectors::begin(std::int32_t site) {
   site_ = owner_ = site;
-  settled_ = asked_ = next_rival_ = 0;
+  settled_ = next_rival_ = 0;
   most_ = kMany;
+  most_needed_ = 0.0;
   complete_ = false;
   squared_reach_ = squared_reach_around_;
   bisectors_.clear();
   rivals_.clear();
 }
 
-/// How far the last site had to look; where all are known nobody can tell.
-void Bisectors::note_need() {
-  if (settled_ > 0 && !complete_)
-    needed_ = std::max(needed_, bisectors_[std::min(asked_, settled_ - 1)].squared_distance);
-}
-
 void Bisectors::look_around(const SiteIndex::Neighborhood& here) {
   neighborhood_ = here.number;
   if (needed_ > 0.0) squared_reach_around_ = kMargin * std::exchange(needed_, 0.0);
   squared_reach_ = squared_reach_around_;
-  around_.clear();
-  index_->for_each_near(here.box, squared_reach_,
-                        [this](std::int32_t other) { around_.push_back(other); });
+  find_near(here.box, around_);
+}
+
+void Bisectors::find_near(const Box& query, std::vector<Place>& found) const {
+  found.clear();
+  index_->for_each_near(query, squared_reach_, [&](std::int32_t other) {
+    found.push_back({sites_->position(other), other});
+  });
 }
 
 void Bisectors::look_further() {
@@ -79,32 +77,32 @@ void Bisectors::look_further() {
     squared_reach_ *= kFurther;
   }
   const Vec3& position = sites_->position(site_);
-  further_.clear();
-  index_->for_each_near({position, position}, squared_reach_,
-                        [this](std::int32_t other) { further_.push_back(other); });
+  find_near({position, position}, further_);
   take_near(further_);
 }
 
-/// Of the sites given, which hold all within reach, take those within reach, but not more than
+/// Of the places given, which hold all within reach, take those within reach, but not more than
 /// `most_`. Which of several at the last distance are among these is decided by their order: they
 /// count only when all of them are.
-void Bisectors::take_near(const std::vector<std::int32_t>& sites) {
+void Bisectors::take_near(const std::vector<Place>& places) {
   near_.clear();
-  for (const std::int32_t other : sites) {
-    const Rival near = rival(other);
-    if (near.squared_distance < squared_reach_ && other != site_) near_.push_back(near);
+  const Vec3 position = sites_->position(site_);
+  for (const Place& place : places) {
+    const double squared = (place.position - position).squaredNorm();
+    if (squared < squared_reach_ && place.site != site_)
+      near_.push_back({squared, sites_->original(place.site), place.site});
   }
   std::sort(near_.begin(), near_.end());
   const bool cut_off = near_.size() >= most_ && index_->population() > most_ + 1;
   complete_ =
       !cut_off && (near_.size() + 1 >= index_->population() || !std::isfinite(squared_reach_));
-  const double end =
+  most_needed_ =
       cut_off ? near_[most_ - 1].squared_distance : std::numeric_limits<double>::infinity();
   bisectors_.clear();
   for (const Rival& near : near_) {
     if (near.squared_distance == 0.0 && near.original < sites_->original(owner_))
       owner_ = near.site;
-    if (near.squared_distance < end) add(near.site);
+    if (near.squared_distance < most_needed_) add(near.site);
   }
   drop_twins();
   settle(bisectors_.size());

@@ -37,10 +37,15 @@ class Bisectors {
 
   /// Bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
-    asked_ = std::max(asked_, k);
     while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
     while (k >= settled_ && !complete_) look_further();
     return k < settled_ ? bisectors_.data() + k : nullptr;
+  }
+
+  /// Note that those up to a squared distance decide where the cell ends: for the next sites so
+  /// many are looked for at once.
+  void note_need(double squared_distance) {
+    needed_ = std::max(needed_, std::min(squared_distance, most_needed_));
   }
 
   /// How many are known in their final order so far.
@@ -60,11 +65,17 @@ class Bisectors {
     }
   };
 
+  /// A site that may be near.
+  struct Place {
+    Vec3 position;
+    std::int32_t site;
+  };
+
   void begin(std::int32_t site);
-  void note_need();
+  void find_near(const Box& query, std::vector<Place>& found) const;
   void look_around(const SiteIndex::Neighborhood& here);
   void look_further();
-  void take_near(const std::vector<std::int32_t>& sites);
+  void take_near(const std::vector<Place>& places);
   [[nodiscard]] bool take_all_that_cut();
   [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
   [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;
@@ -85,7 +96,6 @@ class Bisectors {
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
-  std::size_t asked_ = 0;      // the last one that someone looked at
   bool complete_ = false;      // whether there are no others
   std::size_t most_ = 0;       // that are taken only because they are near
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
@@ -94,13 +104,14 @@ class Bisectors {
   HalfSpaces half_spaces_;   // of those that are settled
   std::vector<Rival> near_;  // all within reach
   double squared_reach_ = 0.0;
-  std::vector<std::int32_t> further_;
+  std::vector<Place> further_;
   // Sites of one neighborhood have much the same others around them, and what one neighborhood
   // needs the next one will.
   std::size_t neighborhood_;
-  std::vector<std::int32_t> around_;  // all within reach of it
+  std::vector<Place> around_;  // all within reach of it
   double squared_reach_around_;
-  double needed_ = 0.0;  // the largest squared distance that mattered there so far
+  double needed_ = 0.0;       // the largest squared distance that mattered there so far
+  double most_needed_ = 0.0;  // beyond it this site's bisectors are looked for in another way
 };
 
 }  // namespace dapple

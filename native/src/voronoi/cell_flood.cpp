@@ -51,6 +51,7 @@ bool CellFlood::clip(OrderedFace face) {
     if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) break;
     k = last;
   }
+  bisectors_.note_need(4.0 * squared_radius_);
   return whole_;
 }
 

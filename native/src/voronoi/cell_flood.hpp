@@ -41,9 +41,8 @@ class CellFlood {
     ++stamp_;
     pending_.clear();
     for (const OrderedFace face : seeds) push(face);
-    while (!pending_.empty()) {
-      const OrderedFace face = pending_.back();
-      pending_.pop_back();
+    for (std::size_t next = 0; next < pending_.size(); ++next) {
+      const OrderedFace face = pending_[next];
       const bool whole = clip(face);
       if (polygon_.empty()) continue;
       visit(face, whole);
@@ -58,6 +57,7 @@ class CellFlood {
     if (stamp == stamp_) return;
     stamp = stamp_;
     pending_.push_back(face);
+    surface_->ordered().prefetch(face);
   }
 
   [[nodiscard]] bool is_far(const Bisector& bisector) const {
@@ -83,7 +83,7 @@ class CellFlood {
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;
-  std::vector<OrderedFace> pending_;
+  std::vector<OrderedFace> pending_;  // a queue: what is pushed has time to come from memory
 };
 
 }  // namespace dapple

@@ -73,12 +73,12 @@ void CellIntegrals::add_area(const FaceGeometry& geometry) {
     const Vec3& b = corners[k - 1].x;
     const Vec3& c = corners[k].x;
     const double area = 0.5 * geometry.normal.dot((b - a).cross(c - a));
-    if (surface_->uniform())
+    if (uniform_)
       add_uniform_triangle(piece, area, a, b, c);
     else
       add_linear_triangle(piece, area, a, b, c, density(a), density(b), density(c));
   }
-  if (surface_->uniform()) finish_uniform(piece);
+  if (uniform_) finish_uniform(piece);
   add_shifted(moments_, piece, Vec3::Zero());
 }
 

@@ -13,7 +13,8 @@ class CellIntegrals {
  public:
   /// The arguments must outlive the integrals.
   /// \param flood clips the faces that are added
-  CellIntegrals(const Surface& surface, CellFlood& flood) : surface_(&surface), flood_(&flood) {}
+  CellIntegrals(const Surface& surface, CellFlood& flood)
+      : surface_(&surface), flood_(&flood), uniform_(surface.uniform()) {}
 
   /// Begin a cell.
   void reset();
@@ -36,6 +37,7 @@ class CellIntegrals {
 
   const Surface* surface_;
   CellFlood* flood_;
+  bool uniform_;  // whether the density is 1 everywhere
   Moments moments_;
   std::vector<CellBoundary> boundary_;  // per bisector
   Vec3 gradient_ = Vec3::Zero();        // of the density on the face

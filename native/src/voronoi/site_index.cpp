@@ -5,12 +5,15 @@
 #include <limits>
 #include <numeric>
 
+#include "base/morton.hpp"
+#include "base/reorder.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kCrowd = 16;  // sites on one face: fewer are looked through in no time
+constexpr std::size_t kMany = 8;    // sites on one face, on average
 
 }  // namespace
 
@@ -34,6 +37,7 @@ SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
     : sites_(&sites), graph_(graph) {
   if (!graph) {
     leave_crowds_out();
+    sort_in_space();
     boxes_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
     return;
   }
@@ -49,11 +53,31 @@ void SiteIndex::leave_crowds_out() {
     while (last < faces.size() && faces[last] == faces[first]) ++last;
     if (last - first >= kCrowd) find_crowds(first, last);
   }
-  for (std::size_t k = 0; k < leaders_.size(); ++k) {
-    if (leaders_[k] != static_cast<std::int32_t>(k)) continue;
-    kept_.push_back(static_cast<std::int32_t>(k));
-    kept_positions_.push_back(sites_->positions[k]);
+  for (std::size_t k = 0; k < leaders_.size(); ++k)
+    if (leaders_[k] == static_cast<std::int32_t>(k)) kept_.push_back(static_cast<std::int32_t>(k));
+}
+
+/// The order of the sites is one in space as long as it is that of their faces: where a face holds
+/// many, they are sorted by themselves.
+void SiteIndex::sort_in_space() {
+  std::size_t occupied = 0;
+  for (std::size_t k = 0; k < sites_->size(); ++k)
+    occupied += k == 0 || sites_->faces[k] != sites_->faces[k - 1] ? 1 : 0;
+  const bool spread = sites_->size() <= kMany * occupied;
+  if (spread && kept_.empty()) return;
+  if (kept_.empty()) {
+    kept_.resize(sites_->size());
+    std::iota(kept_.begin(), kept_.end(), 0);
   }
+  kept_positions_ = gather(std::span<const Vec3>(sites_->positions), kept_);
+  if (!spread) {
+    const std::vector<std::int32_t> order = morton_order(kept_positions_);
+    kept_ = gather(std::span<const std::int32_t>(kept_), order);
+    kept_positions_ = gather(std::span<const Vec3>(kept_positions_), order);
+  }
+  places_.assign(sites_->size(), 0);
+  for (std::size_t k = 0; k < kept_.size(); ++k)
+    places_[static_cast<std::size_t>(kept_[k])] = static_cast<std::int32_t>(k);
 }
 
 /// Name the leaders of those sites in [first, last) that share their place with others.
@@ -75,11 +99,8 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
 }
 
 SiteIndex::Neighborhood SiteIndex::neighborhood(std::int32_t site) const {
-  std::size_t k = static_cast<std::size_t>(site);
-  if (!kept_.empty()) {
-    k = static_cast<std::size_t>(std::lower_bound(kept_.begin(), kept_.end(), leader(site)) -
-                                 kept_.begin());
-  }
+  const auto k = static_cast<std::size_t>(
+      places_.empty() ? site : places_[static_cast<std::size_t>(leader(site))]);
   return {k / SiteBoxes::kFan, boxes_->leaf_of(k)};
 }
 

@@ -76,6 +76,7 @@ class SiteIndex {
     return kept_.empty() ? static_cast<std::int32_t>(k) : kept_[k];
   }
   void leave_crowds_out();
+  void sort_in_space();
   void find_crowds(std::size_t first, std::size_t last);
   [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
   [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
@@ -87,7 +88,8 @@ class SiteIndex {
   std::optional<SiteBoxes> boxes_;  // without a graph
   // Where there are crowds: a search would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site
-  std::vector<std::int32_t> kept_;     // the sites in the boxes
+  std::vector<std::int32_t> kept_;     // the sites in the boxes, in their order; empty: all
+  std::vector<std::int32_t> places_;   // of sites in the boxes; empty: their own numbers
   std::vector<Vec3> kept_positions_;
   std::vector<std::int32_t> ordered_;  // with a graph: caller's -> ordered
 };
