@@ -64,7 +64,8 @@ TEST(PatternMemory, DoesNotMoveWhatDoesNotDeform) {
 TEST(PatternMemory, LetsARebuiltPatternBe) {
   Fixture f(stretched);
   std::vector<Vec3> shuffled = f.now;  // 200: no site keeps its place
-  for (std::size_t k = 0; k < shuffled.size(); ++k) shuffled[k] = f.now[(73 * k + 50) % shuffled.size()];
+  for (std::size_t k = 0; k < shuffled.size(); ++k)
+    shuffled[k] = f.now[(73 * k + 50) % shuffled.size()];
   f.now = shuffled;
   EXPECT_EQ(longest(f.recall(f.first)), 0.0);
 }
