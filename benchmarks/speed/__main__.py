@@ -21,6 +21,7 @@ import dapple3d as dapple
 
 from benchmarks.compare.cases import ROOT
 from benchmarks.compare.tables import say, table
+from benchmarks.speed import evaluations
 from benchmarks.speed.cases import Mesh, cases
 
 FAST = 100_000  # samples: runs of fewer are repeated
@@ -73,7 +74,7 @@ def row(name: str, threads: int, build: str, found: Found, ratio: float | None) 
     return [
         *(case, f"{int(count):,}", str(threads), build),
         *(f"{1e3 * found[key]:.1f} ms" for key in ("seconds", "processor_seconds")),
-        f"{found['peak_bytes'] / 2**20:.0f} MiB",
+        f"{found['peak_bytes'] / 2**20:.0f} MiB" if "peak_bytes" in found else "",
         *shown,
         f"{ratio:.2f}" if ratio is not None else "",
     ]
@@ -84,26 +85,51 @@ def main() -> None:
     builds = {"this": Path(dapple.__file__).parents[1]}
     if given.against:
         builds = {"before": given.against.resolve()} | builds
-    wanted = given.only or [
-        name for name in cases(Mesh(given.mesh)) if count_of(name) <= given.most
-    ]
-    rows, records = [], []
-    for name in wanted:
-        for threads in given.processors:
+    names = given.only or [name for name in cases(Mesh(given.mesh)) if count_of(name) <= given.most]
+    results = Results(given.json)
+    if not given.only:
+        evaluated(results, given)
+    for name in names:
+        for processors in given.processors:
             found: dict[str, list[Found]] = {build: [] for build in builds}
             for seed in range(given.seeds):
                 for build, folder in builds.items():
-                    found[build].append(measured(name, threads, seed, given, folder))
-            medians = {build: over_seeds(runs) for build, runs in found.items()}
-            for build, figures in medians.items():
-                ratio = None
-                if build == "this" and given.against:
-                    ratio = figures["seconds"] / medians["before"]["seconds"]
-                rows.append(row(name, threads, build, figures, ratio))
-                records.append({"case": name, "processors": threads, "build": build, **figures})
-            if given.json:
-                given.json.write_text(json.dumps(records, indent=1) + "\n")
-    print(table(HEAD, rows))
+                    found[build].append(measured(name, processors, seed, given, folder))
+            results.add(name, processors, {build: over_seeds(f) for build, f in found.items()})
+    print(table(HEAD, results.rows))
+
+
+class Results:
+    """Rows of the table, and the same as records in a file."""
+
+    def __init__(self, file: Path | None) -> None:
+        self.rows: list[list[str]] = []
+        self._records: list[Found] = []
+        self._file = file
+
+    def add(self, name: str, processors: int, builds: dict[str, Found]) -> None:
+        for build, found in builds.items():
+            before = builds.get("before", found)["seconds"]
+            ratio = found["seconds"] / before if build == "this" and "before" in builds else None
+            self.rows.append(row(name, processors, build, found, ratio))
+            self._records.append({"case": name, "processors": processors, "build": build, **found})
+        if self._file:
+            self._file.write_text(json.dumps(self._records, indent=1) + "\n")
+
+
+def evaluated(results: Results, given: argparse.Namespace) -> None:
+    """Evaluations by the C++ benchmarks, where they are built."""
+    binaries = {"this": evaluations.BINARY}
+    if given.against_benchmarks:
+        binaries = {"before": given.against_benchmarks} | binaries
+    if not evaluations.BINARY.exists():
+        say(f"{evaluations.BINARY} is not built: no single evaluations")
+        return
+    for processors in given.processors:
+        say(f"evaluations, {processors} processors")
+        found = {build: evaluations.measured(file, processors) for build, file in binaries.items()}
+        for name in found["this"]:
+            results.add(name, processors, {build: found[build][name] for build in binaries})
 
 
 def count_of(name: str) -> int:
@@ -119,6 +145,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--mesh", type=Path, help="a mesh file instead of a torus with waves")
     parser.add_argument(
         "--against", type=Path, metavar="FOLDER", help="that holds the package of another build"
+    )
+    parser.add_argument(
+        "--against-benchmarks", type=Path, metavar="FILE", help="its program dapple_benchmarks"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="the same figures as JSON")
     return parser.parse_args()

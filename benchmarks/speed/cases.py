@@ -39,19 +39,6 @@ class Mesh:
         return np.asarray(_RATIO**t)
 
 
-def _evaluation(mesh: Mesh, count: int) -> Make:
-    def make(seed: int) -> Run:
-        surface = mesh.surface()
-        start = dapple.sample(surface, count, seed=seed, max_evaluations=2)
-        return lambda: _energy(surface, start)
-
-    return make
-
-
-def _energy(surface: dapple.Surface, start: dapple.Samples) -> None:
-    dapple.energy(surface, start.positions, start.faces, cells="connected")
-
-
 def _sample(mesh: Mesh, count: int, ramp: bool = False, locked: bool = False) -> Make:
     def make(seed: int) -> Run:
         surface = mesh.surface(mesh.ramp() if ramp else None)
@@ -131,8 +118,7 @@ def cases(mesh: Mesh) -> dict[str, Make]:
     """By name; the number after the first slash is that of the samples."""
     small = (2_000, 10_000, 100_000)
     return (
-        {f"evaluation/{n}": _evaluation(mesh, n) for n in small}
-        | {f"sample/{n}": _sample(mesh, n) for n in (*small, 1_000_000)}
+        {f"sample/{n}": _sample(mesh, n) for n in (*small, 1_000_000)}
         | {f"ramp/{n}": _sample(mesh, n, ramp=True) for n in small}
         | {f"half locked/{n}": _sample(mesh, n, locked=True) for n in small}
         | {f"3 classes/{n}": _classes(mesh, n) for n in small}

@@ -81,17 +81,25 @@ void Bisectors::look_further() {
   take_near(further_);
 }
 
+/// Without a branch: whether a place is within reach is hard to foretell.
+void Bisectors::find_within_reach(const std::vector<Place>& places) {
+  near_.resize(places.size());
+  const Vec3 position = sites_->position(site_);
+  std::size_t count = 0;
+  for (const Place& place : places) {
+    const double squared = (place.position - position).squaredNorm();
+    near_[count] = {squared, 0, place.site};
+    count += static_cast<std::size_t>((squared < squared_reach_) & (place.site != site_));
+  }
+  near_.resize(count);
+  for (Rival& near : near_) near.original = sites_->original(near.site);
+}
+
 /// Of the places given, which hold all within reach, take those within reach, but not more than
 /// `most_`. Which of several at the last distance are among these is decided by their order: they
 /// count only when all of them are.
 void Bisectors::take_near(const std::vector<Place>& places) {
-  near_.clear();
-  const Vec3 position = sites_->position(site_);
-  for (const Place& place : places) {
-    const double squared = (place.position - position).squaredNorm();
-    if (squared < squared_reach_ && place.site != site_)
-      near_.push_back({squared, sites_->original(place.site), place.site});
-  }
+  find_within_reach(places);
   std::sort(near_.begin(), near_.end());
   const bool cut_off = near_.size() >= most_ && index_->population() > most_ + 1;
   complete_ =

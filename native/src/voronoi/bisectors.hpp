@@ -76,6 +76,7 @@ class Bisectors {
   void look_around(const SiteIndex::Neighborhood& here);
   void look_further();
   void take_near(const std::vector<Place>& places);
+  void find_within_reach(const std::vector<Place>& places);
   [[nodiscard]] bool take_all_that_cut();
   [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
   [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;

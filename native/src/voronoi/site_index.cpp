@@ -12,21 +12,39 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kCrowd = 16;  // sites on one face: fewer are looked through in no time
-constexpr std::size_t kMany = 8;    // sites on one face, on average
+constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are looked through in no time
+constexpr std::size_t kMany = 8;      // sites on one face, on average
+constexpr std::size_t kCounted = 16;  // faces a site
+
+/// The sites sorted by face and number, by counting them on each face where there are not far more
+/// faces.
+std::vector<std::int32_t> in_order_of_faces(const std::vector<OrderedFace>& faces,
+                                            std::size_t face_count) {
+  std::vector<std::int32_t> order(faces.size());
+  if (face_count > kCounted * faces.size()) {
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+      return faces[static_cast<std::size_t>(a)] < faces[static_cast<std::size_t>(b)];
+    });
+    return order;
+  }
+  std::vector<std::int32_t> next(face_count + 1, 0);
+  for (const OrderedFace face : faces) ++next[as_index(face) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  for (std::size_t k = 0; k < faces.size(); ++k)
+    order[static_cast<std::size_t>(next[as_index(faces[k])]++)] = static_cast<std::int32_t>(k);
+  return order;
+}
 
 }  // namespace
 
-OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) : originals(sites.size()) {
+OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) {
   std::vector<OrderedFace> ordered(sites.size());
   for (std::size_t k = 0; k < sites.size(); ++k)
     ordered[k] = surface.ordered().ordered_face(sites.faces[k]);
-  std::iota(originals.begin(), originals.end(), 0);
-  std::sort(originals.begin(), originals.end(), [&](std::int32_t a, std::int32_t b) {
-    const OrderedFace fa = ordered[static_cast<std::size_t>(a)];
-    const OrderedFace fb = ordered[static_cast<std::size_t>(b)];
-    return fa != fb ? fa < fb : a < b;
-  });
+  originals = in_order_of_faces(ordered, surface.face_count());
+  positions.reserve(sites.size());
+  faces.reserve(sites.size());
   for (const std::int32_t k : originals) {
     positions.push_back(sites.positions[static_cast<std::size_t>(k)]);
     faces.push_back(ordered[static_cast<std::size_t>(k)]);
