@@ -2,9 +2,7 @@
 #include "voronoi/bisectors.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 #include "surface/ordered_surface.hpp"
 
@@ -14,27 +12,18 @@ namespace {
 constexpr std::size_t kFewRivals = 12;  // that are sorted at once: enough for most faces
 // So many are more than cells have whose faces are near: then it pays to find out which matter.
 constexpr std::size_t kMany = 51;
-constexpr double kFirstReach = 1.8;  // spacings
-constexpr double kFurther = 2.25;    // squared
-constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
-
-constexpr std::size_t kNone = ~std::size_t{0};
 
 }  // namespace
 
 Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
-    : surface_(&surface), sites_(&sites), index_(&index), neighborhood_(kNone) {
-  const double reach = kFirstReach * surface.spacing(std::max<std::size_t>(sites.size(), 1));
-  squared_reach_around_ = reach * reach;
-}
+    : surface_(&surface), sites_(&sites), index_(&index), near_(surface, sites, index) {}
 
 void Bisectors::reset(std::int32_t site) {
   begin(site);
   if (index_->has_graph()) return take_links();
   owner_ = index_->leader(site);
-  const SiteIndex::Neighborhood here = index_->neighborhood(site);
-  if (here.number != neighborhood_) look_around(here);
-  take_near(around_);
+  near_.turn_to(site);
+  take_near();
 }
 
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
@@ -50,67 +39,33 @@ void Bisectors::begin(std::int32_t site) {
   most_ = kMany;
   most_needed_ = 0.0;
   complete_ = false;
-  squared_reach_ = squared_reach_around_;
   bisectors_.clear();
   rivals_.clear();
 }
 
-void Bisectors::look_around(const SiteIndex::Neighborhood& here) {
-  neighborhood_ = here.number;
-  if (needed_ > 0.0) squared_reach_around_ = kMargin * std::exchange(needed_, 0.0);
-  squared_reach_ = squared_reach_around_;
-  find_near(here.box, around_);
-}
-
-void Bisectors::find_near(const Box& query, std::vector<Place>& found) const {
-  found.clear();
-  index_->for_each_near(query, squared_reach_, [&](std::int32_t other) {
-    found.push_back({sites_->position(other), other});
-  });
-}
-
 void Bisectors::look_further() {
-  if (near_.size() >= most_) {
-    if (take_all_that_cut()) return;
+  if (near_.all().size() < most_)
+    near_.extend();
+  else if (take_all_that_cut())
+    return;
+  else
     most_ = 2 * most_ + 1;
-  } else {
-    squared_reach_ *= kFurther;
-  }
-  const Vec3& position = sites_->position(site_);
-  find_near({position, position}, further_);
-  take_near(further_);
+  take_near();
 }
 
-/// Without a branch: whether a place is within reach is hard to foretell.
-void Bisectors::find_within_reach(const std::vector<Place>& places) {
-  near_.resize(places.size());
-  const Vec3 position = sites_->position(site_);
-  std::size_t count = 0;
-  for (const Place& place : places) {
-    const double squared = (place.position - position).squaredNorm();
-    near_[count] = {squared, 0, place.site};
-    count += static_cast<std::size_t>((squared < squared_reach_) & (place.site != site_));
-  }
-  near_.resize(count);
-  for (Rival& near : near_) near.original = sites_->original(near.site);
-}
-
-/// Of the places given, which hold all within reach, take those within reach, but not more than
-/// `most_`. Which of several at the last distance are among these is decided by their order: they
-/// count only when all of them are.
-void Bisectors::take_near(const std::vector<Place>& places) {
-  find_within_reach(places);
-  std::sort(near_.begin(), near_.end());
-  const bool cut_off = near_.size() >= most_ && index_->population() > most_ + 1;
-  complete_ =
-      !cut_off && (near_.size() + 1 >= index_->population() || !std::isfinite(squared_reach_));
+/// Take what is within reach, but not more than `most_`. Which of several at the last distance are
+/// among these is decided by their order: they count only when all of them are.
+void Bisectors::take_near() {
+  const std::vector<Rival>& near = near_.all();
+  const bool cut_off = near.size() >= most_ && index_->population() > most_ + 1;
+  complete_ = !cut_off && near_.is_complete();
   most_needed_ =
-      cut_off ? near_[most_ - 1].squared_distance : std::numeric_limits<double>::infinity();
+      cut_off ? near[most_ - 1].squared_distance : std::numeric_limits<double>::infinity();
   bisectors_.clear();
-  for (const Rival& near : near_) {
-    if (near.squared_distance == 0.0 && near.original < sites_->original(owner_))
-      owner_ = near.site;
-    if (near.squared_distance < most_needed_) add(near.site);
+  for (const Rival& rival : near) {
+    if (rival.squared_distance == 0.0 && rival.original < sites_->original(owner_))
+      owner_ = rival.site;
+    if (rival.squared_distance < most_needed_) add(rival.site);
   }
   drop_twins();
   settle(bisectors_.size());
@@ -187,7 +142,7 @@ void Bisectors::take_links() {
   complete_ = true;
 }
 
-Bisectors::Rival Bisectors::rival(std::int32_t other) const {
+Rival Bisectors::rival(std::int32_t other) const {
   return {(sites_->position(other) - sites_->position(site_)).squaredNorm(),
           sites_->original(other), other};
 }

@@ -5,7 +5,7 @@
 
 #include "voronoi/cell_polyhedron.hpp"
 #include "voronoi/half_spaces.hpp"
-#include "voronoi/site_index.hpp"
+#include "voronoi/near_sites.hpp"
 
 namespace dapple {
 
@@ -42,10 +42,9 @@ class Bisectors {
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
 
-  /// Note that those up to a squared distance decide where the cell ends: for the next sites so
-  /// many are looked for at once.
+  /// Note that those up to a squared distance decide where the cell ends.
   void note_need(double squared_distance) {
-    needed_ = std::max(needed_, std::min(squared_distance, most_needed_));
+    near_.note_need(std::min(squared_distance, most_needed_));
   }
 
   /// How many are known in their final order so far.
@@ -54,29 +53,9 @@ class Bisectors {
   [[nodiscard]] const HalfSpaces& half_spaces() const { return half_spaces_; }
 
  private:
-  /// Another site, before its bisector is asked for.
-  struct Rival {
-    double squared_distance;
-    std::int32_t original;  // the caller's index: the order at equal distances
-    std::int32_t site;
-    bool operator<(const Rival& other) const {
-      return squared_distance != other.squared_distance ? squared_distance < other.squared_distance
-                                                        : original < other.original;
-    }
-  };
-
-  /// A site that may be near.
-  struct Place {
-    Vec3 position;
-    std::int32_t site;
-  };
-
   void begin(std::int32_t site);
-  void find_near(const Box& query, std::vector<Place>& found) const;
-  void look_around(const SiteIndex::Neighborhood& here);
   void look_further();
-  void take_near(const std::vector<Place>& places);
-  void find_within_reach(const std::vector<Place>& places);
+  void take_near();
   [[nodiscard]] bool take_all_that_cut();
   [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
   [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;
@@ -102,17 +81,9 @@ class Bisectors {
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;
-  HalfSpaces half_spaces_;   // of those that are settled
-  std::vector<Rival> near_;  // all within reach
-  double squared_reach_ = 0.0;
-  std::vector<Place> further_;
-  // Sites of one neighborhood have much the same others around them, and what one neighborhood
-  // needs the next one will.
-  std::size_t neighborhood_;
-  std::vector<Place> around_;  // all within reach of it
-  double squared_reach_around_;
-  double needed_ = 0.0;       // the largest squared distance that mattered there so far
-  double most_needed_ = 0.0;  // beyond it this site's bisectors are looked for in another way
+  HalfSpaces half_spaces_;  // of those that are settled
+  NearSites near_;
+  double most_needed_ = 0.0;  // beyond it bisectors are looked for in another way
 };
 
 }  // namespace dapple

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <dapple/poisson_start.hpp>
+
+#include "shapes.hpp"
+#include "voronoi/near_sites.hpp"
+
+namespace dapple::test {
+namespace {
+
+/// All other sites, the nearest first.
+std::vector<Rival> others(const OrderedSites& sites, std::int32_t site) {
+  std::vector<Rival> result;
+  for (std::int32_t other = 0; other < static_cast<std::int32_t>(sites.size()); ++other)
+    if (other != site)
+      result.push_back({(sites.position(other) - sites.position(site)).squaredNorm(),
+                        sites.original(other), other});
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// What is found is the beginning of all others, as far as it goes.
+void expect_nearest(const std::vector<Rival>& found, const std::vector<Rival>& all) {
+  ASSERT_LE(found.size(), all.size());
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_EQ(found[k].site, all[k].site);
+}
+
+/// A crowd of sites on large faces, and a steep density: neighborhoods of all sizes.
+class NearSitesOn : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, NearSitesOn,
+                         testing::Values(box(1), blob(3),
+                                         with_face_density(icosphere(4), [](const Vec3& x) {
+                                           return std::exp(8.0 * x.z());
+                                         })));
+
+TEST_P(NearSitesOn, AreTheNearestHoweverFarOneReaches) {
+  const Surface surface = GetParam().surface();
+  const OrderedSites sites(surface, poisson_start(surface, 500, 3));
+  const SiteIndex index(sites, nullptr);
+  NearSites near(surface, sites, index);
+  for (std::int32_t site = 0; site < 500; ++site) {
+    const std::vector<Rival> all = others(sites, site);
+    near.turn_to(site);
+    near.note_need(all[static_cast<std::size_t>(site) % 20].squared_distance);
+    expect_nearest(near.all(), all);
+    for (int k = 0; k < site % 3; ++k) near.extend();
+    expect_nearest(near.all(), all);
+  }
+}
+
+TEST_P(NearSitesOn, AreAllInTheEnd) {
+  const Surface surface = GetParam().surface();
+  const OrderedSites sites(surface, poisson_start(surface, 100, 3));
+  const SiteIndex index(sites, nullptr);
+  NearSites near(surface, sites, index);
+  near.turn_to(50);
+  std::size_t before = near.all().size();
+  while (!near.is_complete()) {
+    near.extend();
+    EXPECT_GE(near.all().size(), before);
+    before = near.all().size();
+  }
+  EXPECT_EQ(before, 99u);
+}
+
+}  // namespace
+}  // namespace dapple::test
