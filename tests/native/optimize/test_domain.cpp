@@ -79,21 +79,30 @@ TEST(ConnectedCells, GiveEachOfTwoSheetsTheSame) {
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
 }
 
-/// Few evaluations too: on the crank the energy jumps, and steps across a jump lead nowhere.
+/// Few evaluations too: on the crank the energy jumps, and steps across a jump lead nowhere. How
+/// many a single run takes there is chance (23 to 52): the mean of several tells.
 TEST(ConnectedCells, AreEvenOnThinWalls) {
   struct Limit {
     const char* name;
     double variation;
     int evaluations;
+    int runs;
   };
-  for (const auto& [name, variation, evaluations] :
-       {Limit{"lilium", 0.03, 12}, {"crank", 0.05, 34}}) {
+  for (const auto& [name, variation, evaluations, runs] :
+       {Limit{"lilium", 0.03, 12, 1}, {"crank", 0.05, 34, 9}}) {
     DAPPLE_NEEDS_MESH(name);
-    const Report report = sample(shared_mesh(name).surface(), 2000).report;
-    std::cout << name << ": capacity variation " << report.evenness.capacity_variation << ", "
-              << report.evaluations << " evaluations\n";
-    EXPECT_LT(report.evenness.capacity_variation, variation) << name;
-    EXPECT_LE(report.evaluations, evaluations) << name;
+    const Surface surface = shared_mesh(name).surface();
+    int sum = 0;
+    SampleOptions options;
+    for (int run = 0; run < runs; ++run) {
+      options.seed = static_cast<std::uint64_t>(run);
+      const Report report = sample(surface, 2000, options).report;
+      std::cout << name << ": capacity variation " << report.evenness.capacity_variation << ", "
+                << report.evaluations << " evaluations\n";
+      EXPECT_LT(report.evenness.capacity_variation, variation) << name;
+      sum += report.evaluations;
+    }
+    EXPECT_LE(sum, runs * evaluations) << name;
   }
 }
 
