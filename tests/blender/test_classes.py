@@ -265,9 +265,11 @@ def test_the_worst_overlap_of_a_bake_is_that_of_all_frames():
         found.append(worst_overlap(obj))
     report = obj.dapple.report
     assert report.worst_overlap == pytest.approx(max(found), abs=1e-4)
-    assert report.overlap_frame == 1 + int(np.argmax(found)) == 2
+    worst = 1 + int(np.argmax(found))
+    assert 1 < worst < 4  # neither where it began nor what was computed last
+    assert report.overlap_frame == worst
     assert bpy.ops.dapple.select_overlap() == {"FINISHED"}
-    assert bpy.context.scene.frame_current == 2
+    assert bpy.context.scene.frame_current == worst
     chosen = [vertex.index for vertex in obj.data.vertices if vertex.select]
     pair = scenes.positions(obj)[chosen]
     assert 1.0 - np.linalg.norm(pair[0] - pair[1]) / 0.48 == pytest.approx(max(found), abs=1e-4)
