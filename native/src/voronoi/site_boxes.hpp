@@ -20,6 +20,9 @@ class SiteBoxes {
  public:
   static constexpr std::size_t kFan = 8;
 
+  /// Of no points.
+  SiteBoxes() = default;
+
   /// \param points must outlive the boxes
   explicit SiteBoxes(std::span<const Vec3> points);
 

@@ -56,7 +56,7 @@ SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
   if (!graph) {
     leave_crowds_out();
     sort_in_space();
-    boxes_.emplace(kept_.empty() ? std::span(sites.positions) : std::span(kept_positions_));
+    boxes_ = SiteBoxes(kept_.empty() ? sites.positions : kept_positions_);
     return;
   }
   ordered_.resize(sites.size());
@@ -119,14 +119,14 @@ void SiteIndex::find_crowds(std::size_t first, std::size_t last) {
 SiteIndex::Neighborhood SiteIndex::neighborhood(std::int32_t site) const {
   const auto k = static_cast<std::size_t>(
       places_.empty() ? site : places_[static_cast<std::size_t>(leader(site))]);
-  return {k / SiteBoxes::kFan, boxes_->leaf_of(k)};
+  return {k / SiteBoxes::kFan, boxes_.leaf_of(k)};
 }
 
 std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
   if (graph_) return walk(point, from);
   std::int32_t best = -1;
   double least = std::numeric_limits<double>::infinity();
-  boxes_->for_each_nearest({point, point}, least, [&](std::size_t k) {
+  boxes_.for_each_nearest({point, point}, least, [&](std::size_t k) {
     const std::int32_t site = site_in_boxes(k);
     const double squared = squared_distance(point, site);
     if (best >= 0 && !(squared < least)) return;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/surface.hpp>
-#include <optional>
 
 #include "surface/ordered_face.hpp"
 #include "voronoi/site_boxes.hpp"
@@ -42,7 +41,7 @@ class SiteIndex {
   /// first (of the caller's order) is there.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
-    boxes_->for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
+    boxes_.for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
   }
   /// A box around a few sites, of which this is one, that are near each other. The same box, the
   /// same number.
@@ -85,7 +84,7 @@ class SiteIndex {
 
   const OrderedSites* sites_;
   const SiteGraph* graph_;
-  std::optional<SiteBoxes> boxes_;  // without a graph
+  SiteBoxes boxes_;  // without a graph
   // Where there are crowds: a search would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site
   std::vector<std::int32_t> kept_;     // the sites in the boxes, in their order; empty: all
