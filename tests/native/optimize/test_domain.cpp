@@ -169,7 +169,7 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   Shape shape = grid(8);
   const auto count = static_cast<std::int32_t>(shape.faces.size());
   const auto vertices = static_cast<std::int32_t>(shape.vertices.size());
-  Shape copy = shape;
+  const Shape copy = shape;
   shape = joined(shape, copy);
   for (std::size_t f = static_cast<std::size_t>(count); f < shape.faces.size(); ++f)
     for (std::int32_t& v : shape.faces[f])
@@ -179,6 +179,7 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   Random random(1);
   const Sites sites = random_sites(shape, 200, random, true);
   std::vector<Vec3> moved;
+  moved.reserve(sites.size());
   for (const Vec3& p : sites.positions) moved.emplace_back(p + Vec3(0.04, 0.03, 0.01));
   const Sites found = SurfaceDomain(surface).project(moved, sites.faces);
   for (std::size_t k = 0; k < sites.size(); ++k)
