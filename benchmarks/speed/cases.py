@@ -100,6 +100,18 @@ def _tracked(count: int) -> Make:
     return make
 
 
+def _still(count: int) -> Make:
+    """A frame in which nothing moved."""
+
+    def make(seed: int) -> Run:
+        surface = dapple.Surface(*torus(*_TRACKED))
+        tracker = dapple.Tracker(surface, dapple.sample(surface, count, seed=seed))
+        vertices = surface.vertices
+        return lambda: tracker.advance(vertices).report
+
+    return make
+
+
 def _mosaic(mesh: Mesh, count: int) -> Make:
     def make(seed: int) -> Run:
         surface = mesh.surface()
@@ -129,6 +141,7 @@ def cases(mesh: Mesh) -> dict[str, Make]:
             "plane/100000": _planar(lambda: dapple.Plane(1.0, 1.0), 100_000),
             "tracked frame/2000": _tracked(2_000),
             "tracked frame/20000": _tracked(20_000),
+            "still frame/20000": _still(20_000),
             "mosaic/10000": _mosaic(mesh, 10_000),
         }
     )

@@ -123,6 +123,8 @@ Raises:
            py::arg("context") = nullptr,
            R"(Move to the next frame; the tracker is unchanged if this raises.
 
+A frame with the very vertices of the last one costs nothing once the tracker is settled: report.evaluations is 0.
+
 Args:
     vertices: (v, 3) float64, as many as the surface has, in the same order.
     context: a Context to watch and cancel it by.

@@ -175,6 +175,33 @@ TEST_P(CancelWithThreads, EverywhereInATrackedFrame) {
   EXPECT_TRUE(same_bytes(tracker.advance(next), untouched.advance(next)));
 }
 
+/// Nothing that works asks only once whether to go on.
+TEST(Cancel, AFrameInWhichNothingMovedAsksOnce) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, 120);
+  Tracker tracker(surface, samples);
+  EXPECT_EQ(count_checks([&](Context* context) { tracker.advance(shape.vertices, context); }), 1);
+  Population population(surface, samples);
+  EXPECT_EQ(count_checks([&](Context* context) { population.advance(shape.vertices, context); }),
+            1);
+  EXPECT_EQ(population.samples().report.evaluations, 0);
+}
+
+/// The sweeps look once at the frames: they are all the same.
+TEST(Cancel, AWindowInWhichNothingMovesHardlyAsks) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, 120);
+  const auto checks_of = [&](std::size_t frames) {
+    const std::vector<std::vector<Vec3>> still(frames, shape.vertices);
+    return count_checks(
+        [&](Context* context) { (void)track_window(surface, still, samples, {}, context); });
+  };
+  const int by_itself = 4;  // the pass and its tracker, and each sweep
+  EXPECT_EQ(checks_of(10) - checks_of(5), 5 * by_itself);
+}
+
 TEST(Cancel, EverywhereInAPoissonStart) {
   const Surface surface = blob(3).surface();
   const SampleOptions options = [] {

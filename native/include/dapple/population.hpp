@@ -52,6 +52,8 @@ class Population {
     double fade;
   };
 
+  [[nodiscard]] double wanted(const Tracker& tracker) const;
+  [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
   [[nodiscard]] Samples resized(const Tracker& tracker, Context* context) const;
   [[nodiscard]] std::vector<Fading> vanishing(const Samples& before, const Samples& after) const;
   void join();

@@ -6,6 +6,7 @@
 #include <dapple/samples.hpp>
 #include <dapple/tracker_options.hpp>
 #include <memory>
+#include <optional>
 
 namespace dapple {
 
@@ -26,7 +27,8 @@ class Tracker {
   Tracker(Surface surface, Samples samples, TrackerOptions options = {},
           std::vector<SampleClass> classes = {}, Context* context = nullptr);
 
-  /// Move to the next frame. The tracker is unchanged if this throws.
+  /// Move to the next frame. The tracker is unchanged if this throws. A frame with the very
+  /// vertices of the last one costs nothing, once nothing is left to be caught up.
   /// \param vertices as many as the surface has, in the caller's order
   /// \throw SurfaceError, Cancelled
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
@@ -45,11 +47,13 @@ class Tracker {
  private:
   friend class Population;
   void exchange(const Samples& samples);
+  [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
 
   Surface surface_;
   Samples samples_;
   std::shared_ptr<const FrameSolver> solver_;
-  bool settled_ = true;  // the first frame is what the others are held against
+  std::optional<Report> measured_;  // on the present frame; empty: nobody has asked how even it is
+  bool settled_ = true;             // the first frame is what the others are held against
 };
 
 }  // namespace dapple

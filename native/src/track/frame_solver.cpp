@@ -89,12 +89,17 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   check_options(options);
   const Frame frame(surface, classes_, class_of_, options_);
   const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
-  const State state = evaluate(frame.objective, first_, no_repulsion, context);
+  Minimum first;
+  first.state = evaluate(frame.objective, first_, no_repulsion, context);
+  const State& state = first.state;
   target_energy_ = normalized_energy(frame.objective, state);
   restoration_.cvt = normalized_cvt(frame.objective, state);
   restoration_.first_variation = capacity_variation(frame.objective, state);
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
   memory_ = PatternMemory(state.diagram());
+  first.energies = {target_energy_};
+  first.converged = true;  // no frame has to be more even
+  first_report_ = to_report(frame.objective, first, classes_.size(), samples.normals);
 }
 
 Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const Sites& now) const {

@@ -55,6 +55,8 @@ class FrameSolver {
                                       const Samples& now) const;
 
   [[nodiscard]] const TrackerOptions& options() const { return options_; }
+  /// Of the first frame, as it was given.
+  [[nodiscard]] const Report& first_report() const { return first_report_; }
 
  private:
   [[nodiscard]] OptimizerOptions aims() const;
@@ -66,6 +68,7 @@ class FrameSolver {
   PatternMemory memory_;
   double target_energy_ = 0.0;
   Restoration restoration_;
+  Report first_report_;
 };
 
 }  // namespace dapple

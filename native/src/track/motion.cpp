@@ -2,6 +2,9 @@
 #include "track/motion.hpp"
 
 #include <Eigen/Geometry>
+#include <cstring>
+
+#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -43,6 +46,16 @@ Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after,
 }
 
 }  // namespace
+
+bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
+  if (vertices.size() != surface.vertex_count()) return false;
+  const std::vector<std::int32_t>& original = surface.ordered().connectivity().original_vertex;
+  for (std::size_t v = 0; v < original.size(); ++v)
+    if (std::memcmp(surface.ordered().vertices()[v].data(),
+                    vertices[static_cast<std::size_t>(original[v])].data(), sizeof(Vec3)) != 0)
+      return false;
+  return true;
+}
 
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
                       std::span<const std::int32_t> measured) {

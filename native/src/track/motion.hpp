@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/types.hpp>
+#include <dapple/surface.hpp>
 #include <span>
 #include <vector>
 
 namespace dapple {
+
+/// Whether a surface has vertices of these very bytes (in the caller's order).
+[[nodiscard]] bool has_vertices(const Surface& surface, std::span<const Vec3> vertices);
 
 /// How a body's shape changes from one frame to the next, apart from moving, scaling and mirroring
 /// as a whole: those leave samples as even as they are.

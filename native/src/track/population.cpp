@@ -39,10 +39,23 @@ Population::Population(Surface surface, Samples samples, PopulationOptions optio
   join();
 }
 
+/// How many samples the surface asks for.
+double Population::wanted(const Tracker& tracker) const {
+  return density_ * tracker.surface().mass();
+}
+
+/// Whether nothing moved, appears or vanishes.
+bool Population::rests_at(std::span<const Vec3> vertices) const {
+  const auto is_there = [](double fade) { return fade == 1.0; };
+  const double missing = wanted(tracker_) - static_cast<double>(tracker_.samples().size());
+  return std::abs(missing) < kReluctance && vanishing_.empty() &&
+         std::all_of(fades_.begin(), fades_.end(), is_there) && tracker_.rests_at(vertices);
+}
+
 /// The tracker's samples, more or fewer where the surface has grown or shrunk.
 Samples Population::resized(const Tracker& tracker, Context* context) const {
   const Samples& now = tracker.samples();
-  const double wanted = density_ * tracker.surface().mass();
+  const double wanted = this->wanted(tracker);
   if (std::abs(wanted - static_cast<double>(now.size())) < kReluctance) return now;
   check_wanted(wanted, now.size());
   SampleOptions options;
@@ -78,6 +91,10 @@ std::vector<Population::Fading> Population::vanishing(const Samples& before,
 }
 
 const Samples& Population::advance(std::span<const Vec3> vertices, Context* context) {
+  if (rests_at(vertices)) {
+    samples_.report = tracker_.advance(vertices, context).report;
+    return samples_;
+  }
   Tracker tracker = tracker_;
   Stretch moving(context, 0.0, 0.5), resizing(context, 0.5, 1.0);
   tracker.advance(vertices, moving.context());

@@ -43,6 +43,15 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
   return passed;
 }
 
+/// Of a frame that is as the last one was.
+Report resting(Report report) {
+  report.evaluations = report.iterations = 0;
+  report.parts = 1;
+  if (!report.energies.empty()) report.energies = {report.energies.back()};
+  report.slide_mean = report.slide_median = report.slide_max = 0.0;
+  return report;
+}
+
 }  // namespace
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
@@ -60,12 +69,24 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
     solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes),
                                                   evaluating.context());
   });
+  measured_ = solver_->first_report();
   if (context) context->advance(1.0);
+}
+
+/// Whether nothing moved, nothing is left to be caught up, and it is known how even that is.
+bool Tracker::rests_at(std::span<const Vec3> vertices) const {
+  return settled_ && measured_ && has_vertices(surface_, vertices);
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
   const Clock clock;
   if (context) context->check();
+  if (rests_at(vertices)) {
+    samples_.report = resting(*measured_);
+    samples_.report.seconds = clock.seconds();
+    if (context) context->advance(1.0);
+    return samples_;
+  }
   const TrackerOptions& options = solver_->options();
   with_threads(options.threads, [&] {
     Surface surface = surface_.deformed(vertices);
@@ -90,6 +111,7 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
                (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
     surface_ = std::move(surface);
     samples_ = std::move(samples);
+    measured_ = samples_.report;
   });
   if (context) context->advance(1.0);
   return samples_;
@@ -101,6 +123,7 @@ void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, boo
   samples_ =
       bind_samples(surface, samples.faces, samples.barycentric, samples_.ids, samples_.classes);
   surface_ = std::move(surface);
+  measured_.reset();
   settled_ = settled;
 }
 
@@ -117,6 +140,7 @@ void Tracker::exchange(const Samples& samples) {
   }
   solver_ = std::make_shared<const FrameSolver>(solver_->exchanged(origin, samples));
   samples_ = samples;
+  measured_.reset();
   settled_ = false;
 }
 

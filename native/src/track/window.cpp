@@ -1,16 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cstring>
 #include <dapple/window.hpp>
+#include <optional>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "track/frame_solver.hpp"
+#include "track/motion.hpp"
 
 namespace dapple {
 namespace {
 
 double smoothstep(double t) { return t * t * (3.0 - 2.0 * t); }
+
+bool same_places(const Samples& a, const Samples& b) {
+  return a.faces == b.faces && std::memcmp(a.barycentric.data(), b.barycentric.data(),
+                                           a.barycentric.size() * sizeof(Vec3)) == 0;
+}
+
+bool all_zero(const Vectors& moves) {
+  return std::all_of(moves.begin(), moves.end(), [](const Vec3& v) { return v == Vec3::Zero(); });
+}
 
 /// The frames of a motion and the samples on them.
 class Window {
@@ -37,8 +50,10 @@ class Window {
   }
 
  private:
-  [[nodiscard]] Surface surface(std::size_t t) const {
-    return t == 0 ? first_ : first_.deformed(frames_[t - 1]);
+  const Surface& surface(std::size_t t) {
+    if (t == 0) return first_;
+    if (!has_vertices(last_asked_, frames_[t - 1])) last_asked_ = first_.deformed(frames_[t - 1]);
+    return last_asked_;
   }
   [[nodiscard]] std::size_t count() const { return frames_.size() + 1; }
 
@@ -76,7 +91,7 @@ class Window {
 
   /// To the middle between the frames before and after.
   void smooth(std::size_t t) {
-    const Surface here = surface(t);
+    const Surface& here = surface(t);
     const Sites before = carried(here, sites_of(samples_[t - 1]));
     const bool open_end = t + 1 == count() && !options_.closed;
     const Sites after =
@@ -90,8 +105,22 @@ class Window {
   /// Move the samples of a frame, and restore it as near to that as can be.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
     Stretch step = next_step();
-    samples_[t] =
+    const bool moved = !all_zero(moves);
+    if (!moved && rests(t)) {
+      samples_[t] = rest_->samples;
+      samples_[t].report.evaluations = 0;
+      return;
+    }
+    Samples found =
         solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, step.context()).samples;
+    if (!moved && same_places(found, samples_[t])) rest_ = {here, found};
+    samples_[t] = std::move(found);
+  }
+
+  /// Whether a frame is known whose samples, the same as this one's, stay where they are.
+  [[nodiscard]] bool rests(std::size_t t) const {
+    return rest_ && has_vertices(rest_->surface, frames_[t - 1]) &&
+           same_places(samples_[t], rest_->samples);
   }
 
   void measure(std::size_t t) {
@@ -105,12 +134,20 @@ class Window {
     return {context_, done_++, steps_};
   }
 
+  /// A frame whose samples stay where they are if nobody moves them.
+  struct Rest {
+    Surface surface;
+    Samples samples;
+  };
+
   const Surface& first_;
+  Surface last_asked_ = first_;
   std::span<const std::vector<Vec3>> frames_;
   const WindowOptions& options_;
   Context* context_;
   FrameSolver solver_;
   std::vector<Samples> samples_;
+  std::optional<Rest> rest_;
   std::size_t steps_ = 1;
   std::size_t done_ = 0;
 };

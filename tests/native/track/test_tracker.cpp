@@ -48,6 +48,61 @@ TEST_P(TrackerOn, ReturnsTheSameBytesForNoMotion) {
     EXPECT_TRUE(same_bytes(next.barycentric, first.barycentric));
     EXPECT_EQ(next.faces, first.faces);
     EXPECT_EQ(next.report.slide_max, 0.0);
+    EXPECT_EQ(next.report.evaluations, 0);
+  }
+}
+
+/// To a frame, and on it until nothing is left to be caught up.
+std::vector<Vec3> settle(Tracker& tracker, const Shape& shape) {
+  const std::vector<Vec3> vertices = deformed(shape.vertices, 0.3);
+  for (int frame = 0; frame < 30 && !(frame > 0 && tracker.settled()); ++frame)
+    tracker.advance(vertices);
+  EXPECT_TRUE(tracker.settled());
+  return vertices;
+}
+
+TEST(Tracker, EvaluatesNothingWhereNothingMoved) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const std::vector<Vec3> vertices = settle(tracker, shape);
+  const Samples before = tracker.samples();
+  const OrderedSurface* surface = &tracker.surface().ordered();
+  const Samples& after = tracker.advance(vertices);
+  EXPECT_TRUE(same_bytes(after.positions, before.positions));
+  EXPECT_TRUE(same_bytes(after.normals, before.normals));
+  EXPECT_TRUE(same_bytes(after.barycentric, before.barycentric));
+  EXPECT_EQ(&tracker.surface().ordered(), surface) << "the surface was copied";
+  EXPECT_TRUE(tracker.settled());
+  const Report& report = after.report;
+  EXPECT_EQ(report.evaluations, 0);
+  EXPECT_EQ(report.slide_max, 0.0);
+  EXPECT_EQ(report.energies.size(), 1u);
+  EXPECT_EQ(report.energy, before.report.energy);
+  EXPECT_EQ(report.evenness.alpha_min, before.report.evenness.alpha_min);
+  EXPECT_EQ(report.bond_order, before.report.bond_order);
+}
+
+TEST(Tracker, GoesOnWhereNothingMovedButSomethingIsLeftToDo) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape, kCount, {.optimizer = {.max_evaluations = 2}});
+  const std::vector<Vec3> vertices = deformed(shape.vertices, 1.5);
+  tracker.advance(vertices);
+  ASSERT_FALSE(tracker.settled());
+  EXPECT_GT(tracker.advance(vertices).report.evaluations, 0);
+}
+
+TEST(Tracker, MeasuresAStoredFrameOnce) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const std::vector<Vec3> vertices = settle(tracker, shape);
+  const Report known = tracker.samples().report;
+  const Samples stored =
+      bind_samples(tracker.surface(), tracker.samples().faces, tracker.samples().barycentric);
+  tracker.resume(vertices, stored, true);
+  for (const int evaluations : {1, 0}) {
+    const Report& report = tracker.advance(vertices).report;
+    EXPECT_EQ(report.evaluations, evaluations);
+    EXPECT_EQ(report.energy, known.energy);
   }
 }
 

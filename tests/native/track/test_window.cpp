@@ -68,6 +68,20 @@ Smoothness measure(const Surface& first, const std::vector<std::vector<Vec3>>& f
   return result;
 }
 
+TEST(Window, EvaluatesNothingWhereNothingMoves) {
+  const Shape shape = blob(4);
+  const Surface surface = shape.surface();
+  const Samples first = sample(surface, kCount);
+  const std::vector<std::vector<Vec3>> still(5, shape.vertices);
+  const std::vector<Samples> found = track_window(surface, still, first);
+  for (const Samples& samples : found) EXPECT_TRUE(same_bytes(samples.positions, first.positions));
+  for (std::size_t t = 1; t < found.size(); ++t) {
+    EXPECT_EQ(found[t].report.evaluations, 0) << "frame " << t;
+    EXPECT_EQ(found[t].report.energy, first.report.energy) << "frame " << t;
+    EXPECT_EQ(found[t].report.slide_max, 0.0) << "frame " << t;
+  }
+}
+
 TEST(TrackWindow, SmoothsBothWaysAndClosesALoop) {
   const Shape shape = blob(4);
   const Surface surface = shape.surface();
