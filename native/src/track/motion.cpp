@@ -2,7 +2,7 @@
 #include "track/motion.hpp"
 
 #include <Eigen/Geometry>
-#include <cstring>
+#include <algorithm>
 
 #include "surface/ordered_surface.hpp"
 
@@ -20,6 +20,11 @@ double diagonal(std::span<const Vec3> points) {
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
   return box.diagonal().norm();
+}
+
+bool same_bytes(const Vec3& a, const Vec3& b) {
+  return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
+                            std::as_bytes(std::span(b.data(), 3)));
 }
 
 Eigen::Matrix3Xd chosen(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
@@ -51,8 +56,8 @@ bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
   if (vertices.size() != surface.vertex_count()) return false;
   const std::vector<std::int32_t>& original = surface.ordered().connectivity().original_vertex;
   for (std::size_t v = 0; v < original.size(); ++v)
-    if (std::memcmp(surface.ordered().vertices()[v].data(),
-                    vertices[static_cast<std::size_t>(original[v])].data(), sizeof(Vec3)) != 0)
+    if (!same_bytes(surface.ordered().vertices()[v],
+                    vertices[static_cast<std::size_t>(original[v])]))
       return false;
   return true;
 }

@@ -73,15 +73,15 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
   if (context) context->advance(1.0);
 }
 
-/// Whether nothing moved, nothing is left to be caught up, and it is known how even that is.
+/// Whether nothing moved, and nothing is left to be caught up.
 bool Tracker::rests_at(std::span<const Vec3> vertices) const {
-  return settled_ && measured_ && has_vertices(surface_, vertices);
+  return settled_ && has_vertices(surface_, vertices);
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
   const Clock clock;
   if (context) context->check();
-  if (rests_at(vertices)) {
+  if (measured_ && rests_at(vertices)) {
     samples_.report = resting(*measured_);
     samples_.report.seconds = clock.seconds();
     if (context) context->advance(1.0);

@@ -102,11 +102,21 @@ class Window {
     settle(t, here, moves);
   }
 
+  /// A frame whose samples stay where they are if nobody moves them.
+  struct Rest {
+    Surface surface;
+    Samples samples;
+  };
+
+  [[nodiscard]] bool is_at(const Rest& rest, std::size_t t) const {
+    return has_vertices(rest.surface, frames_[t - 1]) && same_places(samples_[t], rest.samples);
+  }
+
   /// Move the samples of a frame, and restore it as near to that as can be.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
     Stretch step = next_step();
     const bool moved = !all_zero(moves);
-    if (!moved && rests(t)) {
+    if (rest_ && !moved && is_at(*rest_, t)) {
       samples_[t] = rest_->samples;
       samples_[t].report.evaluations = 0;
       return;
@@ -115,12 +125,6 @@ class Window {
         solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, step.context()).samples;
     if (!moved && same_places(found, samples_[t])) rest_ = {here, found};
     samples_[t] = std::move(found);
-  }
-
-  /// Whether a frame is known whose samples, the same as this one's, stay where they are.
-  [[nodiscard]] bool rests(std::size_t t) const {
-    return rest_ && has_vertices(rest_->surface, frames_[t - 1]) &&
-           same_places(samples_[t], rest_->samples);
   }
 
   void measure(std::size_t t) {
@@ -133,12 +137,6 @@ class Window {
     if (context_) context_->check();
     return {context_, done_++, steps_};
   }
-
-  /// A frame whose samples stay where they are if nobody moves them.
-  struct Rest {
-    Surface surface;
-    Samples samples;
-  };
 
   const Surface& first_;
   Surface last_asked_ = first_;

@@ -87,7 +87,7 @@ TEST(TrackWindow, SmoothsBothWaysAndClosesALoop) {
   const Surface surface = shape.surface();
   const Samples start = sample(surface, kCount);
   const std::vector<std::vector<Vec3>> frames = loop(shape);
-  WindowOptions tracked{.sweeps = 0};
+  const WindowOptions tracked{.sweeps = 0};
   const std::vector<Samples> plain = track_window(surface, frames, start, tracked);
   const std::vector<Samples> smooth =
       track_window(surface, frames, start, {.sweeps = 4, .closed = true});
