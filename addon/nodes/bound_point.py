@@ -3,7 +3,9 @@
 
 import bpy
 
+from . import standing
 from .builder import Builder, Socket, new_group
+from .groups import inner
 
 NAME = "Dapple Bound Point"
 
@@ -44,12 +46,4 @@ def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket
 def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
     """Z along the interpolated normal, X along the first edge, turned by an angle."""
     edge = b.vector("SUBTRACT", positions[1], positions[0])
-    outward = b.scaled(normal, b.input("Side"))
-    frame = b.out(
-        "FunctionNodeAxesToRotation",
-        outward,
-        edge,
-        primary_axis="Z",
-        secondary_axis="X",
-    )
-    return b.turned(frame, b.input("Turn"))
+    return inner(b, standing, normal, edge, b.input("Turn"), b.input("Side")).outputs["Rotation"]

@@ -59,8 +59,8 @@ class Builder:
     def integer(self, operation: str, a: Any, b: Any) -> Socket:
         return self.out("FunctionNodeIntegerMath", a, b, operation=operation)
 
-    def number(self, operation: str, a: Any, b: Any = None) -> Socket:
-        return self.out("ShaderNodeMath", a, b, operation=operation)
+    def number(self, operation: str, a: Any, b: Any = None, c: Any = None) -> Socket:
+        return self.out("ShaderNodeMath", a, b, c, operation=operation)
 
     def vector(self, operation: str, a: Any, b: Any = None) -> Socket:
         return self.out("ShaderNodeVectorMath", a, b, operation=operation)

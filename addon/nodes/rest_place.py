@@ -3,8 +3,9 @@
 
 import bpy
 
-from . import rest_shape
+from . import rest_shape, standing
 from .builder import Builder, Socket, new_group
+from .groups import inner
 
 NAME = "Dapple Rest Place"
 
@@ -29,10 +30,8 @@ def build() -> bpy.types.NodeTree:
     b.output("Position", _found(b, rest_shape.PLACE, "Rest"))
     ahead, start = (_found(b, rest_shape.PLACE, name) for name in ("Ahead", "Start"))
     edge = b.vector("SUBTRACT", ahead, start)
-    outward = b.scaled(_found(b, rest_shape.NORMAL, "Rest"), b.input("Side"))
-    axes = {"primary_axis": "Z", "secondary_axis": "X"}
-    frame = b.out("FunctionNodeAxesToRotation", outward, edge, **axes)
-    b.output("Rotation", b.turned(frame, b.input("Turn")))
+    feeds = (_found(b, rest_shape.NORMAL, "Rest"), edge, b.input("Turn"), b.input("Side"))
+    b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 

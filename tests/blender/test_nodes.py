@@ -128,6 +128,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Posture",
             "Rest Place",
             "Rest Shape",
+            "Standing",
             "Viewport",
         )
     ]
