@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <dapple/errors.hpp>
+#include <dapple/relax.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 
@@ -32,6 +33,32 @@ std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples&
   const ContextPtr context = given.context();
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(resample(surface, samples, count, options, context.get()));
+}
+
+std::shared_ptr<Samples> relax_samples(const Surface& surface, const Samples& samples,
+                                       const py::object& changed, const py::kwargs& keywords) {
+  const Keywords given(kRelax, keywords, {"count", "locked", "context"});
+  RelaxOptions options = given.options();
+  if (const py::object count = given.other("count"); !count.is_none())
+    read("count", {0.0, static_cast<double>(kMostSamples)}, count, options.count.emplace());
+  if (const py::object locked = given.other("locked"); !locked.is_none()) {
+    const IntArray indices = integers("locked", locked, 0);
+    const auto span = as_span(indices);
+    options.locked.assign(span.begin(), span.end());
+  }
+  const IntArray faces = integers("changed", changed, 0);
+  const ContextPtr context = given.context();
+  const py::gil_scoped_release released;
+  return std::make_shared<Samples>(relax(surface, samples, as_span(faces), options, context.get()));
+}
+
+py::array faces_that_differ(const Surface& before, const Surface& after) {
+  std::vector<std::int32_t> faces;
+  {
+    const py::gil_scoped_release released;
+    faces = changed_faces(before, after);
+  }
+  return give(std::move(faces));
 }
 
 std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& faces,
@@ -221,6 +248,48 @@ Raises:
     ValueError: samples that are not of the surface, or an option out of range.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("samples"), py::arg("count"));
+
+  def_verb(
+      m, kRelax, &relax_samples,
+      R"(relax(surface: Surface, samples: Samples, changed: ArrayLike, *, {signature}, count: int | None = None, locked: ArrayLike | None = None, context: Context | None = None) -> Samples
+
+Make samples even again where something has changed: the density, some vertices, what is blocked.
+
+Only the samples whose cells have a part of the changed faces and two rings of neighbors around them may move, go or get
+others beside them; all others keep every byte. Where samples at the border of that region are left with too much or too
+little, it grows. The time follows the size of the change, not that of the surface.
+
+Args:
+    surface: the Surface as it is now, of the same faces.
+    samples: Samples of one class; where vertices have moved, their faces carry them.
+    changed: (m,) indices of the faces where something has changed, such as changed_faces(before, surface); none: nothing moves.
+    {options}
+    count: number of samples wanted: the difference comes and goes where something has changed. None: there become as
+        many as have the capacity of the samples around.
+    locked: (k,) indices of samples that stay where they are, or None.
+    context: a Context to watch and cancel it by.
+
+Returns:
+    Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report measures
+    those that were free to move and those beside them; its count and spacing are of all.
+
+Raises:
+    ValueError: samples that are not of the surface or of several classes, an index or an option out of range, or a count
+        that the region cannot reach.
+    Cancelled: through the context.)",
+      py::arg("surface"), py::arg("samples"), py::arg("changed"));
+  m.def("changed_faces", &faces_that_differ, py::arg("before"), py::arg("after"),
+        R"(The faces whose corners or densities differ between two surfaces of the same faces.
+
+Args:
+    before: a Surface.
+    after: one that Surface.deformed() or Surface.with_density() made of it, or of what it was made of.
+
+Returns:
+    (m,) int32, in increasing order.
+
+Raises:
+    ValueError: surfaces of other faces.)");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <dapple/mosaic.hpp>
 #include <dapple/population.hpp>
 #include <dapple/refine_image.hpp>
+#include <dapple/relax_options.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/window.hpp>
 #include <string_view>
@@ -34,6 +35,7 @@ struct Verb {
 inline constexpr Verb<SampleOptions> kSample = {"sample", {"max_slide", "stickiness"}};
 inline constexpr Verb<SampleOptions> kSamplePlanar = {"sample_planar", kSample.without};
 inline constexpr Verb<SampleOptions> kResample = {"resample", {"max_slide", "stickiness", "start"}};
+inline constexpr Verb<RelaxOptions> kRelax = {"relax", kSample.without};
 inline constexpr Verb<ClassOptions> kSampleClasses = {"sample_classes", kSample.without};
 inline constexpr Verb<ClassOptions> kSamplePlanarClasses = {"sample_planar_classes",
                                                             kSample.without};
@@ -50,8 +52,8 @@ inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
 inline constexpr std::tuple kVerbs = {
-    kSample,      kSamplePlanar, kResample, kSampleClasses, kSamplePlanarClasses,
-    kEnergy,      kEnergyPlanar, kAnalyze,  kTracker,       kPopulation,
-    kTrackWindow, kStippleInks,  kMosaic,   kRefineImage};
+    kSample,      kSamplePlanar, kResample,   kRelax,   kSampleClasses, kSamplePlanarClasses,
+    kEnergy,      kEnergyPlanar, kAnalyze,    kTracker, kPopulation,    kTrackWindow,
+    kStippleInks, kMosaic,       kRefineImage};
 
 }  // namespace dapple::python

@@ -17,6 +17,7 @@
 #include <dapple/refine.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/refine_obstacles.hpp>
+#include <dapple/relax.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -260,6 +261,20 @@ TEST(Watched, AnotherNumberOfSamples) {
   expect_watched([&](Context* context) {
     (void)resample(surface, samples, 200, {.optimizer = few_steps()}, context);
   });
+}
+
+TEST(Watched, APartThatIsMadeEvenAgain) {
+  const Surface surface = blob(3).surface();
+  const Samples samples = sample(surface, 200);
+  std::vector<double> density;
+  for (const Vec3& x : surface.vertices()) density.push_back(x.z() > 0.7 ? 3.0 : 1.0);
+  const Surface after = surface.with_density({DensityAt::kVertices, density});
+  const std::vector<std::int32_t> changed = changed_faces(surface, after);
+  const Work work = [&](Context* context) {
+    (void)relax(after, samples, changed, {.optimizer = few_steps()}, context);
+  };
+  expect_watched(work);
+  cancel_everywhere(work, [] {});
 }
 
 TEST(Watched, SamplesThatArePutIn) {

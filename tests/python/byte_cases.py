@@ -272,6 +272,27 @@ CASES |= {
 }
 
 
+# --- relax
+
+
+def relaxed(density: Any, **options: Any) -> Case:
+    def run_it(run: Run) -> None:
+        surface = run.surface(TORUS)
+        start = run.sample(surface, 400)
+        after = surface.with_density(run.given(density))
+        changed = dapple.changed_faces(surface, after)
+        run.samples(dapple.relax(after, start, changed, threads=run.threads, **options))
+
+    return run_it
+
+
+CASES |= {
+    "relax_more": relaxed(exact.spot(TORUS, 3.0), seed=2),
+    "relax_fewer": relaxed(exact.spot(TORUS, 0.25)),
+    "relax_count": relaxed(exact.spot(TORUS, 2.0), count=404, locked=np.arange(0, 400, 7)),
+}
+
+
 # --- pictures and planes
 
 

@@ -167,6 +167,13 @@ def slope(mesh: Mesh) -> np.ndarray:
     return 1 + 8 * across * across
 
 
+def spot(mesh: Mesh, inside: float) -> np.ndarray:
+    """A density at the vertices: `inside` around the first one, 1 elsewhere."""
+    away = mesh[0] - mesh[0][0]
+    squares = away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1] + away[:, 2] * away[:, 2]
+    return np.where(squares < 0.25, inside, 1.0)
+
+
 def picture(rows: int = 24, columns: int = 32) -> np.ndarray:
     """Hills in [0, 1], with a white and a black square."""
     row, column = np.indices((rows, columns)) / np.array([rows, columns]).reshape(2, 1, 1)

@@ -49,6 +49,7 @@ READERS: dict[str, Callable[[dapple.Surface, dapple.Samples], object]] = {
     "analyze": dapple.analyze,
     "surface_spectrum": dapple.surface_spectrum,
     "surface_spectrum of runs": lambda s, p: dapple.surface_spectrum(s, [own(s, 3), p]),
+    "relax": lambda s, p: dapple.relax(s, p, []),
     "sample": lambda s, p: dapple.sample(s, 60, locked=p),
     "sample_classes": lambda s, p: dapple.sample_classes(s, [5, dapple.SampleClass(60, locked=p)]),
 }
@@ -148,6 +149,7 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
     verbs = {
         "sample": lambda s, **k: dapple.sample(s, **{"count": 2, **k}),
         "resample": lambda s, **k: dapple.resample(s, own(s, 2), **{"count": 2, **k}),
+        "relax": lambda s, **k: dapple.relax(s, own(s, 2), [0], **k),
         "sample_planar": lambda s, **k: dapple.sample_planar(SQUARE, **{"count": 2, **k}),
         "sample_classes": lambda s, **k: dapple.sample_classes(s, [2], **k),
         "sample_planar_classes": lambda s, **k: dapple.sample_planar_classes(SQUARE, [2], **k),
@@ -211,6 +213,7 @@ def test_refuses_more_samples_than_can_be(small, count):
     for call in (
         lambda: dapple.sample(small, count),
         lambda: dapple.resample(small, own(small, 2), count),
+        lambda: dapple.relax(small, own(small, 2), [0], count=count),
         lambda: dapple.sample_planar(SQUARE, count),
         lambda: dapple.stipple_inks(INKS, count),
         lambda: dapple.sample_classes(small, [count]),

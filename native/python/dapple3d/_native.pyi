@@ -450,6 +450,23 @@ def resample(
     threads: int = 0,
     context: Context | None = None,
 ) -> Samples: ...
+def relax(
+    surface: Surface,
+    samples: Samples,
+    changed: ArrayLike,
+    *,
+    seed: int = 0,
+    capacity_weight: float = 30.0,
+    repulsion_weight: float = 3.0,
+    tolerance: float = 5e-05,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    threads: int = 0,
+    count: int | None = None,
+    locked: ArrayLike | None = None,
+    context: Context | None = None,
+) -> Samples: ...
+def changed_faces(before: Surface, after: Surface) -> NDArray[np.int32]: ...
 def energy(
     surface: Surface,
     positions: ArrayLike,

@@ -74,23 +74,31 @@ double work_of(std::ptrdiff_t change) {
 struct Passed {
   std::vector<bool> alive;  // per site
   Sites fresh;
-  bool complete = true;  // every neighborhood has its number
+  bool complete = true;     // every neighborhood has its number
+  std::size_t lacking = 0;  // where only some are balanced: those that are to be put in
+};
+
+/// Which sites are balanced, and by what.
+struct Rule {
+  std::size_t count = 0;        // that there shall be, of all
+  std::vector<bool> free = {};  // per site; empty: all are
+  double capacity = 0.0;        // of each of the free ones, where not all are
 };
 
 /// One pass over all sites, after which each neighborhood has at most twice and at least half as
 /// many as before.
 class Round {
  public:
-  Round(const Surface& surface, const Domain& domain, const Sites& sites, std::size_t count,
-        bool limited, Random& random, Context* context)
+  Round(const Surface& surface, const Domain& domain, const Sites& sites, const Rule& rule,
+        RestrictedVoronoi diagram, bool limited, Random& random, Context* context)
       : surface_(surface),
         domain_(domain),
         sites_(sites),
-        count_(count),
+        rule_(rule),
         limited_(limited),
         random_(random),
         context_(context),
-        diagram_(domain.cells(sites, cells_share().context())),
+        diagram_(std::move(diagram)),
         fill_(sites.size(), 0.0),
         patch_(sites.size(), 0),
         guests_(sites.size()) {
@@ -100,7 +108,7 @@ class Round {
   Passed run() {
     share_out();
     take_out();
-    put_in();
+    if (all_are_free()) put_in();
     return std::move(passed_);
   }
 
@@ -111,12 +119,6 @@ class Round {
   }
 
  private:
-  /// How much of the progress the cells are, as far as one knows before they are known.
-  [[nodiscard]] Stretch cells_share() const {
-    const auto cells = static_cast<double>(sites_.size());
-    return {context_, 0.0, cells / rebalancing_work(sites_.size(), count_)};
-  }
-
   using Place = std::vector<std::int32_t>::const_iterator;
   using Queue = std::set<std::pair<double, std::size_t>>;
 
@@ -129,11 +131,13 @@ class Round {
   // Once cells follow the surface, components exchange no sites.
   void share_out() {
     order_ = morton_order(sites_.positions);
+    std::erase_if(order_, [this](std::int32_t s) { return !is_free(static_cast<std::size_t>(s)); });
     std::stable_sort(order_.begin(), order_.end(), [this](std::int32_t a, std::int32_t b) {
       return component(a) < component(b);
     });
     const std::vector<std::ptrdiff_t> held = count_held();
-    const std::vector<std::ptrdiff_t> changes = whole_changes(lacking(held));
+    const std::vector<std::ptrdiff_t> changes =
+        whole_changes(all_are_free() ? lacking(held) : lacking_among_free(held));
     auto first = order_.begin();
     for (std::size_t c = 0; c < changes.size(); ++c) {
       const auto last = first + held[c];
@@ -163,7 +167,18 @@ class Round {
       if (!largest_[c] || mass(f) > mass(*largest_[c])) largest_[c] = f;
     }
     for (std::size_t c = 0; c < held.size(); ++c)
-      result[c] = static_cast<double>(count_) * result[c] / sum - static_cast<double>(held[c]);
+      result[c] = static_cast<double>(rule_.count) * result[c] / sum - static_cast<double>(held[c]);
+    return result;
+  }
+
+  /// The same by what the free sites own.
+  [[nodiscard]] std::vector<double> lacking_among_free(
+      const std::vector<std::ptrdiff_t>& held) const {
+    std::vector<double> result(held.size(), 0.0);
+    for (const std::int32_t site : order_)
+      result[component(site)] +=
+          diagram_.cells[static_cast<std::size_t>(site)].capacity / rule_.capacity;
+    for (std::size_t c = 0; c < held.size(); ++c) result[c] -= static_cast<double>(held[c]);
     return result;
   }
 
@@ -203,6 +218,10 @@ class Round {
 
   void add_patch(Place first, Place last, std::ptrdiff_t change) {
     const std::ptrdiff_t size = last - first;
+    if (!all_are_free() && change > 0) {  // somebody else puts them in
+      passed_.lacking += static_cast<std::size_t>(change);
+      change = 0;
+    }
     const bool half = worth(first, last) >= 0.5;  // nothing stays where nothing shall be
     const std::ptrdiff_t possible =
         limited_ ? std::clamp(change, half ? -((size + 1) / 2) : -size, size) : change;
@@ -228,11 +247,15 @@ class Round {
     passed_.fresh.barycentric.push_back(found.barycentric[which]);
   }
 
+  [[nodiscard]] bool all_are_free() const { return rule_.free.empty(); }
+  [[nodiscard]] bool is_free(std::size_t site) const { return all_are_free() || rule_.free[site]; }
+
   /// The sites of neighborhoods with `sign` changes to make, by `sign` times what they are worth.
   [[nodiscard]] Queue queue(int sign) const {
     Queue result;
     for (std::size_t s = 0; s < fill_.size(); ++s)
-      if (passed_.alive[s] && sign * changes_[patch_[s]] < 0) result.emplace(sign * fill_[s], s);
+      if (is_free(s) && passed_.alive[s] && sign * changes_[patch_[s]] < 0)
+        result.emplace(sign * fill_[s], s);
     return result;
   }
 
@@ -314,7 +337,7 @@ class Round {
   [[nodiscard]] std::vector<Vec3> places_around(std::size_t host) {
     const Moments& cell = diagram_.cells[host];
     const double spacing =
-        cell.mass > 0.0 ? local_spacing(cell, cell.capacity) : surface_.spacing(count_);
+        cell.mass > 0.0 ? local_spacing(cell, cell.capacity) : surface_.spacing(rule_.count);
     const Eigen::Matrix<double, 3, 2> basis = tangent_basis(domain_.normal(sites_.faces[host]));
     const double turn = 2.0 * std::numbers::pi * random_.uniform();
     std::vector<Vec3> result;
@@ -347,7 +370,7 @@ class Round {
   const Surface& surface_;
   const Domain& domain_;
   const Sites& sites_;
-  std::size_t count_;
+  const Rule& rule_;
   bool limited_;
   Random& random_;
   Context* context_;
@@ -387,6 +410,13 @@ void apply(const Passed& passed, Traced& now) {
   now.origin = std::move(origin);
 }
 
+std::vector<bool> left_of(const std::vector<bool>& values, const std::vector<bool>& alive) {
+  std::vector<bool> result;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (alive[k]) result.push_back(values[k]);
+  return result;
+}
+
 }  // namespace
 
 double rebalancing_work(std::size_t sites, std::size_t count) {
@@ -397,6 +427,7 @@ double rebalancing_work(std::size_t sites, std::size_t count) {
 Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
                      std::size_t count, std::uint64_t seed, Context* context) {
   Random random(seed);
+  const Rule rule{.count = count};
   Rebalanced result;
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
@@ -404,7 +435,10 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
   for (bool complete = false; !complete;) {
     const bool limited = ++result.evaluations < kRounds;
     Stretch left(context, done, 1.0);
-    Round round(surface, domain, now.sites, count, limited, random, left.context());
+    const auto cells = static_cast<double>(now.sites.size());
+    Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
+    Round round(surface, domain, now.sites, rule, domain.cells(now.sites, dividing.context()),
+                limited, random, left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();
     apply(passed, now);
@@ -418,6 +452,29 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
       fresh.push_back(static_cast<std::int32_t>(k));
   }
   result.fresh = select(now.sites, fresh);
+  return result;
+}
+
+Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites, FreeSites part,
+                 Context* context) {
+  Random random(0);  // nothing is put in
+  Rule rule{.count = sites.size(), .free = std::move(part.free), .capacity = part.capacity};
+  Traced now{sites, std::vector<std::int32_t>(sites.size())};
+  std::iota(now.origin.begin(), now.origin.end(), 0);
+  Thinned result;
+  for (bool complete = false; !complete;) {
+    if (result.evaluations > 0) part.diagram = domain.cells(now.sites, nullptr);
+    if (context) context->check();
+    const Passed passed = Round(surface, domain, now.sites, rule, std::move(part.diagram),
+                                ++result.evaluations < kRounds, random, nullptr)
+                              .run();
+    rule.free = left_of(rule.free, passed.alive);
+    apply(passed, now);
+    result.lacking = passed.lacking;
+    complete = passed.complete;
+  }
+  --result.evaluations;
+  result.stay.assign(now.origin.begin(), now.origin.end());
   return result;
 }
 

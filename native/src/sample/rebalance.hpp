@@ -26,4 +26,23 @@ struct Rebalanced {
 [[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
                                    std::size_t count, std::uint64_t seed, Context* context);
 
+/// Some of the sites, which alone may go.
+struct FreeSites {
+  std::vector<bool> free;     ///< per site
+  double capacity = 0.0;      ///< what each of them should have: > 0, as the domain's integrals
+  RestrictedVoronoi diagram;  ///< the cells of all sites
+};
+
+/// Sites of which some were taken out.
+struct Thinned {
+  std::vector<std::size_t> stay;  ///< indices of the sites that stay, in their order
+  std::size_t lacking = 0;        ///< how many should be put in
+  int evaluations = 0;            ///< of the cells, but for those given
+};
+
+/// The same for a part of the sites, but for putting in.
+/// \throw Cancelled
+[[nodiscard]] Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites,
+                               FreeSites part, Context* context);
+
 }  // namespace dapple

@@ -8,6 +8,10 @@ namespace dapple {
 
 void check_samples(const Surface& surface, const Samples& samples, const std::string& owner) {
   check_bound_sites(owner, surface, {samples.positions, samples.faces, samples.barycentric});
+  check_lengths(samples, owner);
+}
+
+void check_lengths(const Samples& samples, const std::string& owner) {
   const auto check_length = [&](const char* name, std::size_t length) {
     check_same_length((owner + "." + name).c_str(), length, (owner + ".positions").c_str(),
                       samples.size());

@@ -11,4 +11,7 @@ namespace dapple {
 void check_samples(const Surface& surface, const Samples& samples,
                    const std::string& owner = "samples");
 
+/// \throw ArgumentError unless all arrays have one length
+void check_lengths(const Samples& samples, const std::string& owner = "samples");
+
 }  // namespace dapple

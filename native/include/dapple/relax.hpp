@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/relax_options.hpp>
+#include <dapple/samples.hpp>
+
+namespace dapple {
+
+/// Make samples even again where something has changed: the density, some vertices, what is
+/// blocked. Only the samples whose cells have a part of the changed faces and two rings of
+/// neighbors around them may move, go or get others beside them; all others keep every byte. Where
+/// samples at the border of that region are left with too much or too little, it grows and they are
+/// made even too. Cells are computed of the region and two rings around it alone.
+///
+/// Those that stay come first, in their order and with their ids; new ids follow the largest. The
+/// report measures the samples that were free to move and those beside them; its count and spacing
+/// are of all, its slides of those that were free and stay.
+/// \param samples of one class, on a surface of the same faces; they are carried by their faces
+///                where vertices have moved
+/// \param changed the caller's indices of the faces where something has changed, see
+///                changed_faces(); none: nothing moves
+/// \throw ArgumentError if the samples are not of the surface, or of several classes; naming the
+///        first face or locked index out of range; for options out of range, or a count that the
+///        region cannot reach; Cancelled
+[[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,
+                            std::span<const std::int32_t> changed, const RelaxOptions& options = {},
+                            Context* context = nullptr);
+
+/// The faces whose corners or densities differ between two surfaces of the same faces, in
+/// increasing order.
+/// \throw ArgumentError unless one was made from the other by deformed() or with_density()
+[[nodiscard]] std::vector<std::int32_t> changed_faces(const Surface& before, const Surface& after);
+
+}  // namespace dapple

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/optimizer_options.hpp>
+#include <optional>
+#include <vector>
+
+namespace dapple {
+
+struct RelaxOptions {
+  std::uint64_t seed = 0;
+  OptimizerOptions optimizer = {};
+  /// Number of samples wanted; the difference comes and goes where something has changed. None:
+  /// there become as many as have the capacity of the samples around.
+  std::optional<std::size_t> count = {};
+  /// Indices of samples that stay where they are.
+  std::vector<std::int32_t> locked = {};
+  int threads = 0;
+};
+
+inline constexpr std::tuple kRelaxOptions = {seed_option(&RelaxOptions::seed),
+                                             Group{&RelaxOptions::optimizer},
+                                             threads_option(&RelaxOptions::threads)};
+
+constexpr const auto& options_of(const RelaxOptions&) { return kRelaxOptions; }
+
+}  // namespace dapple

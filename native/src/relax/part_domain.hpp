@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/domain.hpp>
+
+namespace dapple {
+
+/// A part of a surface on which each site is to have a given capacity: at the part's rim cells are
+/// cut off, so what its own mass is says nothing of that.
+class PartDomain final : public Domain {
+ public:
+  /// \param domain   of the part; must outlive this
+  /// \param capacity of a site, as the domain's integrals
+  PartDomain(const SurfaceDomain& domain, double capacity, std::size_t count)
+      : domain_(domain), mass_(capacity * static_cast<double>(count)) {}
+
+  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override {
+    return domain_.cells(sites, context);
+  }
+  [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                              const Context* context) const override {
+    return domain_.project(points, hints, context);
+  }
+  [[nodiscard]] Vec3 normal(std::int32_t face) const override { return domain_.normal(face); }
+  [[nodiscard]] double area() const override { return domain_.area(); }
+  [[nodiscard]] double mass() const override { return mass_; }
+  [[nodiscard]] double density_unit() const override { return domain_.density_unit(); }
+  [[nodiscard]] bool uniform() const override { return domain_.uniform(); }
+  [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
+                                            const RestrictedVoronoi& diagram) const override {
+    return domain_.on_border(sites, diagram);
+  }
+  [[nodiscard]] const Surface& sampling_surface() const override {
+    return domain_.sampling_surface();
+  }
+  void check(const Sites& sites) const override { domain_.check(sites); }
+
+ private:
+  const SurfaceDomain& domain_;
+  double mass_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "relax/relaxation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/progress.hpp"
+#include "base/validate.hpp"
+#include "relax/part_domain.hpp"
+#include "relax/widest_gaps.hpp"
+#include "sample/rebalance.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr int kFreeRings = 2;     // around the cells that have a part of what has changed
+constexpr double kUneven = 0.02;  // of the capacity: a border cell so far off is freed too
+constexpr int kGrowths = 16;
+constexpr std::size_t kHole = 256;  // faces
+constexpr int kHardlyAny = 16;      // sites that tell nothing of the capacity of all
+// Of the progress: the region is known, it has its number of sites, it is even for the first time;
+// then half of the rest each.
+constexpr double kFound = 0.1, kBalanced = 0.25, kFirst = 0.7, kGrown = 0.5;
+
+std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+}  // namespace
+
+/// The sites of one round: a part of the surface and what lies on it.
+struct Relaxation::Region {
+  struct Member {
+    std::int32_t site;
+    bool fixed;
+    bool measured;  // it may move, or is beside one that may
+  };
+
+  SurfacePart part;
+  std::vector<Member> members = {};
+  Sites sites = {};  // on the part
+
+  /// \param face of the part
+  void add(const Member& member, const Sites& from, std::size_t k, std::int32_t face) {
+    members.push_back(member);
+    sites.positions.push_back(from.positions[k]);
+    sites.faces.push_back(face);
+    sites.barycentric.push_back(from.barycentric[k]);
+  }
+
+  [[nodiscard]] std::vector<bool> which(bool fixed) const {
+    std::vector<bool> result;
+    for (const Member& member : members) result.push_back(member.fixed == fixed);
+    return result;
+  }
+};
+
+Relaxation::Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
+                       const RelaxOptions& options)
+    : surface_(surface),
+      options_(options),
+      given_(sites.size()),
+      sites_(std::move(sites)),
+      alive_(given_, true),
+      locked_(std::move(locked)),
+      free_(given_, false),
+      rings_(surface_, sites_) {}
+
+void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
+  Stretch finding(context, 0.0, kFound), balancing(context, kFound, kBalanced);
+  Stretch first(context, kBalanced, kFirst);
+  changed_ = changed;
+  owners_ = region_ = rings_.owners(changed, context);
+  for (int k = 0; k < kFreeRings; ++k) region_ = rings_.grown(region_, context);
+  const std::vector<OrderedFace> faces = faces_around(context);
+  if (is_void(faces)) return empty();
+  Region region = cut_out(faces, finding.context());
+  balance(region, balancing.context());
+  if (region.members.empty()) return;
+  Indices uneven = even_out(region, first.context());
+  double done = kFirst;
+  for (int k = 0; k < kGrowths && !uneven.empty(); ++k) {
+    const double before = std::exchange(done, done + kGrown * (1.0 - done));
+    Stretch step(context, before, done);
+    uneven = grow_at(uneven, step.context());
+  }
+}
+
+/// Those of the cells of the region and of two fixed rings around it, the first of which has whole
+/// cells thanks to the second; sorted.
+std::vector<OrderedFace> Relaxation::faces_around(const Context* context) {
+  for (const std::int32_t s : region_) free_[at(s)] = !locked_[at(s)];
+  border_ = rings_.grown(region_, context);
+  const Indices all = rings_.grown(border_, context);
+  return without_holes(surface_, rings_.faces(all, context), kHole);
+}
+
+bool Relaxation::is_void(const std::vector<OrderedFace>& faces) const {
+  return std::none_of(faces.begin(), faces.end(), [this](OrderedFace face) {
+    return surface_.ordered().geometry(face).moments.capacity > 0.0;
+  });
+}
+
+/// Nothing stays where nothing shall be.
+void Relaxation::empty() {
+  for (std::size_t s = 0; s < sites_.size(); ++s) alive_[s] = alive_[s] && !free_[s];
+}
+
+/// What lies on faces, as a surface of its own.
+Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* context) {
+  Region region{SurfacePart(surface_, faces, context)};
+  for (std::size_t s = 0; s < sites_.size(); ++s) {
+    const std::int32_t face = region.part.inside(sites_.faces[s]);
+    if (face < 0 || !alive_[s]) continue;
+    const auto site = static_cast<std::int32_t>(s);
+    const bool measured = s >= given_ || std::binary_search(border_.begin(), border_.end(), site);
+    region.add({site, !free_[s], measured}, sites_, s, face);
+  }
+  return region;
+}
+
+/// Take out and put in sites, so that each has the capacity of those around.
+void Relaxation::balance(Region& region, Context* context) {
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected);
+  RestrictedVoronoi diagram = domain.cells(region.sites, context);
+  ++report_.evaluations;
+  capacity_ = capacity_around(region, diagram);
+  if (capacity_ == 0.0) capacity_ = capacity_elsewhere() * domain.density_unit();
+  const double wanted = wanted_capacity(region, diagram);
+  if (wanted == 0.0) return;
+  const Thinned found =
+      thin_out(region.part.surface(), domain, region.sites,
+               {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);
+  report_.evaluations += found.evaluations;
+  take_out(found.stay, region);
+  if (found.lacking > 0) put_in(found.lacking, wanted / domain.density_unit(), region, context);
+}
+
+/// The mean of the whole cells where nothing has changed; 0 if there are none.
+double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi& diagram) const {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    const auto& [site, fixed, measured] = region.members[k];
+    if (!measured || std::binary_search(owners_.begin(), owners_.end(), site)) continue;
+    sum += diagram.cells[k].capacity;
+    ++count;
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+/// The mean on the faces that have not changed; of all where these hold hardly any sites. In the
+/// surface's own unit.
+double Relaxation::capacity_elsewhere() const {
+  double mass = 0.0;
+  std::vector<bool> is_changed(surface_.face_count(), false);
+  for (const OrderedFace face : changed_) {
+    is_changed[as_index(face)] = true;
+    mass += surface_.ordered().geometry(face).moments.capacity;
+  }
+  const auto left = std::count_if(sites_.faces.begin(), sites_.faces.end(), [&](std::int32_t f) {
+    return !is_changed[as_index(surface_.ordered().ordered_face(f))];
+  });
+  const double rest = surface_.mass() - mass / surface_.ordered().density_unit();
+  return left >= kHardlyAny && rest > 0.0 ? rest / static_cast<double>(left)
+                                          : surface_.mass() / static_cast<double>(given_);
+}
+
+/// Of each of the sites that may move, so that there become as many as are wanted; 0: they are as
+/// many.
+double Relaxation::wanted_capacity(const Region& region, const RestrictedVoronoi& diagram) const {
+  if (!options_.count) return capacity_;
+  double sum = 0.0;
+  std::int64_t free = 0;
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    if (region.members[k].fixed) continue;
+    sum += diagram.cells[k].capacity;
+    ++free;
+  }
+  const auto more = static_cast<std::int64_t>(*options_.count) - static_cast<std::int64_t>(given_);
+  if (more == 0) return 0.0;
+  if (free == 0 || free + more < 1 || !(sum > 0.0))
+    throw ArgumentError("count is " + std::to_string(*options_.count) + " and there are " +
+                        std::to_string(given_) + " samples, " + std::to_string(free) +
+                        " of which are where something has changed and may go: one of these has "
+                        "to stay");
+  return sum / static_cast<double>(free + more);
+}
+
+void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) {
+  if (stay.size() == region.members.size()) return;
+  for (const Region::Member& member : region.members) alive_[at(member.site)] = false;
+  Region left{std::move(region.part)};
+  for (const std::size_t k : stay) {
+    alive_[at(region.members[k].site)] = true;
+    left.add(region.members[k], region.sites, k, region.sites.faces[k]);
+  }
+  region = std::move(left);
+}
+
+/// \param capacity that each is to have, in the surface's own unit
+void Relaxation::put_in(std::size_t count, double capacity, Region& region,
+                        const Context* context) {
+  const Sites fresh =
+      widest_gaps(region.part.surface(), {region.sites, region.which(/*fixed=*/false), capacity},
+                  count, options_.seed, context);
+  for (std::size_t k = 0; k < fresh.size(); ++k) {
+    region.add({static_cast<std::int32_t>(sites_.size()), false, true}, fresh, k, fresh.faces[k]);
+    sites_.positions.push_back(fresh.positions[k]);
+    sites_.faces.push_back(region.part.outside(fresh.faces[k]));
+    sites_.barycentric.push_back(fresh.barycentric[k]);
+  }
+  alive_.resize(sites_.size(), true);
+  free_.resize(sites_.size(), true);
+  locked_.resize(sites_.size(), false);
+}
+
+/// Minimize over the free sites of a region.
+/// \return the sites at its border whose cells are uneven then
+Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected);
+  const PartDomain share(domain, capacity_, region.members.size());
+  const OptimizerOptions& optimizer = options_.optimizer;
+  const Objective objective{.capacity_weight = optimizer.capacity_weight,
+                            .terms = {{.domain = &share,
+                                       .repulsion_radius = optimizer.repulsion_radius,
+                                       .repulsion_weight = optimizer.repulsion_weight}},
+                            .locked = region.which(/*fixed=*/true)};
+  const Minimum found = minimize(objective, region.sites, optimizer, context);
+  store(region, found.state.sites);
+  note(region, found);
+  return uneven(region, found.state.diagram());
+}
+
+void Relaxation::store(const Region& region, const Sites& found) {
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    if (region.members[k].fixed) continue;
+    const std::size_t s = at(region.members[k].site);
+    sites_.positions[s] = found.positions[k];
+    sites_.faces[s] = region.part.outside(found.faces[k]);
+    sites_.barycentric[s] = found.barycentric[k];
+  }
+}
+
+Relaxation::Indices Relaxation::uneven(const Region& region,
+                                       const RestrictedVoronoi& diagram) const {
+  Indices result;
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    const std::int32_t s = region.members[k].site;
+    if (!region.members[k].measured || at(s) >= given_ ||
+        std::binary_search(region_.begin(), region_.end(), s))
+      continue;
+    if (std::abs(diagram.cells[k].capacity / capacity_ - 1.0) > kUneven) result.push_back(s);
+  }
+  return result;
+}
+
+/// \return as even_out()
+Relaxation::Indices Relaxation::grow_at(const Indices& uneven, Context* context) {
+  Stretch finding(context, 0.0, kFound), evening(context, kFound, 1.0);
+  const Indices around = rings_.grown(uneven, context);
+  Indices grown;
+  std::set_union(region_.begin(), region_.end(), around.begin(), around.end(),
+                 std::back_inserter(grown));
+  region_ = std::move(grown);
+  return even_out(cut_out(faces_around(context), finding.context()), evening.context());
+}
+
+/// What the last round found; its evaluations and iterations are added to those before.
+void Relaxation::note(const Region& region, const Minimum& found) {
+  const RestrictedVoronoi& all = found.state.diagram();
+  RestrictedVoronoi measured;
+  std::vector<Vec3> normals;
+  double energy = 0.0;
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    if (!region.members[k].measured) continue;
+    const Moments& cell = all.cells[k];
+    measured.cells.push_back(cell);
+    measured.rows.push_back(all.rows[k]);
+    normals.push_back(found.state.normals[k]);
+    energy += (cell.second / capacity_ +
+               options_.optimizer.capacity_weight * cell.capacity * (cell.capacity / capacity_)) /
+              capacity_;
+  }
+  measured.boundaries = all.boundaries;
+  report_.evenness = measure_evenness(measured);
+  report_.bond_order = bond_order(measured, normals);
+  report_.energy =
+      energy / static_cast<double>(normals.size()) - options_.optimizer.capacity_weight;
+  report_.evaluations += found.evaluations;
+  report_.iterations += found.iterations;
+  report_.converged = found.converged;
+  report_.energies = found.energies;
+}
+
+}  // namespace dapple

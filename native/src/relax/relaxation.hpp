@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/relax_options.hpp>
+#include <dapple/samples.hpp>
+
+#include "optimize/minimizer.hpp"
+#include "relax/rings.hpp"
+#include "relax/surface_part.hpp"
+
+namespace dapple {
+
+/// Makes the sites even around what has changed, on a part of the surface that grows as long as
+/// sites at its border are uneven.
+class Relaxation {
+ public:
+  /// \param surface, options must outlive the relaxation
+  /// \param locked per site, whether it stays where it is
+  Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
+             const RelaxOptions& options);
+
+  /// \param changed faces; sorted
+  /// \throw ArgumentError for a count that the region cannot reach; Cancelled
+  void run(std::span<const OrderedFace> changed, Context* context);
+
+  /// Those given, then the new ones.
+  [[nodiscard]] const Sites& sites() const { return sites_; }
+  [[nodiscard]] bool is_alive(std::size_t site) const { return alive_[site]; }
+  /// Whether it could move.
+  [[nodiscard]] bool is_free(std::size_t site) const { return free_[site]; }
+  /// Of the free sites and those beside them.
+  [[nodiscard]] const Report& report() const { return report_; }
+
+ private:
+  using Indices = std::vector<std::int32_t>;
+  struct Region;
+
+  [[nodiscard]] std::vector<OrderedFace> faces_around(const Context* context);
+  [[nodiscard]] bool is_void(const std::vector<OrderedFace>& faces) const;
+  void empty();
+  [[nodiscard]] Region cut_out(const std::vector<OrderedFace>& faces, Context* context);
+  void balance(Region& region, Context* context);
+  [[nodiscard]] double capacity_around(const Region& region,
+                                       const RestrictedVoronoi& diagram) const;
+  [[nodiscard]] double capacity_elsewhere() const;
+  [[nodiscard]] double wanted_capacity(const Region& region,
+                                       const RestrictedVoronoi& diagram) const;
+  void take_out(const std::vector<std::size_t>& stay, Region& region);
+  void put_in(std::size_t count, double capacity, Region& region, const Context* context);
+  [[nodiscard]] Indices even_out(const Region& region, Context* context);
+  void store(const Region& region, const Sites& found);
+  [[nodiscard]] Indices uneven(const Region& region, const RestrictedVoronoi& diagram) const;
+  [[nodiscard]] Indices grow_at(const Indices& uneven, Context* context);
+  void note(const Region& region, const Minimum& found);
+
+  const Surface& surface_;
+  const RelaxOptions& options_;
+  std::size_t given_;  // sites; new ones follow
+  Sites sites_;
+  std::vector<bool> alive_;
+  std::vector<bool> locked_;
+  std::vector<bool> free_;
+  Rings rings_;  // of the sites as they were given
+  std::span<const OrderedFace> changed_;
+  Indices owners_;         // of what has changed; sorted
+  Indices region_;         // the given sites that are even again, or gone; sorted
+  Indices border_;         // those and the sites beside them; sorted
+  double capacity_ = 0.0;  // of a site, as the domains' integrals
+  Report report_;
+};
+
+}  // namespace dapple

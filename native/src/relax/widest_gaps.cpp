@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "relax/widest_gaps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/neighbors.hpp>
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "base/progress.hpp"
+#include "start/darts.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kDraws = 12.0;      // random points per site
+constexpr std::size_t kAsked = 4;    // sites nearest to a point, until one is on its side of a wall
+constexpr double kReach = 1.5;       // of the gap: how far it is felt that a site has come into it
+constexpr std::size_t kGrain = 256;  // points
+constexpr std::size_t kNobody = ~std::size_t{0};
+
+/// A place that a site might get.
+struct Place {
+  Dart dart;
+  double squared_distance;  // from the nearest site
+  [[nodiscard]] double room() const { return squared_distance * dart.density; }
+};
+
+std::vector<Vec3> positions_of(const std::vector<Place>& places) {
+  std::vector<Vec3> result;
+  result.reserve(places.size());
+  for (const Place& place : places) result.push_back(place.dart.position);
+  return result;
+}
+
+/// Random points in the cells of free sites.
+std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::uint64_t seed,
+                               const Context* context) {
+  Random random(seed);
+  const auto draws = static_cast<std::size_t>(std::ceil(kDraws * surface.mass() / gaps.capacity));
+  const DartBoard board(surface, draws);
+  std::vector<Dart> darts(draws), sites(gaps.sites.size());
+  std::vector<DartBoard::Draw> drawn(draws);
+  for (DartBoard::Draw& draw : drawn) draw = board.draw(random);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    sites[k] = dart_at(surface, surface.ordered().ordered_face(gaps.sites.faces[k]),
+                       gaps.sites.barycentric[k]);
+  const Neighbors tree(gaps.sites.positions);
+  std::vector<double> distances(draws, -1.0);
+  parallel_chunks(draws, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context) context->check();
+    std::vector<Neighbor> near;
+    for (std::size_t k = begin; k < end; ++k) {
+      darts[k] = dart_at(surface, drawn[k].face, drawn[k].weights);
+      tree.nearest(darts[k].position, kAsked, near);
+      const auto sees = [&](const Neighbor& n) {
+        return see_each_other(darts[k], sites[static_cast<std::size_t>(n.index)]);
+      };
+      const auto first = std::find_if(near.begin(), near.end(), sees);
+      // If it sees none of them, those that it sees are farther.
+      const Neighbor& nearest = first != near.end() ? *first : near.back();
+      if (gaps.free[static_cast<std::size_t>(nearest.index)])
+        distances[k] = nearest.squared_distance;
+    }
+  });
+  std::vector<Place> places;
+  for (std::size_t k = 0; k < draws; ++k)
+    if (distances[k] > 0.0) places.push_back({darts[k], distances[k]});
+  return places;
+}
+
+/// Takes the place of most room, one after another.
+class Filling {
+ public:
+  explicit Filling(std::vector<Place> places)
+      : places_(std::move(places)), positions_(positions_of(places_)), tree_(positions_) {
+    for (std::size_t k = 0; k < places_.size(); ++k) waiting_.push_back({places_[k].room(), k});
+    std::make_heap(waiting_.begin(), waiting_.end());
+  }
+
+  /// Null if there is none left.
+  const Dart* next() {
+    const std::size_t k = widest();
+    if (k == kNobody) return nullptr;
+    const Place taken = places_[k];
+    tree_.within(taken.dart.position, kReach * std::sqrt(taken.squared_distance), near_);
+    for (const Neighbor& n : near_) {
+      Place& other = places_[static_cast<std::size_t>(n.index)];
+      if (see_each_other(other.dart, taken.dart))
+        other.squared_distance = std::min(other.squared_distance, n.squared_distance);
+    }
+    places_[k].squared_distance = 0.0;
+    return &places_[k].dart;
+  }
+
+ private:
+  /// Where rooms have become less since, they are entered anew on the way.
+  std::size_t widest() {
+    while (!waiting_.empty()) {
+      std::pop_heap(waiting_.begin(), waiting_.end());
+      const auto [room, k] = waiting_.back();
+      waiting_.pop_back();
+      const double now = places_[k].room();
+      if (now == room && now > 0.0) return k;
+      if (!(now > 0.0)) continue;
+      waiting_.push_back({now, k});
+      std::push_heap(waiting_.begin(), waiting_.end());
+    }
+    return kNobody;
+  }
+
+  std::vector<Place> places_;
+  std::vector<Vec3> positions_;
+  Neighbors tree_;
+  std::vector<std::pair<double, std::size_t>> waiting_;  // a heap
+  std::vector<Neighbor> near_;
+};
+
+}  // namespace
+
+Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, std::uint64_t seed,
+                  const Context* context) {
+  Sites result;
+  std::vector<Place> places = draw_places(surface, gaps, seed, context);
+  if (places.empty()) return result;
+  Filling filling(std::move(places));
+  while (result.size() < count) {
+    check_at(context, result.size(), kGrain);
+    const Dart* dart = filling.next();
+    if (!dart) break;
+    result.positions.push_back(dart->position);
+    result.faces.push_back(surface.ordered().original_face(dart->face));
+    result.barycentric.push_back(dart->barycentric);
+  }
+  return result;
+}
+
+}  // namespace dapple

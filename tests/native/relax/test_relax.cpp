@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/errors.hpp>
+#include <dapple/relax.hpp>
+#include <dapple/sampler.hpp>
+#include <iostream>
+#include <map>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "surface/ordered_surface.hpp"
+#include "throws.hpp"
+
+namespace dapple::test {
+namespace {
+
+using Indices = std::vector<std::int32_t>;
+
+/// `inside` within a ball, `outside` elsewhere, at the vertices.
+std::vector<double> ball_density(const Surface& surface, const Vec3& middle, double radius,
+                                 double inside, double outside = 1.0) {
+  std::vector<double> density;
+  for (const Vec3& x : surface.vertices())
+    density.push_back((x - middle).norm() < radius ? inside : outside);
+  return density;
+}
+
+Surface with_ball(const Surface& surface, const Vec3& middle, double radius, double inside) {
+  return surface.with_density(
+      {DensityAt::kVertices, ball_density(surface, middle, radius, inside)});
+}
+
+/// The indices of what stays, before and after.
+std::vector<std::pair<std::size_t, std::size_t>> kept(const Samples& before, const Samples& after) {
+  std::map<std::int32_t, std::size_t> place;
+  for (std::size_t k = 0; k < after.size(); ++k) place[after.ids[k]] = k;
+  std::vector<std::pair<std::size_t, std::size_t>> result;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (const auto found = place.find(before.ids[k]); found != place.end())
+      result.emplace_back(k, found->second);
+  return result;
+}
+
+bool same_place(const Samples& a, std::size_t i, const Samples& b, std::size_t j) {
+  return a.positions[i] == b.positions[j] && a.normals[i] == b.normals[j] &&
+         a.faces[i] == b.faces[j] && a.barycentric[i] == b.barycentric[j];
+}
+
+Indices moved(const Samples& before, const Samples& after) {
+  Indices result;
+  for (const auto& [i, j] : kept(before, after))
+    if (!same_place(before, i, after, j)) result.push_back(static_cast<std::int32_t>(i));
+  return result;
+}
+
+class RelaxOn : public testing::TestWithParam<Shape> {};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, RelaxOn, testing::ValuesIn(all_shapes()),
+                         shape_name<testing::TestParamInfo<Shape>>);
+
+TEST_P(RelaxOn, GivesSamplesOfTheSurface) {
+  const Surface surface = GetParam().surface();
+  const Samples before = sample(surface, 100);
+  const Vec3 middle = before.positions[7];
+  const double radius = 0.3 * std::sqrt(surface.area());
+  const Surface after = with_ball(surface, middle, radius, 2.0);
+  const Samples relaxed = relax(after, before, changed_faces(surface, after));
+  check(after, relaxed);
+  EXPECT_EQ(relaxed.report.count, relaxed.size());
+  std::int32_t largest = *std::max_element(before.ids.begin(), before.ids.end());
+  const std::size_t stay = kept(before, relaxed).size();
+  for (std::size_t k = stay; k < relaxed.size(); ++k) EXPECT_EQ(relaxed.ids[k], ++largest);
+}
+
+TEST_P(RelaxOn, MovesNothingWhereNothingChanges) {
+  const Surface surface = GetParam().surface();
+  const Samples before = sample(surface, 50);
+  EXPECT_TRUE(same_bytes(relax(surface, before, {}), before));
+}
+
+/// What is beyond three spacings of a change keeps its bytes, but for one in a hundred.
+TEST(Relax, LeavesWhatIsFar) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 2000);
+  const Vec3 middle = before.positions[100];
+  constexpr double kRadius = 0.25;
+  for (const double density : {0.25, 0.9, 1.2, 3.0}) {
+    const Surface after = with_ball(surface, middle, kRadius, density);
+    const Samples relaxed = relax(after, before, changed_faces(surface, after));
+    std::size_t far = 0, same = 0;
+    for (const auto& [i, j] : kept(before, relaxed)) {
+      if ((before.positions[i] - middle).norm() < kRadius + 3.5 * relaxed.report.spacing) continue;
+      ++far;
+      same += same_place(before, i, relaxed, j) ? 1 : 0;
+    }
+    EXPECT_GT(far, 1000u);
+    EXPECT_GE(static_cast<double>(same), 0.99 * static_cast<double>(far)) << density;
+  }
+}
+
+/// How many there are follows the integral of the density, the capacity of each stays.
+TEST(Relax, KeepsTheCapacityOfASample) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 2000);
+  for (const double density : {0.0, 0.3, 1.0, 4.0}) {
+    const Surface after = with_ball(surface, before.positions[0], 0.4, density);
+    const Samples relaxed = relax(after, before, changed_faces(surface, after));
+    const double wanted = 2000.0 * after.mass() / surface.mass();
+    EXPECT_NEAR(static_cast<double>(relaxed.size()), wanted, 0.002 * wanted + 1.0) << density;
+  }
+}
+
+/// Means over some seeds, of the whole surface and of the quarter that has changed most.
+TEST(Relax, IsAsEvenAsAFullSolve) {
+  const Surface surface = blob(4).surface();
+  double variation[2] = {}, alpha[2] = {}, worst[2] = {};
+  constexpr int kSeeds = 5;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const SampleOptions options{.seed = static_cast<std::uint64_t>(seed)};
+    const Samples before = sample(surface, 1500, options);
+    const Surface after = with_ball(surface, before.positions[10], 0.5, 2.0);
+    const Samples relaxed = relax(after, before, changed_faces(surface, after));
+    const Samples anew = sample(after, relaxed.size(), options);
+    const Evenness of[2] = {analyze(after, relaxed).evenness, anew.report.evenness};
+    for (int k = 0; k < 2; ++k) {
+      variation[k] += of[k].capacity_variation / kSeeds;
+      alpha[k] += of[k].alpha_mean / kSeeds;
+      worst[k] += of[k].alpha_min / kSeeds;
+    }
+  }
+  std::cout << "relaxed / anew: capacity variation " << variation[0] << " / " << variation[1]
+            << ", alpha mean " << alpha[0] << " / " << alpha[1] << ", alpha min " << worst[0]
+            << " / " << worst[1] << "\n";
+  EXPECT_LT(variation[0], variation[1] + 0.002);
+  EXPECT_GT(alpha[0], 0.98 * alpha[1]);
+  EXPECT_GT(worst[0], 0.95 * worst[1]);
+}
+
+TEST(Relax, FillsAVoidEvenly) {
+  const Surface surface = blob(4).surface();
+  double variation = 0.0, alpha = 0.0;
+  constexpr int kSeeds = 4;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Samples before = sample(surface, 1500, {.seed = static_cast<std::uint64_t>(seed)});
+    const Surface without = with_ball(surface, before.positions[10], 0.5, 0.0);
+    const Indices changed = changed_faces(surface, without);
+    const Samples left = relax(without, before, changed);
+    EXPECT_LT(left.size(), 1450u);
+    const Samples again = relax(surface, left, changed);
+    EXPECT_NEAR(static_cast<double>(again.size()), 1500.0, 2.0);
+    const Evenness evenness = analyze(surface, again).evenness;
+    variation += evenness.capacity_variation / kSeeds;
+    alpha += evenness.alpha_min / kSeeds;
+  }
+  EXPECT_LT(variation, 0.008);
+  EXPECT_GT(alpha, 0.62);
+}
+
+/// A component may lose all its samples, and gets new ones.
+TEST(Relax, EmptiesAndSettlesAComponent) {
+  const Shape other =
+      mapped(icosphere(3), [](const Vec3& x) -> Vec3 { return x + Vec3(5.0, 0.0, 0.0); });
+  const Surface surface = joined(icosphere(3), other).surface();
+  const Samples before = sample(surface, 600);
+  const Vec3 middle(5.0, 0.0, 0.0);
+  const Surface one = with_ball(surface, middle, 2.0, 0.0);
+  const Indices changed = changed_faces(surface, one);
+  const Samples left = relax(one, before, changed);
+  EXPECT_NEAR(static_cast<double>(left.size()), 300.0, 1.0);
+  for (const Vec3& x : left.positions) EXPECT_LT(x.x(), 2.0);
+  const Samples again = relax(surface, left, changed);
+  EXPECT_NEAR(static_cast<double>(again.size()), 600.0, 2.0);
+  EXPECT_LT(analyze(surface, again).evenness.capacity_variation, 0.02);
+}
+
+TEST(Relax, FollowsMovedVertices) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 1000);
+  std::vector<Vec3> vertices = surface.vertices();
+  const Vec3 middle = before.positions[3];
+  for (Vec3& x : vertices) {
+    const double distance = (x - middle).norm();
+    if (distance < 0.4) x *= 1.0 + 0.5 * std::pow(1.0 - distance / 0.4, 2);
+  }
+  const Surface after = surface.deformed(vertices);
+  const Samples relaxed = relax(after, before, changed_faces(surface, after));
+  check(after, relaxed);
+  EXPECT_EQ(relaxed.normals, after.normals(relaxed.faces, relaxed.barycentric));
+  EXPECT_GT(relaxed.size(), before.size());
+  EXPECT_LT(analyze(after, relaxed).evenness.capacity_variation, 0.01);
+}
+
+TEST(Relax, GivesTheCount) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 1000);
+  const Indices faces = {before.faces[0], before.faces[1]};
+  for (const std::size_t count : {990u, 1000u, 1001u, 1020u})
+    EXPECT_EQ(relax(surface, before, faces, {.count = count}).size(), count);
+}
+
+/// With another count than fits the region grows, until its border is even.
+TEST(Relax, SpreadsWhatDoesNotFit) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 1000);
+  const Samples relaxed = relax(surface, before, Indices{before.faces[0]}, {.count = 1005});
+  EXPECT_LT(analyze(surface, relaxed).evenness.capacity_variation, 0.012);
+  EXPECT_GT(moved(before, relaxed).size(), 60u);
+}
+
+TEST(Relax, LockedSamplesStay) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 1000);
+  const Surface after = with_ball(surface, before.positions[0], 0.5, 0.5);
+  Indices locked;
+  for (std::int32_t k = 0; k < 1000; k += 5) locked.push_back(k);
+  const Samples relaxed = relax(after, before, changed_faces(surface, after), {.locked = locked});
+  const Indices others = moved(before, relaxed);
+  EXPECT_GT(others.size(), 20u);
+  std::size_t there = 0;
+  for (const auto& [i, j] : kept(before, relaxed))
+    if (i % 5 == 0) {
+      EXPECT_TRUE(same_place(before, i, relaxed, j));
+      ++there;
+    }
+  EXPECT_EQ(there, locked.size());
+}
+
+TEST(Relax, KeepsWhatSamplesCarry) {
+  const Surface surface = blob(3).surface();
+  Samples before = sample(surface, 200);
+  before.fade.assign(200, 0.25);
+  std::fill(before.classes.begin(), before.classes.end(), 3);
+  for (std::int32_t& id : before.ids) id += 50;
+  const Surface after = with_ball(surface, before.positions[0], 0.8, 4.0);
+  const Samples relaxed = relax(after, before, changed_faces(surface, after));
+  ASSERT_GT(relaxed.size(), 220u);
+  EXPECT_EQ(relaxed.fade.front(), 0.25);
+  EXPECT_EQ(relaxed.fade.back(), 1.0);
+  EXPECT_EQ(relaxed.classes.back(), 3);
+  EXPECT_EQ(relaxed.ids.front(), 50);
+  EXPECT_GE(relaxed.ids.back(), 250);
+}
+
+TEST(Relax, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 2000);
+  const Surface after = with_ball(surface, before.positions[0], 0.5, 2.0);
+  const Indices changed = changed_faces(surface, after);
+  const Samples one = relax(after, before, changed, {.threads = 1});
+  for (const int threads : {2, 3, 8})
+    EXPECT_TRUE(same_bytes(relax(after, before, changed, {.threads = threads}), one));
+}
+
+TEST(Relax, NamesWhatIsWrong) {
+  const Surface surface = blob(3).surface();
+  const Samples before = sample(surface, 20);
+  const Indices faces = {before.faces[0]};
+  const auto refuses = [&](const RelaxOptions& options, std::initializer_list<std::string> parts) {
+    expect_message<ArgumentError>([&] { (void)relax(surface, before, faces, options); }, parts);
+  };
+  refuses({.locked = {3, 20}}, {"locked[1] is 20", "0..19"});
+  refuses({.count = 1}, {"count is 1", "20 samples"});
+  expect_message<ArgumentError>([&] { (void)relax(surface, before, Indices{1, -1}); },
+                                {"changed[1] is -1"});
+  expect_message<ArgumentError>([&] { (void)relax(surface, before, {}, {.count = 21}); },
+                                {"count is 21", "something has changed"});
+  Samples two = before;
+  two.classes[5] = 1;
+  expect_message<ArgumentError>([&] { (void)relax(surface, two, faces); },
+                                {"samples.classes[5] is 1"});
+  expect_message<ArgumentError>([&] { (void)changed_faces(surface, blob(3).surface()); },
+                                {"other faces"});
+}
+
+TEST(ChangedFaces, AreThoseThatDiffer) {
+  const Surface surface = icosphere(2).surface();
+  EXPECT_TRUE(changed_faces(surface, surface).empty());
+  std::vector<Vec3> vertices = surface.vertices();
+  vertices[5] *= 1.1;
+  Indices around;
+  const std::vector<Face> faces = surface.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (std::find(faces[f].begin(), faces[f].end(), 5) != faces[f].end())
+      around.push_back(static_cast<std::int32_t>(f));
+  EXPECT_EQ(changed_faces(surface, surface.deformed(vertices)), around);
+  std::vector<double> density(faces.size(), 1.0);
+  density[7] = 2.0;
+  const Surface dense = surface.with_density({DensityAt::kFaces, density});
+  EXPECT_EQ(changed_faces(surface, dense), Indices{7});
+}
+
+}  // namespace
+}  // namespace dapple::test
