@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
 #include "base/hexagonal.hpp"
@@ -46,9 +47,12 @@ EdgeMarks longest_edge(const Piece& piece, double narrow) {
 }
 
 bool has_large_face(const Surface& surface, double capacity) {
-  for (std::size_t f = 0; f < surface.face_count(); ++f)
-    if (surface.ordered().geometry(nth_face(f)).moments.capacity > capacity) return true;
-  return false;
+  std::atomic<bool> found = false;
+  parallel_chunks(surface.face_count(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end && !found; ++f)
+      if (surface.ordered().geometry(nth_face(f)).moments.capacity > capacity) found = true;
+  });
+  return found;
 }
 
 /// Of a point of a face; those of sites need not be given.

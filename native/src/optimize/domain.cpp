@@ -41,6 +41,7 @@ RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, Context* context) con
 
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                              const Context* context) const {
+  if (points.empty()) return {};  // no projector is made for nothing
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
   if (walks) check_hints(surface_, points, hints);
   Projection found = walks ? LocalProjection(surface_).walk(points, hints, context)

@@ -41,19 +41,20 @@ Sites SlideLimit::project(const State& state, Vectors moved, std::span<const std
                           const Context* context) const {
   if (std::isinf(max_slide_))
     return project_unlocked(*objective_, state.sites, moved, hints, context);
-  for (std::size_t k = 0; k < moved.size(); ++k) {
+  for_each_vector(moved.size(), [&](std::size_t k) {
     const Vec3 slide = moved[k] - home_.positions[k];
     const double excess = slide.norm() / reach(state, k);
     if (excess > 1.0) moved[k] = home_.positions[k] + slide / excess;
-  }
+  });
   Sites sites = project_unlocked(*objective_, state.sites, moved, hints, context);
   for (int pull = 0; pull < kPulls; ++pull)
-    pull_back(state, sites, moved, pull + 1 < kPulls ? kPull : 0.0, context);
+    if (!pull_back(state, sites, moved, pull + 1 < kPulls ? kPull : 0.0, context)) break;
   return sites;
 }
 
 /// Project the sites that are out of reach again, with `part` of their distance; 0 is their home.
-void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+/// \return whether there was one
+bool SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part,
                            const Context* context) const {
   std::vector<std::int32_t> far;
   Sites pulled;
@@ -65,8 +66,10 @@ void SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, dou
     pulled.faces.push_back(home_.faces[k]);
     pulled.barycentric.push_back(home_.barycentric[k]);
   }
+  if (far.empty()) return false;
   if (part > 0.0) pulled = objective_->project(pulled.positions, pulled.faces, far, context);
   put(sites, far, pulled);
+  return true;
 }
 
 }  // namespace dapple

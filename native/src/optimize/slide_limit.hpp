@@ -30,7 +30,7 @@ class SlideLimit {
 
  private:
   [[nodiscard]] double reach(const State& state, std::size_t k) const;
-  void pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+  bool pull_back(const State& state, Sites& sites, Vectors& moved, double part,
                  const Context* context) const;
 
   const Objective* objective_;

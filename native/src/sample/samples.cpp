@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/validate.hpp"
+#include "base/vectors.hpp"
 #include "surface/validate_surface.hpp"
 
 namespace dapple {
@@ -19,6 +20,8 @@ Vec3 normalized(const Vec3& row) {
 }
 
 void check_ids(std::span<const std::int32_t> ids) {
+  const auto not_above = [](std::int32_t a, std::int32_t b) { return a >= b; };
+  if (std::adjacent_find(ids.begin(), ids.end(), not_above) == ids.end()) return;  // they rise
   std::vector<std::int32_t> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
@@ -40,9 +43,12 @@ Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces
 
   Samples samples;
   samples.faces.assign(faces.begin(), faces.end());
-  for (const Vec3& row : barycentric) samples.barycentric.push_back(normalized(row));
-  for (std::size_t k = 0; k < count; ++k)
-    samples.positions.push_back(surface.point(faces[k], samples.barycentric[k]));
+  samples.barycentric.resize(count);
+  samples.positions.resize(count);
+  for_each_vector(count, [&](std::size_t k) {
+    samples.barycentric[k] = normalized(barycentric[k]);
+    samples.positions[k] = surface.point(faces[k], samples.barycentric[k]);
+  });
   samples.normals = surface.normals(samples.faces, samples.barycentric);
   samples.ids.assign(ids.begin(), ids.end());
   samples.classes.assign(classes.begin(), classes.end());

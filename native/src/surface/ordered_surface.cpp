@@ -33,6 +33,13 @@ std::vector<FaceGeometry> make_room(std::size_t count, Context* context) {
   return faces;
 }
 
+/// Of faces side by side: they are added up in order, and their geometry is far apart.
+struct Sums {
+  explicit Sums(std::size_t count) : areas(count), capacities(count) {}
+
+  std::vector<double> areas, capacities;
+};
+
 /// Geometry of the triangle x with the density f at its corners.
 FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
   FaceGeometry face;
@@ -97,6 +104,7 @@ void OrderedSurface::measure(Context* context) {
   Stretch making(context, 0.0, kMade), measuring(context, kMade, 1.0);
   result->faces = make_room(face_count(), making.context());
   Tally tally(measuring.context(), face_count());
+  Sums of_faces(face_count());
   parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     tally.check();
     for (std::size_t f = begin; f < end; ++f) {
@@ -104,13 +112,13 @@ void OrderedSurface::measure(Context* context) {
       const auto [a, b, c] = corners(face);
       result->faces[f] = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face),
                                       density_->values.empty());
+      of_faces.areas[f] = result->faces[f].moments.area;
+      of_faces.capacities[f] = result->faces[f].moments.capacity;
     }
     tally.add(end - begin);
   });
-  for (const FaceGeometry& face : result->faces) {
-    result->area += face.moments.area;
-    result->mass += face.moments.capacity;
-  }
+  for (const double area : of_faces.areas) result->area += area;
+  for (const double capacity : of_faces.capacities) result->mass += capacity;
   check(*result);
   result->mass /= unit;
   geometry_ = std::move(result);

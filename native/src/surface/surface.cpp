@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
 #include "base/validate.hpp"
+#include "base/vectors.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -97,33 +98,46 @@ std::vector<Face> original_faces(const Connectivity& mesh, const Corners& corner
   return result;
 }
 
-/// The angle at each corner that is a vertex of one of the faces (caller's indices); 0 elsewhere.
-std::vector<double> corner_angles(const OrderedSurface& mesh, std::span<const std::int32_t> of) {
-  std::vector<bool> wanted(mesh.vertex_count(), false);
-  for (const std::int32_t face : of)
+/// Whether each vertex is one of the faces' (caller's indices).
+std::vector<bool> vertices_of(const OrderedSurface& mesh, std::span<const std::int32_t> faces) {
+  std::vector<bool> result(mesh.vertex_count(), false);
+  for (const std::int32_t face : faces)
     for (const std::int32_t v : mesh.corners(mesh.ordered_face(face)))
-      wanted[static_cast<std::size_t>(v)] = true;
-  std::vector<double> angles(3 * mesh.face_count(), 0.0);
-  parallel_chunks(angles.size(), 3 * kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const Face& v = mesh.connectivity().faces[c / 3];
-      const auto at = [&](std::size_t k) { return mesh.vertex(v[(c + k) % 3]); };
-      if (wanted[static_cast<std::size_t>(v[c % 3])]) angles[c] = angle_at(at(0), at(1), at(2));
+      result[static_cast<std::size_t>(v)] = true;
+  return result;
+}
+
+/// The normal of a face, weighted by its angle at a vertex of it.
+struct WeightedNormal {
+  std::int32_t vertex;
+  Vec3 normal;
+};
+
+/// Those around the wanted vertices, chunk by chunk of the faces.
+std::vector<std::vector<WeightedNormal>> weighted_normals(const OrderedSurface& mesh,
+                                                          const std::vector<bool>& wanted) {
+  std::vector<std::vector<WeightedNormal>> result((mesh.face_count() + kGrain - 1) / kGrain);
+  parallel_chunks(mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Face& v = mesh.corners(nth_face(f));
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (!wanted[static_cast<std::size_t>(v[k])]) continue;
+        const double angle =
+            angle_at(mesh.vertex(v[k]), mesh.vertex(v[(k + 1) % 3]), mesh.vertex(v[(k + 2) % 3]));
+        result[begin / kGrain].push_back({v[k], angle * mesh.geometry(nth_face(f)).normal});
+      }
     }
   });
-  return angles;
+  return result;
 }
 
 /// Unit normals at the vertices, weighted by the angles of the faces; 0 where nobody asks.
 std::vector<Vec3> vertex_normals(const OrderedSurface& mesh, std::span<const std::int32_t> of) {
-  const std::vector<double> angles = corner_angles(mesh, of);
   std::vector<Vec3> result(mesh.vertex_count(), Vec3::Zero());
-  for (std::size_t c = 0; c < angles.size(); ++c) {
-    const OrderedFace face = nth_face(c / 3);
-    result[static_cast<std::size_t>(mesh.corners(face)[c % 3])] +=
-        angles[c] * mesh.geometry(face).normal;
-  }
-  for (Vec3& normal : result) normal.stableNormalize();
+  for (const auto& chunk : weighted_normals(mesh, vertices_of(mesh, of)))
+    for (const WeightedNormal& part : chunk)
+      result[static_cast<std::size_t>(part.vertex)] += part.normal;
+  for_each_vector(result.size(), [&](std::size_t v) { result[v].stableNormalize(); });
   return result;
 }
 
@@ -229,7 +243,7 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
   check_face_indices("faces", faces, face_count());
   const std::vector<Vec3> at_vertices = vertex_normals(*ordered_, faces);
   std::vector<Vec3> result(faces.size());
-  for (std::size_t k = 0; k < faces.size(); ++k) {
+  for_each_vector(faces.size(), [&](std::size_t k) {
     const OrderedFace f = ordered_->ordered_face(faces[k]);
     Vec3 sum = Vec3::Zero();
     for (std::size_t c = 0; c < 3; ++c)
@@ -237,7 +251,7 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
              at_vertices[static_cast<std::size_t>(ordered_->corners(f)[c])];
     // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is.
     result[k] = sum.norm() > 1e-6 ? sum.normalized() : ordered_->geometry(f).normal;
-  }
+  });
   return result;
 }
 

@@ -26,10 +26,10 @@ std::vector<SampleClass> counted(std::vector<SampleClass> classes,
   return classes;
 }
 
-std::vector<SampleClass> deformed(std::vector<SampleClass> classes,
-                                  std::span<const Vec3> vertices) {
+/// The classes on another frame of the surface.
+std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClass> classes) {
   for (SampleClass& member : classes)
-    if (member.surface) member.surface = member.surface->deformed(vertices);
+    if (member.surface) member.surface = member.surface->deformed(surface.vertices());
   return classes;
 }
 
@@ -47,9 +47,10 @@ struct Frame {
 };
 
 Vectors face_normals(const Surface& surface, const Sites& sites) {
-  Vectors normals;
-  for (const std::int32_t face : sites.faces)
-    normals.push_back(surface.ordered().geometry(surface.ordered().ordered_face(face)).normal);
+  Vectors normals(sites.size());
+  for_each_vector(sites.size(), [&](std::size_t k) {
+    normals[k] = surface.ordered().geometry(surface.ordered().ordered_face(sites.faces[k])).normal;
+  });
   return normals;
 }
 
@@ -73,8 +74,9 @@ Sites sites_of(const Samples& samples) {
 }
 
 Sites carried(const Surface& surface, Sites sites) {
-  for (std::size_t k = 0; k < sites.size(); ++k)
+  for_each_vector(sites.size(), [&](std::size_t k) {
     sites.positions[k] = surface.point(sites.faces[k], sites.barycentric[k]);
+  });
   return sites;
 }
 
@@ -120,7 +122,7 @@ OptimizerOptions FrameSolver::aims() const {
 FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
                                            const Vectors& moves, const Sites* home, bool idle,
                                            Context* context) const {
-  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context),
@@ -133,7 +135,7 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
 FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
                                       const Vectors& moves, const Sites& home,
                                       Context* context) const {
-  const Frame frame(surface, deformed(classes_, surface.vertices()), class_of_, options_);
+  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
   Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context), aims(),
                            context, {.home = &home, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "base/vectors.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -41,11 +42,13 @@ Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after,
   Motion motion;
   const Eigen::Matrix4d similarity =
       Eigen::umeyama(chosen(after, measured), chosen(as_matrix(before), measured), true);
-  for (std::size_t v = 0; v < before.size(); ++v) {
+  motion.target.resize(before.size());
+  for_each_vector(before.size(), [&](std::size_t v) {
     const Vec3 point = after.col(static_cast<Eigen::Index>(v));
-    motion.target.push_back((similarity * point.homogeneous()).head<3>());
+    motion.target[v] = (similarity * point.homogeneous()).head<3>();
+  });
+  for (std::size_t v = 0; v < before.size(); ++v)
     motion.extent = std::max(motion.extent, (motion.target[v] - before[v]).norm());
-  }
   motion.extent /= diagonal(before);
   return motion;
 }

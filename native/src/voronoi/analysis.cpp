@@ -5,8 +5,8 @@
 #include <dapple/analysis.hpp>
 #include <dapple/neighbors.hpp>
 #include <limits>
-#include <optional>
 
+#include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
@@ -31,10 +31,21 @@ double variation(const RestrictedVoronoi& diagram, double mean) {
 /// Neighbors over less of this than their distance touch at a corner, to rounding.
 constexpr double kCorner = 1e-9;
 constexpr std::size_t kFewestNeighbors = 3;  // around a closed cell of straight sides
+constexpr std::size_t kGrain = 512;          // sites a chunk
+constexpr double kNone = -1.0;               // where there is nothing to be measured
 
-/// |mean of exp(6 i theta)| over the neighbors of a site; none if it has too few.
-std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t site,
-                               const Vec3& normal) {
+/// What is measured of each site, in order: what is added up of it does not depend on the threads.
+template <typename Measured>
+std::vector<double> of_each(std::size_t count, const Measured& measured) {
+  std::vector<double> result(count);
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) result[i] = measured(i);
+  });
+  return result;
+}
+
+/// |mean of exp(6 i theta)| over the neighbors of a site; kNone if it has too few.
+double order_at(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& normal) {
   const Vec3 u = normal.unitOrthogonal();
   const Vec3 v = normal.cross(u);
   std::complex<double> sum = 0.0;
@@ -44,7 +55,7 @@ std::optional<double> order_at(const RestrictedVoronoi& diagram, std::size_t sit
     sum += std::polar(1.0, 6.0 * std::atan2(side.offset.dot(v), side.offset.dot(u)));
     ++count;
   }
-  if (count < kFewestNeighbors) return std::nullopt;
+  if (count < kFewestNeighbors) return kNone;
   return std::abs(sum) / static_cast<double>(count);
 }
 
@@ -101,6 +112,22 @@ class ComponentSites {
   std::vector<Neighbor> found_;
 };
 
+/// Of a site, in local spacings; infinite without a neighbor: alone on its component.
+double alpha_at(const RestrictedVoronoi& diagram, std::size_t i, double mean) {
+  // An empty cell belongs to a site that coincides with another: nothing lies between them.
+  const double spacing = local_spacing(diagram.cells[i], mean);
+  return spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
+}
+
+/// The half-edges that no other goes along with.
+std::vector<std::int32_t> border_half_edges(const Surface& surface) {
+  std::vector<std::int32_t> result;
+  const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
+  for (std::int32_t h = 0; h < half_edges; ++h)
+    if (surface.ordered().next_around(h) == h) result.push_back(h);
+  return result;
+}
+
 }  // namespace
 
 Evenness measure_evenness(const RestrictedVoronoi& diagram) {
@@ -113,12 +140,10 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   double sum = 0.0;
   std::size_t counted = 0;
   result.alpha_min = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
-    const Moments& cell = diagram.cells[i];
-    // An empty cell belongs to a site that coincides with another: nothing lies between them.
-    const double spacing = local_spacing(cell, capacity);
-    const double alpha = spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
-    if (!std::isfinite(alpha)) continue;  // no neighbor: alone on its component
+  const std::vector<double> alphas =
+      of_each(diagram.cells.size(), [&](std::size_t i) { return alpha_at(diagram, i, capacity); });
+  for (const double alpha : alphas) {
+    if (!std::isfinite(alpha)) continue;
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;
     ++counted;
@@ -133,11 +158,10 @@ std::vector<bool> cells_on_border(const Surface& surface, const Sites& sites,
   check_sites(surface, sites);
   check_same_length("the diagram", diagram.cells.size(), "positions", sites.size());
   std::vector<bool> result(sites.size(), false);
-  if (sites.size() == 0) return result;
+  const std::vector<std::int32_t> border = border_half_edges(surface);
+  if (sites.size() == 0 || border.empty()) return result;
   ComponentSites tree(surface, sites);
-  const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
-  for (std::int32_t h = 0; h < half_edges; ++h) {
-    if (surface.ordered().next_around(h) != h) continue;
+  for (const std::int32_t h : border) {
     const Face& corners = surface.ordered().corners(face_of(h));
     const Vec3& a = surface.ordered().vertex(corners[static_cast<std::size_t>(h % 3)]);
     const Vec3 step = surface.ordered().vertex(corners[static_cast<std::size_t>((h + 1) % 3)]) - a;
@@ -158,11 +182,12 @@ double bond_order(const RestrictedVoronoi& diagram, std::span<const Vec3> normal
     check_same_length("left_out", left_out.size(), "the diagram", diagram.cells.size());
   double sum = 0.0;
   std::size_t counted = 0;
-  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
-    if (!left_out.empty() && left_out[i]) continue;
-    const std::optional<double> order = order_at(diagram, i, normals[i]);
-    if (!order) continue;
-    sum += *order;
+  const std::vector<double> orders = of_each(diagram.cells.size(), [&](std::size_t i) {
+    return !left_out.empty() && left_out[i] ? kNone : order_at(diagram, i, normals[i]);
+  });
+  for (const double order : orders) {
+    if (order == kNone) continue;
+    sum += order;
     ++counted;
   }
   return counted > 0 ? sum / static_cast<double>(counted) : 0.0;

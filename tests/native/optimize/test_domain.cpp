@@ -6,6 +6,7 @@
 #include <dapple/analysis.hpp>
 #include <dapple/domain.hpp>
 #include <dapple/energy.hpp>
+#include <dapple/errors.hpp>
 #include <dapple/poisson_start.hpp>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -150,6 +151,16 @@ TEST(SurfaceDomain, WalksToTheNearestPoint) {
   const Projection nearest = Projector(surface).project(points);
   for (std::size_t k = 0; k < points.size(); ++k)
     EXPECT_NEAR((walked.positions[k] - nearest.positions[k]).norm(), 0.0, 1e-9) << "point " << k;
+}
+
+/// The making of a projector asks whether to go on.
+TEST(SurfaceDomain, MakesNoProjectorForNothing) {
+  const SurfaceDomain domain(blob(3).surface(), Cells::kConnected, Steps::kConnected);
+  Context cancelled;
+  cancelled.cancel();
+  EXPECT_EQ(domain.project({}, {}, &cancelled).size(), 0u);
+  const std::vector<Vec3> one(1, Vec3::Zero());
+  EXPECT_THROW((void)domain.project(one, {}, &cancelled), Cancelled);
 }
 
 TEST(SurfaceDomain, KeepsSitesWhereThereIsDensity) {
