@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import fit, key_point, moment, posture, rest_shape
+from . import fit, key_point, moment, posture, rest_shape, surface
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -36,16 +36,15 @@ def build() -> bpy.types.NodeTree:
     numbers = [(name, "NodeSocketFloat") for name in NUMBERS]
     tree = new_group(NAME, INPUTS + numbers, [("Geometry", "NodeSocketGeometry")])
     b = Builder(tree)
-    info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
-    surface = info.outputs["Geometry"]
-    side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", info.outputs[0]))
-    played = _played(b, surface, _shape(b, info))
+    found = inner(b, surface, b.input("Surface"))
+    played = _played(b, found.outputs["Geometry"], _shape(b, found))
     # What stands on the surface is turned once, by its own angle and the key's together.
     turn = b.attribute("dapple_turn", "FLOAT")
     turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
     aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
     early = b.switch("FLOAT", aligned, 0.0, turn)
-    position, rotation, gone = _placed(b, surface, played, early, side)
+    position, rotation, gone = _placed(b, found, played, early)
+    position, rotation = _moved(b, found, played, position, rotation)
     stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -69,17 +68,17 @@ class _Played:
     fits: Socket
 
 
-def _shape(b: Builder, info: bpy.types.Node) -> Socket:
+def _shape(b: Builder, found: bpy.types.Node) -> Socket:
     """The rest shape of the surface; places in its own space where it has no rest position."""
-    back = b.node("FunctionNodeInvertMatrix", info.outputs[0]).outputs[0]
+    back = b.node("FunctionNodeInvertMatrix", found.outputs["Transform"]).outputs[0]
     own = b.out("FunctionNodeTransformPoint", b.out("GeometryNodeInputPosition"), back)
-    return inner(b, rest_shape, info.outputs["Geometry"], own).outputs["Shape"]
+    return inner(b, rest_shape, found.outputs["Relative"], own).outputs["Shape"]
 
 
-def _played(b: Builder, surface: Socket, shape: Socket) -> _Played:
+def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
     names = ("Keys", "Triangles", "Frames", "Preview")
     keys, triangles, frames, preview = (_stored(b, name) for name in names)
-    count, vertices = b.count_points(b.input("Geometry")), b.count(surface)
+    count, vertices = b.count_points(b.input("Geometry")), b.count(geometry)
     baked = b.compare("GREATER_THAN", b.count(keys), 0)
     live = _live(b, preview, count)
     rest, warning = b.input("Rest Binding"), b.input("Warning")
@@ -106,18 +105,17 @@ def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
     return b.boolean("AND", b.boolean("AND", fits, some), b.out("GeometryNodeIsViewport"))
 
 
-def _placed(
-    b: Builder, surface: Socket, played: _Played, turn: Socket, side: Socket
-) -> list[Socket]:
-    """Position, rotation and gone.
+def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) -> list[Socket]:
+    """Position, rotation and gone, on the surface as it was found.
 
     On whole frames of keys, and without any, the second key is not looked at.
     """
     stored = (played.keys, played.triangles, played.preview, played.count)
     now = played.moment.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
+    geometry, side = found.outputs["Geometry"], found.outputs["Side"]
     first, second = (
-        inner(b, key_point, surface, *stored, key, *switches, turn, side)
+        inner(b, key_point, geometry, *stored, key, *switches, turn, side)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]
@@ -128,6 +126,17 @@ def _placed(
             ("VECTOR", "ROTATION", "FLOAT"), first.outputs, second.outputs, strict=True
         )
     ]
+
+
+def _moved(
+    b: Builder, found: bpy.types.Node, played: _Played, position: Socket, rotation: Socket
+) -> tuple[Socket, Socket]:
+    """Both where the surface is; on the rest shape they are there."""
+    moves = b.boolean("AND", found.outputs["Moved"], b.boolean("NOT", played.resting))
+    there = b.out("FunctionNodeTransformPoint", position, found.outputs["Transform"])
+    feeds = (rotation, found.outputs["Rotation"])
+    along = b.out("FunctionNodeRotateRotation", *feeds, rotation_space="GLOBAL")
+    return b.switch("VECTOR", moves, position, there), b.switch("ROTATION", moves, rotation, along)
 
 
 def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socket) -> Socket:

@@ -67,6 +67,37 @@ def test_x_runs_along_the_first_edge_and_z_along_the_interpolated_normal():
     assert np.einsum("nd,nd->n", axes[:, :, 2], expected.normal).min() > 0.999
 
 
+def placed(surface, case):
+    """A surface that is scaled, and its parent, which may shear it."""
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.collection.objects.link(parent)
+    surface.parent = parent
+    parent.location, surface.rotation_euler = (1, 2, 3), (0.5, 0.6, 0.7)
+    parent.scale = {"alike": (3, 3, 3), "sheared": (1, 1, 3), "nearly": (1, 1, 1.2)}[case]
+    return parent
+
+
+@pytest.mark.parametrize("case", ["alike", "sheared", "nearly"])
+@pytest.mark.parametrize("moved", [False, True])
+def test_instances_stand_on_a_surface_that_is_turned_scaled_or_sheared(case, moved):
+    """Where it is neither sheared nor mirrored, they are placed in its own space and moved."""
+    surface = scenes.sphere()
+    parent = placed(surface, case)
+    obj, corners = bound_to_every_triangle(surface)
+    if moved:
+        obj.location, obj.rotation_euler = (-1, 0, 2), (0.3, 0.2, 0.1)
+    parent.rotation_euler = (0.2, 0.4, -0.6)
+    frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
+    bpy.context.view_layer.update()
+    vertices, count = scenes.world_vertices(surface), len(corners)
+    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
+    expected = frames.frames(binding, vertices, frames.vertex_normals(vertices, corners))
+    axes = scenes.rotations(obj)
+    assert np.allclose(scenes.positions(obj), centers(surface, corners), rtol=0, atol=1e-5)
+    assert np.einsum("nd,nd->n", axes[:, :, 0], expected.tangent).min() > 0.999
+    assert np.einsum("nd,nd->n", axes[:, :, 2], expected.normal).min() > 0.999
+
+
 def test_a_change_of_topology_shows_a_warning_and_no_points():
     surface = scenes.sphere()
     obj, corners = bound_to_every_triangle(surface)
@@ -129,6 +160,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Rest Place",
             "Rest Shape",
             "Standing",
+            "Surface",
             "Viewport",
         )
     ]
