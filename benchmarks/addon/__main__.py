@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 import addon
 from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
-from benchmarks.addon.playback import measure_playback
+from benchmarks.addon.playback import OWN, measure_playback
 from benchmarks.addon.redraw import measure_redraw
 
 PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
@@ -59,6 +60,10 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--faces", type=int, default=1_000_000, help="triangles that are read")
     parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
     parser.add_argument("--only", choices=["playback", "redraw", "groups", "reading", "enabling"])
+    parser.add_argument("--moved", action="store_true", help="play on a turned surface elsewhere")
+    parser.add_argument(
+        "--against", type=Path, help="checkout with other node groups to play back in turns"
+    )
     return parser.parse_args()
 
 
@@ -67,17 +72,19 @@ def _empty_file() -> None:
 
 
 def _playback(options: argparse.Namespace) -> None:
-    taken = measure_playback(options.sites, options.rounds)
+    taken = measure_playback(options.sites, options.rounds, options.moved, options.against)
     alone, shaded = taken.pop("alone"), taken.pop("its normals")
     print(f"a frame with {options.sites} points, on a surface of 40,962 vertices")
     print(
-        f"  the surface alone {_ms(alone)}, with its normals, which a window draws, {_ms(shaded)}"
+        f"  the surface alone {_ms(alone.wall)}, with its normals, which a window draws, "
+        f"{_ms(shaded.wall)}, {_ms(shaded.cpu)} of all processors"
     )
-    for name, time_taken in taken.items():
-        more = time_taken - alone
+    for name, found in taken.items():
+        more = found.wall - alone.wall
+        judged = f"; {_judged(more, PLAYBACK_GOAL)}" if name in OWN else ""
         print(
-            f"  {name}: {_ms(more)} more, {_ms(time_taken - shaded)} over the surface with its "
-            f"normals; {_judged(more, PLAYBACK_GOAL)}"
+            f"  {name}: {_ms(more)} more, {_ms(found.wall - shaded.wall)} over the surface with "
+            f"its normals, {_ms(found.cpu - shaded.cpu)} of all processors{judged}"
         )
 
 

@@ -3,55 +3,154 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
 import time
-from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import bpy
 import numpy as np
 
+from addon import nodes
 from addon.blender.surface.surface_mesh import read_surface
+from addon.nodes.builder import Builder, Socket, new_group
 from benchmarks.bake.made_up import add_bake, add_scatter
 
+OWN = ("bound", "baked", "baked, between keys")  # cases that play back a scatter
 _FRAMES = range(2, 10)
+_AREA = 4.0 * np.pi * 1.1**2  # of the sphere, half swollen
 
 
-def measure_playback(sites: int, rounds: int) -> dict[str, float]:
-    """Median seconds of a frame: nothing on the surface, nothing but its normals read, scatters.
+@dataclass(frozen=True)
+class Taken:
+    """Median seconds of a frame: on the clock, and of the processors together."""
 
-    The surface is a sphere that a shape key swells. "between keys" plays a bake half a frame on,
-    where two keys are mixed; whole frames look at one.
+    wall: float
+    cpu: float
+
+
+@dataclass(frozen=True)
+class _Case:
+    shown: bpy.types.Object | None
+    part: float = 0.0  # of a frame
+    draws: bool = True  # what a window draws, the normals of the surface, is read too
+
+
+def measure_playback(
+    sites: int, rounds: int, moved: bool = False, against: Path | None = None
+) -> dict[str, Taken]:
+    """What a frame takes: nothing on the surface, nothing but its normals read, scatters.
+
+    The surface is a sphere that a shape key swells; moved, it is turned and not at the origin.
+    "between keys" plays a bake half a frame on, where two keys are mixed; whole frames look at one.
+    Another checkout gives node groups to compare with. Points that follow each other are near each
+    other, as those of the solver are.
     """
     surface = _swelling_sphere(_FRAMES.stop)
-    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    bound, baked = (add_scatter(surface, arrays, sites) for _ in range(2))
-    add_bake(baked, arrays, sites, _FRAMES.stop, 0.5)
-    cases: dict[str, tuple[bpy.types.Object | None, float, Callable[[], object]]] = {
-        "alone": (None, 0.0, lambda: None),
-        "its normals": (None, 0.0, lambda: _normals(surface)),
-        "bound": (bound, 0.0, lambda: None),
-        "baked": (baked, 0.0, lambda: None),
-        "baked, between keys": (baked, 0.5, lambda: None),
-    }
-    taken: dict[str, list[float]] = {name: [] for name in cases}
+    if moved:
+        surface.location, surface.rotation_euler = (1, 2, 3), (0.3, 0.2, 0.1)
+    cases = {"alone": _Case(None, draws=False), "its normals": _Case(None)}
+    cases |= _scatters(surface, sites, nodes, "")
+    if against is not None:
+        cases |= _scatters(surface, sites, _other_nodes(against), ", other groups")
+    for method in ("RANDOM", "POISSON"):
+        cases[f"Blender's {method.lower()}"] = _Case(_distributed(surface, sites, method))
+    return _in_turns(cases, surface, rounds)
+
+
+def _in_turns(cases: dict[str, _Case], surface: bpy.types.Object, rounds: int) -> dict[str, Taken]:
+    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in cases}
     for _ in range(rounds):
-        for name, (shown, part, read) in cases.items():
-            for scatter in (bound, baked):
-                scatter.modifiers[0].show_viewport = scatter == shown
-            _frame(1, part, read)
-            taken[name] += [_frame(frame, part, read) for frame in _FRAMES]
-    return {name: float(np.median(times)) for name, times in taken.items()}
+        for name, case in cases.items():
+            for other in cases.values():
+                if other.shown:
+                    other.shown.modifiers[0].show_viewport = other.shown == case.shown
+            _frame(1, case, surface)
+            taken[name] += [_frame(frame, case, surface) for frame in _FRAMES]
+    return {name: Taken(*np.median(times, axis=0).tolist()) for name, times in taken.items()}
 
 
-def _frame(frame: int, part: float, read: Callable[[], object]) -> float:
-    begin = time.perf_counter()
-    bpy.context.scene.frame_set(frame, subframe=part)
-    read()
-    return time.perf_counter() - begin
+def _frame(frame: int, case: _Case, surface: bpy.types.Object) -> tuple[float, float]:
+    begin, used = time.perf_counter(), time.process_time()
+    bpy.context.scene.frame_set(frame, subframe=case.part)
+    if case.draws:
+        _normals(surface)
+    return time.perf_counter() - begin, time.process_time() - used
 
 
 def _normals(surface: bpy.types.Object) -> object:
     evaluated = surface.evaluated_get(bpy.context.evaluated_depsgraph_get())
     return evaluated.data.vertex_normals[0].vector
+
+
+def _scatters(
+    surface: bpy.types.Object, sites: int, groups: ModuleType, mark: str
+) -> dict[str, _Case]:
+    """Bound, baked, and baked between keys."""
+    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    bound, baked = (add_scatter(surface, arrays, sites, in_order=True) for _ in range(2))
+    add_bake(baked, arrays, sites, _FRAMES.stop, 0.5, in_order=True)
+    for scatter in (bound, baked):
+        _play_with(scatter.modifiers[0], groups)
+    found = (_Case(bound), _Case(baked), _Case(baked, 0.5))
+    return {name + mark: case for name, case in zip(OWN, found, strict=True)}
+
+
+def _play_with(modifier: bpy.types.NodesModifier, groups: ModuleType) -> None:
+    """Exchange the node group, its inputs kept."""
+    inputs = [*nodes.INPUTS, *nodes.INSTANCE_INPUTS]
+    names = [name for name, kind in inputs if kind != "NodeSocketGeometry"]
+    before = {name: nodes.get_input(modifier, name) for name in names}
+    modifier.node_group = groups.ensure_group()
+    for name, value in before.items():
+        groups.set_input(modifier, name, value)
+
+
+def _other_nodes(checkout: Path) -> Any:
+    """The package addon.nodes of another checkout, under another name; its version is another."""
+    name, folder = "other_nodes", checkout / "addon" / "nodes"
+    spec = importlib.util.spec_from_file_location(
+        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    if spec is None or spec.loader is None:
+        raise FileNotFoundError(folder)
+    sys.modules[name] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    if module.VERSION == nodes.VERSION:
+        raise ValueError(f"node groups of {checkout} have the version of these, {nodes.VERSION}")
+    return module
+
+
+def _distributed(surface: bpy.types.Object, sites: int, method: str) -> bpy.types.Object:
+    """As many instances of a cone by Blender's own node."""
+    geometry = [("Geometry", "NodeSocketGeometry")]
+    tree = new_group(method, geometry, geometry)
+    b = Builder(tree)
+    info = b.node("GeometryNodeObjectInfo", surface, transform_space="RELATIVE")
+    points = b.node("GeometryNodeDistributePointsOnFaces", distribute_method=method)
+    b.tree.links.new(info.outputs["Geometry"], points.inputs["Mesh"])
+    density = sites / _AREA
+    values = {"Density": density, "Density Max": 4.0 * density}
+    values["Distance Min"] = float(0.67 / np.sqrt(density))  # gives as many points
+    for socket in points.inputs:
+        if socket.enabled and socket.name in values:
+            socket.default_value = values[socket.name]
+    rotation = points.outputs["Rotation"]
+    feeds = (points.outputs["Points"], True, _cone(b), False, 0, rotation)
+    b.output("Geometry", b.out("GeometryNodeInstanceOnPoints", *feeds))
+    obj = bpy.data.objects.new(method, bpy.data.meshes.new(method))
+    bpy.context.scene.collection.objects.link(obj)
+    obj.modifiers.new(method, "NODES").node_group = tree
+    return obj
+
+
+def _cone(b: Builder) -> Socket:
+    cone = b.node("GeometryNodeMeshCone")
+    cone.inputs["Vertices"].default_value = 8
+    return cone.outputs["Mesh"]
 
 
 def _swelling_sphere(frames: int) -> bpy.types.Object:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then measures the add-on: playback, redraw, node groups, reading, enabling.
 #   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|redraw|groups|reading|enabling]
+#     [--moved] [--against CHECKOUT]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
 scripts/setup.sh >&2

@@ -14,9 +14,11 @@ from addon.core.solve import Report, Scattered, point_columns
 from addon.core.surface import SurfaceArrays
 
 
-def add_scatter(surface: bpy.types.Object, arrays: SurfaceArrays, sites: int) -> bpy.types.Object:
-    """A scatter with sites anywhere on a surface."""
-    faces, weights = _places(arrays, sites)
+def add_scatter(
+    surface: bpy.types.Object, arrays: SurfaceArrays, sites: int, in_order: bool = False
+) -> bpy.types.Object:
+    """A scatter with sites anywhere on a surface, perhaps in the order of its faces."""
+    faces, weights = _places(arrays, sites, in_order)
     binding = Binding(arrays.faces[faces], weights, np.zeros(sites))
     ids = np.arange(sites, dtype=np.int32)
     columns = point_columns(ids, np.zeros_like(ids), seed=0)
@@ -27,18 +29,25 @@ def add_scatter(surface: bpy.types.Object, arrays: SurfaceArrays, sites: int) ->
     return scatter
 
 
-def _places(arrays: SurfaceArrays, sites: int) -> tuple[np.ndarray, np.ndarray]:
+def _places(arrays: SurfaceArrays, sites: int, in_order: bool) -> tuple[np.ndarray, np.ndarray]:
     random = np.random.Generator(np.random.PCG64(0))
     faces = random.integers(0, len(arrays.faces), sites).astype(np.int32)
+    if in_order:
+        faces.sort()
     return faces, random.dirichlet((1.0, 1.0, 1.0), sites)
 
 
 def add_bake(
-    scatter: bpy.types.Object, arrays: SurfaceArrays, sites: int, frames: int, moving: float
+    scatter: bpy.types.Object,
+    arrays: SurfaceArrays,
+    sites: int,
+    frames: int,
+    moving: float,
+    in_order: bool = False,
 ) -> None:
     """Keys of a scatter: in each frame a share of the sites slides, a tenth to other faces."""
     random = np.random.Generator(np.random.PCG64(1))
-    faces, weights = _places(arrays, sites)
+    faces, weights = _places(arrays, sites, in_order)
     carry = np.zeros(sites)
     keyframes = Keyframes(frames)
     for _ in range(frames):
