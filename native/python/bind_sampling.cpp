@@ -83,18 +83,25 @@ py::dict quality_dict(const Quality& quality) {
                   "whole_count_variation"_a = quality.whole_count_variation);
 }
 
+py::dict profile_dict(const Profile& profile) {
+  py::dict result;
+  for (std::size_t k = 0; k < kStageNames.size(); ++k) result[kStageNames[k]] = profile.seconds[k];
+  return result;
+}
+
 py::dict report_dict(const Report& report) {
   using namespace py::literals;
   py::list classes;
   for (const Quality& quality : report.classes) classes.append(quality_dict(quality));
   py::dict result = quality_dict(report);
-  result.attr("update")(py::dict(
-      "classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
-      "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
-      "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
-      "parts"_a = report.parts, "converged"_a = report.converged, "seconds"_a = report.seconds,
-      "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
-      "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
+  result.attr("update")(
+      py::dict("classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
+               "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
+               "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
+               "parts"_a = report.parts, "converged"_a = report.converged,
+               "seconds"_a = report.seconds, "profile"_a = profile_dict(report.profile),
+               "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
+               "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
   return result;
 }
 
@@ -144,6 +151,10 @@ void bind_reports(py::module_& m) {
           "converged", &Report::converged,
           "False if the evaluations ran out first, or no step was found where more was promised.")
       .def_readonly("seconds", &Report::seconds, "Wall time.")
+      .def_property_readonly(
+          "profile", [](const Report& r) { return profile_dict(r.profile); },
+          "A dict of what it went to: seconds by stage, which sum to it. The stages are start, "
+          "neighbors, cells, solver, projection, reporting and other.")
       .def_readonly("energies", &Report::energies,
                     "What was minimized (energy and repulsion), normalized, at the start and after "
                     "each iteration.")

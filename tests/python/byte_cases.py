@@ -12,7 +12,7 @@ import numpy as np
 from checks import ARRAYS
 from shapes import Mesh
 
-TIMES = ("seconds",)
+TIMES = ("seconds", "profile")
 FRAMES = 20
 
 

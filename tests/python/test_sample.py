@@ -19,6 +19,7 @@ REPORT = {
     "parts": int,
     "converged": bool,
     "seconds": float,
+    "profile": dict,
     "energies": list,
     "slide_mean": float,
     "slide_max": float,
@@ -53,6 +54,17 @@ def test_reports(samples, surface):
     assert np.all(np.diff(report.energies) <= 0)
     assert report.converged
     assert report.seconds > 0
+
+
+def test_reports_where_the_time_went(dense):
+    stages = ["start", "neighbors", "cells", "solver", "projection", "reporting", "other"]
+    report = dapple.sample(dense, 300).report
+    assert list(report.profile) == stages
+    assert min(report.profile.values()) > 0
+    assert sum(report.profile.values()) == pytest.approx(report.seconds)
+    watched = dapple.sample(dense, 300, context=dapple.Context()).report
+    assert min(watched.profile.values()) > 0
+    assert dapple.analyze(dense, dapple.sample(dense, 30)).profile == dict.fromkeys(stages, 0.0)
 
 
 def test_says_when_it_did_not_converge(surface):

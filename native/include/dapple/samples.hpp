@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/analysis.hpp>
+#include <dapple/profile.hpp>
 #include <dapple/surface.hpp>
 
 namespace dapple {
@@ -30,6 +31,7 @@ struct Report : Quality {
   int iterations = 0;
   bool converged = true;
   double seconds = 0.0;  ///< wall time
+  Profile profile;       ///< what it went to; sums to `seconds`
   std::vector<double>
       energies;  ///< what was minimized, normalized, at the start and after each iteration
   double slide_mean = 0.0;  ///< tracker, resample: distance from where they were, in spacings

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/energy.hpp>
 
+#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
 #include "voronoi/unit_voronoi.hpp"
@@ -62,7 +63,8 @@ Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity
                        Context* context) {
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
-  return assemble(domain.cells(sites, context), domain.mass(), capacity_weight);
+  return assemble(in_stage(context, Stage::kCells, [&] { return domain.cells(sites, context); }),
+                  domain.mass(), capacity_weight);
 }
 
 }  // namespace dapple

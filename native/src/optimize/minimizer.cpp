@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "optimize/forecast.hpp"
 #include "optimize/line_search.hpp"
 #include "optimize/reinsertion.hpp"
@@ -205,6 +206,7 @@ class Minimizer {
 Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
                  Context* context, const Tracked& tracked) {
   check_options(options);
+  const StageSpan solving(context, Stage::kSolver);
   return Minimizer(objective, options, context, tracked.restoration).run(start, tracked.home);
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "voronoi/local_spacing.hpp"
 
 namespace dapple {
@@ -81,6 +82,7 @@ double Objective::scale(std::size_t term, std::size_t sites) const {
 
 Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
                          std::span<const std::int32_t> which, const Context* context) const {
+  const StageSpan projecting(context, Stage::kProjection);
   if (homes.size() < 2)
     return (homes.empty() ? domain() : *homes[0]).project(points, hints, context);
   Sites result{points, {hints.begin(), hints.end()}, Vectors(points.size())};

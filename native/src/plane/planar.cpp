@@ -4,6 +4,7 @@
 #include <dapple/planar.hpp>
 
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
 #include "density/cut_surface.hpp"
@@ -172,8 +173,10 @@ RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) cons
   // A rectangle has no corner that a straight way between two of its points could leave it at.
   const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size(), cutting.context()) : nullptr;
   Stretch dividing(context, cut ? kCut : 0.0, 1.0);
-  return restricted_voronoi(cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
-                            plane_graph(sites.positions), dividing.context(), cells_);
+  return restricted_voronoi(
+      cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
+      in_stage(context, Stage::kNeighbors, [&] { return plane_graph(sites.positions); }),
+      dividing.context(), cells_);
 }
 
 double PlanarDomain::density_unit() const { return surface_.ordered().density_unit(); }
@@ -252,7 +255,9 @@ RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const
     wrapped.positions.emplace_back(p.x(), p.y(), 0.0);
     wrapped.faces.push_back(face_at(p));
   }
-  return restricted_voronoi(cover_, wrapped, torus_graph(wrapped.positions), context);
+  const SiteGraph graph =
+      in_stage(context, Stage::kNeighbors, [&] { return torus_graph(wrapped.positions); });
+  return restricted_voronoi(cover_, wrapped, graph, context);
 }
 
 double TorusDomain::density_unit() const { return cover_.ordered().density_unit(); }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/planar_sampler.hpp>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "sample/class_problem.hpp"
 #include "sample/outcome.hpp"
+#include "sample/timed_call.hpp"
 
 namespace dapple {
 namespace {
@@ -80,12 +80,13 @@ PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
 
 PlanarSamples sample_planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
                                     const ClassOptions& options, Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
   PlanarSamples samples = with_threads(options.sample.threads, [&] {
     const ClassProblem problem = planar_classes(domain, classes, options.sample.cells);
-    const ClassMinimum found = solve(problem, options, context);
+    const ClassMinimum found = solve(problem, options, call.context());
+    const StageSpan reporting(call.context(), Stage::kReporting);
     const Sites& sites = found.minimum.state.sites;
     PlanarSamples result;
     for (const Vec3& x : sites.positions) result.positions.push_back(domain.canonical(x));
@@ -94,7 +95,7 @@ PlanarSamples sample_planar_classes(const FlatDomain& domain, std::span<const Pl
                               std::vector<Vec3>(sites.size(), Vec3::UnitZ()));
     return result;
   });
-  samples.report.seconds = clock.seconds();
+  call.write(samples.report);
   if (context) context->advance(1.0);
   return samples;
 }

@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/segment.hpp"
+#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "plane/delaunay_graph.hpp"
 #include "plane/pixel_integrals.hpp"
@@ -82,7 +83,8 @@ RasterDomain::RasterDomain(Image density)
       frame_(rectangle(size_)) {}
 
 RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) const {
-  const SiteGraph graph = plane_graph(sites.positions);
+  const SiteGraph graph =
+      in_stage(context, Stage::kNeighbors, [&] { return plane_graph(sites.positions); });
   RestrictedVoronoi result;
   result.cells.resize(sites.size());
   result.rows.resize(sites.size());

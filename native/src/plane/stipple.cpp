@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "base/allot.hpp"
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
@@ -14,6 +13,7 @@
 #include "plane/raster_domain.hpp"
 #include "sample/class_problem.hpp"
 #include "sample/outcome.hpp"
+#include "sample/timed_call.hpp"
 
 namespace dapple {
 namespace {
@@ -152,7 +152,9 @@ Objective to_objective(const ClassProblem& problem, const ClassOptions& options)
 Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t> counts,
                        const StippleOptions& options, Context* context) {
   const ClassProblem problem = to_problem(inks, counts);
-  Sites start = to_sites(problem, diffuse_errors(inks, counts, options.seed, context));
+  Sites start = in_stage(context, Stage::kStart, [&] {
+    return to_sites(problem, diffuse_errors(inks, counts, options.seed, context));
+  });
   if (context) context->advance(kDiffused);
   ClassOptions chosen;
   chosen.sample.optimizer = options.optimizer;
@@ -167,6 +169,7 @@ Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t>
   ClassMinimum found = solve(objective, start, options.optimizer, finishing.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
+  const StageSpan reporting(context, Stage::kReporting);
   Stipples result;
   for (const Vec3& x : found.minimum.state.sites.positions)
     result.positions.emplace_back(x.head<2>());
@@ -180,16 +183,16 @@ Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t>
 
 Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOptions& options,
                  Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   check(inks, count, options);
   const std::vector<std::size_t> counts =
       options.counts.empty() ? allot(sums_of(inks), count) : options.counts;
   check_counts(inks, count, counts);
-  Stipples result =
-      with_threads(options.threads, [&] { return solve_stipple(inks, counts, options, context); });
+  Stipples result = with_threads(
+      options.threads, [&] { return solve_stipple(inks, counts, options, call.context()); });
   result.radius = options.radius > 0.0 ? options.radius : radius_of(inks, count);
-  result.report.seconds = clock.seconds();
+  call.write(result.report);
   if (context) context->advance(1.0);
   return result;
 }

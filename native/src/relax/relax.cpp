@@ -3,11 +3,11 @@
 #include <dapple/relax.hpp>
 #include <map>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "relax/relaxation.hpp"
 #include "sample/outcome.hpp"
+#include "sample/timed_call.hpp"
 #include "sample/validate_samples.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
@@ -155,7 +155,7 @@ Samples assemble(const Surface& surface, const Samples& before, const Sites& car
 
 Samples relax(const Surface& surface, const Samples& samples, std::span<const std::int32_t> changed,
               const RelaxOptions& options, Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   check(surface, samples, changed, options);
   const Sites before = carried(surface, samples, changed);
@@ -167,10 +167,11 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
     std::vector<bool> locked(sites.size(), false);
     for (const std::int32_t k : options.locked) locked[at(k)] = true;
     Relaxation relaxation(surface, std::move(sites), std::move(locked), options);
-    relaxation.run(faces, context);
-    return assemble(surface, samples, before, relaxation, faces);
+    in_stage(call.context(), Stage::kStart, [&] { relaxation.run(faces, call.context()); });
+    return in_stage(call.context(), Stage::kReporting,
+                    [&] { return assemble(surface, samples, before, relaxation, faces); });
   });
-  result.report.seconds = clock.seconds();
+  call.write(result.report);
   if (context) context->advance(1.0);
   return result;
 }

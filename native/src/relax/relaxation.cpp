@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "relax/part_domain.hpp"
 #include "relax/widest_gaps.hpp"
@@ -122,7 +123,8 @@ Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Co
 /// Take out and put in sites, so that each has the capacity of those around.
 void Relaxation::balance(Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected);
-  RestrictedVoronoi diagram = domain.cells(region.sites, context);
+  RestrictedVoronoi diagram =
+      in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
   ++report_.evaluations;
   capacity_ = capacity_around(region, diagram);
   if (capacity_ == 0.0) capacity_ = capacity_elsewhere() * domain.density_unit();

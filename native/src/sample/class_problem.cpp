@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "optimize/forecast.hpp"
 #include "start/class_start.hpp"
@@ -150,6 +151,7 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
 }
 
 Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context) {
+  const StageSpan starting(context, Stage::kStart);
   ClassStarts starts{{}, &problem.all->sampling_surface(), problem.all->period(), seed};
   for (const ClassProblem::Member& member : problem.classes)
     starts.classes.push_back({&member.domain->sampling_surface(), member.count, member.radius,

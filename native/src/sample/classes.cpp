@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/classes.hpp>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
+#include "sample/timed_call.hpp"
 
 namespace dapple {
 
@@ -15,15 +15,17 @@ ClassOptions paper_class_options() {
 
 Samples sample_classes(const Surface& surface, std::span<const SampleClass> classes,
                        const ClassOptions& options, Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");
   Samples samples = with_threads(options.sample.threads, [&] {
     const ClassProblem problem = surface_classes(surface, classes, options.sample.cells);
-    const ClassMinimum found = solve(problem, options, context);
-    return to_samples(surface, found.objective, found.minimum, classes.size());
+    const ClassMinimum found = solve(problem, options, call.context());
+    return in_stage(call.context(), Stage::kReporting, [&] {
+      return to_samples(surface, found.objective, found.minimum, classes.size());
+    });
   });
-  samples.report.seconds = clock.seconds();
+  call.write(samples.report);
   if (context) context->advance(1.0);
   return samples;
 }

@@ -12,6 +12,7 @@
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/random.hpp"
+#include "base/stopwatch.hpp"
 #include "base/tangent_basis.hpp"
 #include "optimize/objective.hpp"
 #include "surface/ordered_surface.hpp"
@@ -437,8 +438,10 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
     Stretch left(context, done, 1.0);
     const auto cells = static_cast<double>(now.sites.size());
     Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
-    Round round(surface, domain, now.sites, rule, domain.cells(now.sites, dividing.context()),
-                limited, random, left.context());
+    RestrictedVoronoi diagram = in_stage(
+        context, Stage::kCells, [&] { return domain.cells(now.sites, dividing.context()); });
+    Round round(surface, domain, now.sites, rule, std::move(diagram), limited, random,
+                left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();
     apply(passed, now);

@@ -3,12 +3,12 @@
 #include <dapple/poisson_start.hpp>
 #include <dapple/resample.hpp>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
+#include "sample/timed_call.hpp"
 
 namespace dapple {
 namespace {
@@ -78,27 +78,29 @@ std::vector<std::int32_t> continued(std::vector<std::int32_t> ids, std::int64_t 
 
 Samples resample(const Surface& surface, const Samples& samples, std::size_t count,
                  const SampleOptions& options, Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   check_count("count", count);
   check_none_locked("locked", options.locked, "all may move a little here");
   Samples result = with_threads(options.threads, [&] {
     const SurfaceDomain domain(surface, options.cells);
     const double begun = beginning(samples.size(), count);
-    Stretch starting(context, 0.0, begun), evening(context, begun, 1.0);
-    const Beginning first =
-        begin(surface, domain, samples, count, options.seed, starting.context());
+    Stretch starting(call.context(), 0.0, begun), evening(call.context(), begun, 1.0);
+    const Beginning first = in_stage(call.context(), Stage::kStart, [&] {
+      return begin(surface, domain, samples, count, options.seed, starting.context());
+    });
     OptimizerOptions optimizer = options.optimizer;
     if (samples.report.energy > 0.0)
       optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kAsEven);
     const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
     OptimizerResult found = optimize(domain, first.sites, optimizer, evening.context());
     found.evaluations += first.evaluations;
+    const StageSpan reporting(call.context(), Stage::kReporting);
     Samples even = to_samples(surface, domain, std::move(found), ids);
     measure_slide(even.report, even.positions, first.kept.positions);
     return even;
   });
-  result.report.seconds = clock.seconds();
+  call.write(result.report);
   if (context) context->advance(1.0);
   return result;
 }

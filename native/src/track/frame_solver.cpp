@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
@@ -127,6 +128,7 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context),
                                  options, context, {.home = home, .restoration = &restoration_});
+  const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
   return {std::move(samples), found.settled};

@@ -4,11 +4,11 @@
 #include <dapple/tracker.hpp>
 #include <map>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
+#include "sample/timed_call.hpp"
 #include "track/frame_solver.hpp"
 #include "track/motion.hpp"
 
@@ -79,11 +79,11 @@ bool Tracker::rests_at(std::span<const Vec3> vertices) const {
 }
 
 const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context) {
-  const Clock clock;
+  TimedCall call(context);
   if (context) context->check();
   if (measured_ && rests_at(vertices)) {
     samples_.report = resting(*measured_);
-    samples_.report.seconds = clock.seconds();
+    call.write(samples_.report);
     if (context) context->advance(1.0);
     return samples_;
   }
@@ -95,18 +95,20 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     const bool still = motion.extent < kStill;
     const int parts = part_count(motion, options.longest_motion);
     const Sites before = sites_of(samples_);
-    const FrameSolver::Passed last = approach(*solver_, surface_, before, motion, parts, context);
+    const FrameSolver::Passed last =
+        approach(*solver_, surface_, before, motion, parts, call.context());
     const Sites now = carried(surface, last.sites);
     const Sites home = carried(surface, before);
-    const Vectors moves = solver_->recall(surface, last.sites, now);
+    const Vectors moves = in_stage(call.context(), Stage::kStart,
+                                   [&] { return solver_->recall(surface, last.sites, now); });
     const auto last_part = static_cast<std::size_t>(parts - 1);
-    Stretch step(context, last_part, last_part + 1);
+    Stretch step(call.context(), last_part, last_part + 1);
     auto [samples, settled] =
         solver_->restore(surface, now, moves, &home, still && settled_, step.context());
     samples.report.evaluations += last.evaluations;
     samples.report.parts = parts;
     measure_slide(samples.report, samples.positions, home.positions);
-    samples.report.seconds = clock.seconds();
+    call.write(samples.report);
     settled_ = (still && settled_) ||
                (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
     surface_ = std::move(surface);

@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
+#include "sample/timed_call.hpp"
 #include "track/frame_solver.hpp"
 #include "track/motion.hpp"
 
@@ -115,16 +116,19 @@ class Window {
   /// Move the samples of a frame, and restore it as near to that as can be.
   void settle(std::size_t t, const Surface& here, const Vectors& moves) {
     Stretch step = next_step();
+    TimedCall call(step.context());
+    const Profile before = samples_[t].report.profile;
     const bool moved = !all_zero(moves);
     if (rest_ && !moved && is_at(*rest_, t)) {
       samples_[t] = rest_->samples;
       samples_[t].report.evaluations = 0;
-      return;
+      return call.write(samples_[t].report, before);
     }
     Samples found =
-        solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, step.context()).samples;
+        solver_.restore(here, sites_of(samples_[t]), moves, nullptr, false, call.context()).samples;
     if (!moved && same_places(found, samples_[t])) rest_ = {here, found};
     samples_[t] = std::move(found);
+    call.write(samples_[t].report, before);
   }
 
   void measure(std::size_t t) {

@@ -19,6 +19,7 @@ Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const Si
     : surface_(&surface), sites_(&sites), index_(&index), near_(surface, sites, index) {}
 
 void Bisectors::reset(std::int32_t site) {
+  const Laps::Lap lap(laps_);
   begin(site);
   if (index_->has_graph()) return take_links();
   owner_ = index_->leader(site);
@@ -44,6 +45,7 @@ void Bisectors::begin(std::int32_t site) {
 }
 
 void Bisectors::look_further() {
+  const Laps::Lap lap(laps_);
   if (near_.all().size() < most_)
     near_.extend();
   else if (take_all_that_cut())

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/laps.hpp"
 #include "voronoi/cell_polyhedron.hpp"
 #include "voronoi/half_spaces.hpp"
 #include "voronoi/near_sites.hpp"
@@ -47,6 +48,9 @@ class Bisectors {
     near_.note_need(std::min(squared_distance, most_needed_));
   }
 
+  /// Time spent looking for sites.
+  [[nodiscard]] Laps& laps() { return laps_; }
+
   /// How many are known in their final order so far.
   [[nodiscard]] std::size_t settled() const { return settled_; }
   /// Their half-spaces, by the same numbers.
@@ -84,6 +88,7 @@ class Bisectors {
   HalfSpaces half_spaces_;  // of those that are settled
   NearSites near_;
   double most_needed_ = 0.0;  // beyond it bisectors are looked for in another way
+  Laps laps_;
 };
 
 }  // namespace dapple

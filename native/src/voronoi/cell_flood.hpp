@@ -25,6 +25,8 @@ class CellFlood {
   [[nodiscard]] const Bisector& bisector(std::int32_t k) {
     return *bisectors_.at(static_cast<std::size_t>(k));
   }
+  /// Time spent looking for the sites around.
+  [[nodiscard]] Laps& laps() { return bisectors_.laps(); }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }
   /// The site that the face clipped last went to because it lies in the bisector; -1 if it did not.
   [[nodiscard]] std::int32_t tied_to() const { return tied_to_; }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <dapple/restricted_voronoi.hpp>
 #include <numeric>
+#include <optional>
 
+#include "base/laps.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
@@ -28,8 +30,8 @@ class Builder {
   Builder(const Surface& surface, const Sites& sites, const SiteGraph* graph, Cells cells,
           Context* context)
       : surface_(surface),
-        sites_(surface, sites),
-        index_(sites_, graph),
+        sites_(in_stage(context, Stage::kNeighbors, [&] { return OrderedSites(surface, sites); })),
+        index_(in_stage(context, Stage::kNeighbors, [&] { return SiteIndex(sites_, graph); })),
         whole_(graph && graph->periodic),
         connected_(cells == Cells::kConnected),
         context_(context),
@@ -115,12 +117,16 @@ class Builder {
     std::vector<std::vector<CellBoundary>> boundaries(chunks);
     pieces_.assign(chunks, {});
     Tally tally(context, sites.size());
+    std::optional<SharedLoop> loop(std::in_place, context_, Stage::kNeighbors);
     parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       tally.check();
-      integrate_chunk(sites.subspan(begin, end - begin), boundaries[begin / kGrain],
-                      pieces_[begin / kGrain]);
+      const std::size_t chunk = begin / kGrain;
+      loop->run(chunk, floods_.local().laps(), [&] {
+        integrate_chunk(sites.subspan(begin, end - begin), boundaries[chunk], pieces_[chunk]);
+      });
       tally.add(end - begin);
     });
+    loop.reset();
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
       for (const std::int32_t s :
            sites.subspan(chunk * kGrain).first(std::min(kGrain, sites.size() - chunk * kGrain)))

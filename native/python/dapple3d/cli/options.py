@@ -92,6 +92,15 @@ def report_options(command: Decorated) -> Decorated:
     )(command)
 
 
+def profile_option(command: Decorated) -> Decorated:
+    """--profile, for commands that solve."""
+    return click.option(
+        "--profile",
+        is_flag=True,
+        help="Also print what the time of the solution went to, on stderr.",
+    )(command)
+
+
 def weld_option(command: Decorated) -> Decorated:
     """--weld, for the surface."""
     return click.option(

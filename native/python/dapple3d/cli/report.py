@@ -2,6 +2,7 @@
 """What a command says when it is done: a line for people, JSON for programs."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,10 @@ class Reporter:
         if not self.quiet and self.json_out != STANDARD_OUTPUT:
             click.echo(text)
 
+    def show_profile(self, reports: Sequence[dapple.Report]) -> None:
+        """Print what the time went to where nothing else is read, even if told to be quiet."""
+        click.echo(profile_table(reports), err=True)
+
     def store(self, command: str, **content: Any) -> None:
         """Write the JSON, if asked for: command and version, then the content."""
         document = {"command": command, "version": dapple.__version__, **content}
@@ -49,3 +54,14 @@ def figures(report: dapple.Quality) -> str:
         f"alpha min {report.alpha_min:.3f}, psi6 {report.bond_order:.3f}, "
         f"capacity variation {report.capacity_variation:.4f}"
     )
+
+
+def profile_table(reports: Sequence[dapple.Report]) -> str:
+    """Seconds of each stage and their share, of all reports together."""
+    total = sum(report.seconds for report in reports)
+    lines = [f"{'stage':<12}{'seconds':>9}{'share':>9}"]
+    for stage in reports[0].profile:
+        seconds = sum(report.profile[stage] for report in reports)
+        share = 100 * seconds / total if total > 0 else 0.0
+        lines.append(f"{stage:<12}{seconds:>9.3f}{share:>7.1f} %")
+    return "\n".join([*lines, f"{'all':<12}{total:>9.3f}"])

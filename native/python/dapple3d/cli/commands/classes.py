@@ -69,6 +69,7 @@ class WantedType(click.ParamType):
 @options.density_options
 @options.library_options("sample_classes")
 @options.weld_option
+@options.profile_option
 @options.report_options
 def command(
     mesh: Path,
@@ -77,6 +78,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     weld: bool,
+    profile: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -112,3 +114,5 @@ def command(
     reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}")
     for k, quality in enumerate(samples.report.classes):
         reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")
+    if profile:
+        reporter.show_profile([samples.report])

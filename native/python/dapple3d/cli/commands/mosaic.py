@@ -36,6 +36,7 @@ GROUT = 0.1  # spacings
 @options.library_options("mosaic", only=["thickness", "tolerance"])
 @options.library_options("sample", without=["tolerance"])
 @options.weld_option
+@options.profile_option
 @options.report_options
 def command(
     mesh: Path,
@@ -45,6 +46,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     weld: bool,
+    profile: bool,
     json_out: str | None,
     quiet: bool,
     **chosen: Any,
@@ -63,6 +65,8 @@ def command(
     reporter = Reporter(json_out, quiet)
     polygons.check_extension(out)
     options.check_either(count, points)
+    if profile and points:
+        raise click.UsageError("--profile needs --count: nothing is solved for --points")
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
     loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
     shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
@@ -87,6 +91,8 @@ def command(
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()
     reporter.say(f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area")
+    if profile:
+        reporter.show_profile([samples.report])
 
 
 def summary(made: dapple.Mosaic) -> dict[str, Any]:

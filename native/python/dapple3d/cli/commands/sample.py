@@ -31,6 +31,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 )
 @options.library_options("sample")
 @options.weld_option
+@options.profile_option
 @options.report_options
 def command(
     mesh: Path,
@@ -40,6 +41,7 @@ def command(
     density_at: meshes.Place | None,
     preset: str,
     weld: bool,
+    profile: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -73,3 +75,5 @@ def command(
         report=samples.report.to_dict(),
     )
     reporter.say(f"{out}: {count} points, {figures(samples.report)}")
+    if profile:
+        reporter.show_profile([samples.report])

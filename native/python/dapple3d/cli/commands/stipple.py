@@ -28,12 +28,14 @@ from dapple3d.writing import replacing
     help="Pixels of a .png for each of PICTURE.",
 )
 @options.library_options("stipple_inks")
+@options.profile_option
 @options.report_options
 def command(
     picture: Path,
     out: Path,
     count: int,
     scale: float,
+    profile: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -71,3 +73,5 @@ def command(
         report=dots.report.to_dict(),
     )
     reporter.say(f"{out}: {count} dots of radius {dots.radius:.3g}, {figures(dots.report)}")
+    if profile:
+        reporter.show_profile([dots.report])

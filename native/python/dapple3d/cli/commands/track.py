@@ -19,6 +19,7 @@ from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
 from dapple3d.writing import replacing, write_npz
 
+TIMES = ("seconds", "profile")  # of a report: never the same twice
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 # Options of sample(), for the first frame, that mean the same to the tracker.
 START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
@@ -45,6 +46,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
 @options.weld_option
+@options.profile_option
 @options.report_options
 def command(
     frames: tuple[Path, ...],
@@ -56,6 +58,7 @@ def command(
     sweeps: int | None,
     seed: int | None,
     weld: bool,
+    profile: bool,
     json_out: str | None,
     quiet: bool,
     **solver: Any,
@@ -113,6 +116,8 @@ def command(
         f"{out}: {len(first)} points on {len(motion)} frames, the last one: "
         f"{figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
     )
+    if profile:
+        reporter.show_profile([samples.report for samples in results])
 
 
 def of_classes(path: Path, first: dapple.Samples, together: bool) -> dict[str, Any]:
@@ -200,13 +205,13 @@ def follow_together(
 
 
 def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
-    """Write the frames' samples; without the seconds they took, the same bytes each time."""
+    """Write the frames' samples; without the time they took, the same bytes each time."""
 
     def stacked(name: str) -> NDArray:
         return np.stack([getattr(samples, name) for samples in results])
 
     reports = [samples.report.to_dict() for samples in results]
-    texts = [json.dumps({k: v for k, v in report.items() if k != "seconds"}) for report in reports]
+    texts = [json.dumps({k: v for k, v in report.items() if k not in TIMES}) for report in reports]
     with replacing(path) as file:
         write_npz(
             file,
