@@ -85,7 +85,12 @@ def main() -> None:
     builds = {"this": Path(dapple.__file__).parents[1]}
     if given.against:
         builds = {"before": given.against.resolve()} | builds
-    names = given.only or [name for name in cases(Mesh(given.mesh)) if count_of(name) <= given.most]
+    known = list(cases(Mesh(given.mesh)))
+    if unknown := set(given.only or ()) - set(known):
+        sys.exit(
+            f"{min(unknown)} is no case: {', '.join(known)}; evaluations are run without --only"
+        )
+    names = given.only or [name for name in known if count_of(name) <= given.most]
     results = Results(given.json)
     if not given.only:
         evaluated(results, given)

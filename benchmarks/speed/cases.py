@@ -65,6 +65,35 @@ def _classes(mesh: Mesh, count: int) -> Make:
     return make
 
 
+def _changed(mesh: Mesh) -> tuple[dapple.Surface, Array]:
+    """A surface, and its density doubled on about 1 % of it."""
+    away = np.linalg.norm(mesh.vertices - mesh.vertices[0], axis=1)
+    return mesh.surface(np.ones(len(away))), np.where(away < np.quantile(away, 0.01), 2.0, 1.0)
+
+
+def _relaxed(mesh: Mesh, count: int) -> Make:
+    def make(seed: int) -> Run:
+        surface, density = _changed(mesh)
+        samples = dapple.sample(surface, count, seed=seed)
+        after = surface.with_density(density)
+        changed = dapple.changed_faces(surface, after)
+        return lambda: dapple.relax(after, samples, changed).report
+
+    return make
+
+
+def _repainted(mesh: Mesh) -> Make:
+    def make(_seed: int) -> Run:
+        surface, density = _changed(mesh)
+
+        def run() -> None:
+            dapple.changed_faces(surface, surface.with_density(density))
+
+        return run
+
+    return make
+
+
 def _faces(around: int, tube: int, count: int) -> Make:
     def make(seed: int) -> Run:
         surface = dapple.Surface(*torus(around, tube))
@@ -134,7 +163,9 @@ def cases(mesh: Mesh) -> dict[str, Make]:
         | {f"ramp/{n}": _sample(mesh, n, ramp=True) for n in small}
         | {f"half locked/{n}": _sample(mesh, n, locked=True) for n in small}
         | {f"3 classes/{n}": _classes(mesh, n) for n in small}
+        | {f"1 % relaxed/{n}": _relaxed(mesh, n) for n in small}
         | {
+            "1 % repainted/0": _repainted(mesh),
             "279,000 faces/2000": _faces(528, 264, 2_000),
             "1.1M faces/2000": _faces(1_056, 528, 2_000),
             "torus/100000": _planar(lambda: dapple.Torus(), 100_000),

@@ -181,15 +181,8 @@ std::vector<std::int32_t> changed_faces(const Surface& before, const Surface& af
     throw ArgumentError(
         "after has other faces than before: make it by deformed() or with_density()");
   std::vector<std::int32_t> result;
-  for (std::size_t k = 0; k < before.face_count(); ++k) {
-    const OrderedFace f = nth_face(k);
-    const Face& corners = before.ordered().corners(f);
-    const bool moved = std::any_of(corners.begin(), corners.end(), [&](std::int32_t v) {
-      return before.ordered().vertex(v) != after.ordered().vertex(v);
-    });
-    if (moved || before.ordered().densities(f) != after.ordered().densities(f))
-      result.push_back(before.ordered().original_face(f));
-  }
+  for (const OrderedFace face : after.ordered().changed_faces(before.ordered()))
+    result.push_back(after.ordered().original_face(face));
   std::sort(result.begin(), result.end());
   return result;
 }

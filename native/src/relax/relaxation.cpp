@@ -17,7 +17,8 @@ namespace dapple {
 namespace {
 
 constexpr int kFreeRings = 2;     // around the cells that have a part of what has changed
-constexpr double kUneven = 0.02;  // of the capacity: a border cell so far off is freed too
+constexpr double kUneven = 0.02;  // of the capacity: a border cell so far off is freed too ...
+constexpr double kPushed = 0.01;  // ... unless it hardly was nearer before
 constexpr int kGrowths = 16;
 constexpr std::size_t kHole = 256;  // faces
 constexpr int kHardlyAny = 16;      // sites that tell nothing of the capacity of all
@@ -127,6 +128,8 @@ void Relaxation::balance(Region& region, Context* context) {
       in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
   ++report_.evaluations;
   capacity_ = capacity_around(region, diagram);
+  for (std::size_t k = 0; k < region.members.size(); ++k)
+    first_capacities_[region.members[k].site] = diagram.cells[k].capacity;
   if (capacity_ == 0.0) capacity_ = capacity_elsewhere() * domain.density_unit();
   const double wanted = wanted_capacity(region, diagram);
   if (wanted == 0.0) return;
@@ -251,7 +254,11 @@ Relaxation::Indices Relaxation::uneven(const Region& region,
     if (!region.members[k].measured || at(s) >= given_ ||
         std::binary_search(region_.begin(), region_.end(), s))
       continue;
-    if (std::abs(diagram.cells[k].capacity / capacity_ - 1.0) > kUneven) result.push_back(s);
+    const auto off = [this](double capacity) { return std::abs(capacity / capacity_ - 1.0); };
+    const auto first = first_capacities_.find(s);
+    const double before = first == first_capacities_.end() ? 0.0 : off(first->second);
+    const double now = off(diagram.cells[k].capacity);
+    if (now > kUneven && now > before + kPushed) result.push_back(s);
   }
   return result;
 }

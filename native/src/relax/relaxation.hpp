@@ -66,6 +66,7 @@ class Relaxation {
   Indices region_;         // the given sites that are even again, or gone; sorted
   Indices border_;         // those and the sites beside them; sorted
   double capacity_ = 0.0;  // of a site, as the domains' integrals
+  std::unordered_map<std::int32_t, double> first_capacities_;  // before anything has moved
   Report report_;
 };
 

@@ -53,10 +53,11 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::ui
     std::vector<Neighbor> near;
     for (std::size_t k = begin; k < end; ++k) {
       darts[k] = dart_at(surface, drawn[k].face, drawn[k].weights);
-      tree.nearest(darts[k].position, kAsked, near);
       const auto sees = [&](const Neighbor& n) {
         return see_each_other(darts[k], sites[static_cast<std::size_t>(n.index)]);
       };
+      tree.nearest(darts[k].position, 1, near);
+      if (!sees(near.front())) tree.nearest(darts[k].position, kAsked, near);
       const auto first = std::find_if(near.begin(), near.end(), sees);
       // If it sees none of them, those that it sees are farther.
       const Neighbor& nearest = first != near.end() ? *first : near.back();

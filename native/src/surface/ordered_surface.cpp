@@ -17,28 +17,8 @@ namespace {
 // A face thinner than this against its longest edge has no usable normal; it counts as having no
 // area.
 constexpr double kDegenerate = 1e-14;
-constexpr std::size_t kGrain = 4096;  // faces a chunk
 // Of the progress.
 constexpr double kPlaced = 0.1, kMeasured = 0.95;
-constexpr double kMade = 0.4;  // of that of measuring: there is room for the faces
-
-/// Room for that many faces: it is large, and the system hands it out page by page.
-std::vector<FaceGeometry> make_room(std::size_t count, Context* context) {
-  std::vector<FaceGeometry> faces;
-  faces.reserve(count);
-  while (faces.size() < count) {
-    report_at(context, faces.size(), count, 1);
-    faces.resize(std::min(count, faces.size() + kGrain));
-  }
-  return faces;
-}
-
-/// Of faces side by side: they are added up in order, and their geometry is far apart.
-struct Sums {
-  explicit Sums(std::size_t count) : areas(count), capacities(count) {}
-
-  std::vector<double> areas, capacities;
-};
 
 /// Geometry of the triangle x with the density f at its corners.
 FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool uniform) {
@@ -76,7 +56,9 @@ OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity conn
     : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
   vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
-  *this = with_density(density, context);
+  place_density(density);
+  Stretch measuring(context, kPlaced, kMeasured);
+  measure(nullptr, measuring.context());
 }
 
 OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context* context) const {
@@ -84,44 +66,93 @@ OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context*
   result.vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
   Stretch measuring(context, kPlaced, kMeasured);
-  result.measure(measuring.context());
+  result.measure(this, measuring.context());
   return result;
 }
 
 OrderedSurface OrderedSurface::with_density(const Density& density, Context* context) const {
   OrderedSurface result = *this;
-  const auto [order, width] = density_layout(*connectivity_, density.at);
-  result.density_ =
-      std::make_shared<const Values>(Values{density.at, gather(density.values, order, width)});
+  result.place_density(density);
   Stretch measuring(context, kPlaced, kMeasured);
-  result.measure(measuring.context());
+  result.measure(this, measuring.context());
   return result;
 }
 
-void OrderedSurface::measure(Context* context) {
+void OrderedSurface::place_density(const Density& density) {
+  const auto [order, width] = density_layout(*connectivity_, density.at);
+  density_ =
+      std::make_shared<const Values>(Values{density.at, gather(density.values, order, width)});
+}
+
+void OrderedSurface::measure(const OrderedSurface* before, Context* context) {
   auto result = std::make_shared<Geometry>();
   const double unit = result->density_unit = find_density_unit();
-  Stretch making(context, 0.0, kMade), measuring(context, kMade, 1.0);
-  result->faces = make_room(face_count(), making.context());
-  Tally tally(measuring.context(), face_count());
-  Sums of_faces(face_count());
-  parallel_chunks(result->faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  if (before &&
+      (before->geometry_->density_unit != unit || before->density().empty() != density().empty()))
+    before = nullptr;
+  const std::size_t count = (face_count() + kBlock - 1) / kBlock;
+  result->blocks.resize(count);
+  Tally tally(context, count);
+  parallel_chunks(count, 1, [&](std::size_t block, std::size_t) {
     tally.check();
-    for (std::size_t f = begin; f < end; ++f) {
-      const OrderedFace face = nth_face(f);
-      const auto [a, b, c] = corners(face);
-      result->faces[f] = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(face),
-                                      density_->values.empty());
-      of_faces.areas[f] = result->faces[f].moments.area;
-      of_faces.capacities[f] = result->faces[f].moments.capacity;
-    }
-    tally.add(end - begin);
+    result->blocks[block] = before && !block_differs(block, *before)
+                                ? before->geometry_->blocks[block]
+                                : measure_block(block, unit);
+    tally.add(1);
   });
-  for (const double area : of_faces.areas) result->area += area;
-  for (const double capacity : of_faces.capacities) result->mass += capacity;
+  for (const auto& block : result->blocks) {
+    result->first.push_back(block->faces.data());
+    for (const double area : block->areas) result->area += area;
+    for (const double capacity : block->capacities) result->mass += capacity;
+  }
   check(*result);
   result->mass /= unit;
+  first_geometry_ = result->first.data();
   geometry_ = std::move(result);
+}
+
+std::shared_ptr<const OrderedSurface::Block> OrderedSurface::measure_block(std::size_t block,
+                                                                           double unit) const {
+  auto result = std::make_shared<Block>();
+  const std::size_t end = std::min(face_count(), (block + 1) * kBlock);
+  result->faces.reserve(kBlock);
+  for (std::size_t f = block * kBlock; f < end; ++f) {
+    const auto [a, b, c] = corners(nth_face(f));
+    const FaceGeometry& face = result->faces.emplace_back(
+        measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(nth_face(f)),
+                     density_->values.empty()));
+    result->areas.push_back(face.moments.area);
+    result->capacities.push_back(face.moments.capacity);
+  }
+  return result;
+}
+
+bool OrderedSurface::differs(OrderedFace face, const OrderedSurface& before) const {
+  const Face& v = corners(face);
+  return (vertices_ != before.vertices_ &&
+          std::any_of(v.begin(), v.end(),
+                      [&](std::int32_t k) { return vertex(k) != before.vertex(k); })) ||
+         (density_ != before.density_ && densities(face) != before.densities(face));
+}
+
+bool OrderedSurface::block_differs(std::size_t block, const OrderedSurface& before) const {
+  const std::size_t end = std::min(face_count(), (block + 1) * kBlock);
+  for (std::size_t f = block * kBlock; f < end; ++f)
+    if (differs(nth_face(f), before)) return true;
+  return false;
+}
+
+std::vector<OrderedFace> OrderedSurface::changed_faces(const OrderedSurface& before) const {
+  std::vector<std::vector<OrderedFace>> found(geometry_->blocks.size());
+  parallel_chunks(found.size(), 1, [&](std::size_t block, std::size_t) {
+    if (geometry_->blocks[block] == before.geometry_->blocks[block]) return;
+    const std::size_t end = std::min(face_count(), (block + 1) * kBlock);
+    for (std::size_t f = block * kBlock; f < end; ++f)
+      if (differs(nth_face(f), before)) found[block].push_back(nth_face(f));
+  });
+  std::vector<OrderedFace> result;
+  for (const auto& faces : found) result.insert(result.end(), faces.begin(), faces.end());
+  return result;
 }
 
 double OrderedSurface::find_density_unit() const {

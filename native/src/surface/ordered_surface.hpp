@@ -28,13 +28,17 @@ class OrderedSurface {
   OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density,
                  Context* context = nullptr);
 
-  /// The same with moved vertices, or another density (both in the caller's order).
+  /// The same with moved vertices, or another density (both in the caller's order). What is known
+  /// of faces is measured anew where something differs, and shared elsewhere.
   /// \pre as many as before.
   /// \throw SurfaceError as the constructor
   [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices,
                                         Context* context = nullptr) const;
   [[nodiscard]] OrderedSurface with_density(const Density& density,
                                             Context* context = nullptr) const;
+
+  /// The faces whose corners or densities differ from another's of the same connectivity; sorted.
+  [[nodiscard]] std::vector<OrderedFace> changed_faces(const OrderedSurface& before) const;
 
   [[nodiscard]] std::size_t vertex_count() const { return vertices_->size(); }
   [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
@@ -61,7 +65,7 @@ class OrderedSurface {
   /// The density at the corners of a face; it is linear in between.
   [[nodiscard]] Vec3 densities(OrderedFace face) const;
   [[nodiscard]] const FaceGeometry& geometry(OrderedFace face) const {
-    return geometry_->faces[as_index(face)];
+    return first_geometry_[as_index(face) / kBlock][as_index(face) % kBlock];
   }
   /// The point of a face with these barycentric coordinates.
   [[nodiscard]] Vec3 point(OrderedFace face, const Vec3& weights) const {
@@ -71,9 +75,9 @@ class OrderedSurface {
   /// Ask for what is known of a face, before it is needed.
   void prefetch(OrderedFace face) const {
 #if defined(__GNUC__)
-    const auto* geometry = reinterpret_cast<const char*>(&geometry_->faces[as_index(face)]);
+    const auto* bytes = reinterpret_cast<const char*>(&geometry(face));
     for (std::size_t byte = 0; byte < sizeof(FaceGeometry); byte += 64)
-      __builtin_prefetch(geometry + byte);
+      __builtin_prefetch(bytes + byte);
     __builtin_prefetch(&connectivity_->faces[as_index(face)]);
 #else
     static_cast<void>(face);
@@ -110,14 +114,26 @@ class OrderedSurface {
     DensityAt at = DensityAt::kVertices;
     std::vector<double> values;  // empty if uniform
   };
-  struct Geometry {
+  static constexpr std::size_t kBlock = 1024;  // faces; a power of two
+  /// A run of faces.
+  struct Block {
     std::vector<FaceGeometry> faces;  // of the density times the unit
+    // Of the faces, side by side: they are added up in order, and their geometry is far apart.
+    std::vector<double> areas, capacities;
+  };
+  struct Geometry {
+    std::vector<std::shared_ptr<const Block>> blocks;
+    std::vector<const FaceGeometry*> first;  // per block
     double area = 0.0;
     double mass = 0.0;  // the caller's
     double density_unit = 1.0;
   };
 
-  void measure(Context* context);
+  void place_density(const Density& density);
+  void measure(const OrderedSurface* before, Context* context);
+  [[nodiscard]] std::shared_ptr<const Block> measure_block(std::size_t block, double unit) const;
+  [[nodiscard]] bool differs(OrderedFace face, const OrderedSurface& before) const;
+  [[nodiscard]] bool block_differs(std::size_t block, const OrderedSurface& before) const;
   [[nodiscard]] double find_density_unit() const;
   static void check(const Geometry& geometry);
 
@@ -125,6 +141,7 @@ class OrderedSurface {
   std::shared_ptr<const std::vector<Vec3>> vertices_;
   std::shared_ptr<const Values> density_;
   std::shared_ptr<const Geometry> geometry_;
+  const FaceGeometry* const* first_geometry_ = nullptr;  // per block
 };
 
 /// The indices of a density's values in the caller's order, and how many go together.

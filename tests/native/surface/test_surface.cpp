@@ -106,6 +106,42 @@ TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
   }
 }
 
+/// What is measured is shared where nothing has changed.
+TEST(Surface, MeasuresAnewOnlyWhatHasChanged) {
+  const Shape shape = icosphere(5);
+  const Surface surface = shape.surface();
+  std::vector<Vec3> vertices = shape.vertices;
+  std::vector<double> density(vertices.size(), 1.0), denser = density;
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    if (shape.vertices[v].z() > 0.95) {
+      vertices[v] *= 1.1;
+      denser[v] = 2.0;
+    }
+  const Surface dense = surface.with_density({DensityAt::kVertices, density});
+  const Surface cases[2][2] = {{surface, surface.deformed(vertices)},
+                               {dense, dense.with_density({DensityAt::kVertices, denser})}};
+  const Surface anew[2] = {Surface(vertices, shape.faces),
+                           Surface(shape.vertices, shape.faces, denser)};
+  for (int k = 0; k < 2; ++k) {
+    const OrderedSurface& before = cases[k][0].ordered();
+    const OrderedSurface& after = cases[k][1].ordered();
+    std::size_t shared = 0;
+    for (std::size_t f = 0; f < surface.face_count(); ++f) {
+      const OrderedFace face = nth_face(f);
+      shared += &before.geometry(face) == &after.geometry(face) ? 1 : 0;
+      EXPECT_EQ(after.geometry(face).moments.capacity,
+                anew[k]
+                    .ordered()
+                    .geometry(anew[k].ordered().ordered_face(after.original_face(face)))
+                    .moments.capacity);
+    }
+    EXPECT_GT(shared, surface.face_count() / 2);
+    EXPECT_LT(shared, surface.face_count());
+    EXPECT_NEAR(cases[k][1].mass(), anew[k].mass(), 1e-12 * anew[k].mass());
+    EXPECT_NEAR(cases[k][1].area(), anew[k].area(), 1e-12 * anew[k].area());
+  }
+}
+
 TEST_P(SurfaceOf, KnowsTheDensityAtTheCornersOfItsFaces) {
   const Shape& shape = GetParam();
   const Surface surface = shape.surface();
