@@ -52,6 +52,7 @@ struct Relaxation::Region {
 
   [[nodiscard]] std::vector<bool> which(bool fixed) const {
     std::vector<bool> result;
+    result.reserve(members.size());
     for (const Member& member : members) result.push_back(member.fixed == fixed);
     return result;
   }

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <set>
 
 #include "base/morton.hpp"
@@ -29,6 +28,8 @@ constexpr double kAround = 0.9;      // ... within so many spacings of its host
 constexpr int kRounds = 40;          // each at most doubles or halves; the last one does the rest
 constexpr double kWork = 15.0;       // to put one in takes as long as so many cells
 constexpr std::size_t kGrain = 128;  // changes between two checks
+
+constexpr OrderedFace kNone{-1};
 
 std::ptrdiff_t rounded(double x) { return static_cast<std::ptrdiff_t>(std::llround(x)); }
 
@@ -144,7 +145,7 @@ class Round {
       const auto last = first + held[c];
       fill(first, last, static_cast<double>(held[c] + changes[c]));
       if (held[c] > 0) split(first, last, changes[c]);
-      if (held[c] == 0 && changes[c] > 0) settle(*largest_[c], changes[c]);
+      if (held[c] == 0 && changes[c] > 0) settle(largest_[c], changes[c]);
       first = last;
     }
   }
@@ -158,14 +159,14 @@ class Round {
   /// Per component, how many it should have more.
   [[nodiscard]] std::vector<double> lacking(const std::vector<std::ptrdiff_t>& held) {
     std::vector<double> result(held.size(), 0.0);
-    largest_.assign(held.size(), std::nullopt);
+    largest_.assign(held.size(), kNone);
     double sum = 0.0;
     for (std::size_t k = 0; k < surface_.face_count(); ++k) {
       const OrderedFace f = nth_face(k);
       const auto c = static_cast<std::size_t>(surface_.ordered().component(f));
       result[c] += mass(f);
       sum += mass(f);
-      if (!largest_[c] || mass(f) > mass(*largest_[c])) largest_[c] = f;
+      if (largest_[c] == kNone || mass(f) > mass(largest_[c])) largest_[c] = f;
     }
     for (std::size_t c = 0; c < held.size(); ++c)
       result[c] = static_cast<double>(rule_.count) * result[c] / sum - static_cast<double>(held[c]);
@@ -376,11 +377,11 @@ class Round {
   Random& random_;
   Context* context_;
   RestrictedVoronoi diagram_;
-  std::vector<std::int32_t> order_;  // sites by component, in each along a curve that fills space
-  std::vector<std::optional<OrderedFace>> largest_;  // per component: the face of most mass
-  std::vector<double> fill_;             // per site: how many samples what it owns is worth
-  std::vector<std::size_t> patch_;       // per site
-  std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to come or to go
+  std::vector<std::int32_t> order_;   // sites by component, in each along a curve that fills space
+  std::vector<OrderedFace> largest_;  // per component: the face of most mass
+  std::vector<double> fill_;          // per site: how many samples what it owns is worth
+  std::vector<std::size_t> patch_;    // per site
+  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
   std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
   double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
   std::size_t changed_ = 0;
