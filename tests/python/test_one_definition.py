@@ -232,6 +232,7 @@ SURFACE = dapple.Surface(*grid(1))
 CALLS = {
     "sample": lambda **k: dapple.sample(SURFACE, 2, **k),
     "sample_planar": lambda **k: dapple.sample_planar(dapple.Plane(1, 1), 2, **k),
+    "relax": lambda **k: dapple.relax(SURFACE, two(), [0], **k),
     "resample": lambda **k: dapple.resample(SURFACE, two(), 2, **k),
     "sample_classes": lambda **k: dapple.sample_classes(SURFACE, [2], **k),
     "sample_planar_classes": lambda **k: dapple.sample_planar_classes(dapple.Plane(1, 1), [2], **k),
