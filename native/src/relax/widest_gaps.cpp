@@ -8,7 +8,7 @@
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "start/darts.hpp"
+#include "start/dart_board.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {

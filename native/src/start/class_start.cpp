@@ -9,7 +9,8 @@
 #include "base/morton.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
-#include "start/darts.hpp"
+#include "start/dart_board.hpp"
+#include "start/dart_set.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -85,7 +86,11 @@ struct ClassDarts {
 class Throwing {
  public:
   Throwing(const ClassStarts& starts, Context* context)
-      : starts_(starts), context_(context), random_(starts.seed), any_(starts.period) {
+      : starts_(starts),
+        context_(context),
+        random_(starts.seed),
+        fresh_(starts.period),
+        any_(starts.period) {
     for (const ClassStart& wanted : starts.classes) {
       classes_.emplace_back(wanted, starts.period);
       count_ += wanted.count;
@@ -109,6 +114,13 @@ class Throwing {
   }
 
  private:
+  struct Drawn {
+    Random before{0};  // the numbers that it was drawn with, and those of what comes after it
+    DartBoard::Draw draw{};
+    Dart dart{};
+    bool refused = false;
+  };
+
   /// Classes of equal radius together, the largest first.
   std::vector<std::vector<ClassDarts*>> by_size() {
     std::vector<ClassDarts*> sorted;
@@ -182,17 +194,17 @@ class Throwing {
   }
 
   /// The same darts in the same order as one at a time. What is refused by the darts before the
-  /// batch is found in parallel; most are. The others are asked again once the batch has kept one.
+  /// batch is found in parallel; most are. The others then meet those that the batch has kept.
   std::size_t throw_batch(ClassDarts& members, double fraction, std::size_t most) {
     draw(members, std::min(most, batch_));
     test(members, fraction);
-    bool kept = false;
+    fresh_.clear();
     for (std::size_t k = 0; k < drawn_.size(); ++k) {
       const Drawn& drawn = drawn_[k];
-      if (drawn.refused || (kept && is_refused(members, drawn.dart, fraction))) continue;
-      kept = true;
+      if (drawn.refused || is_refused_by_fresh(members, drawn.dart, fraction)) continue;
       const bool closed = members.board.take(drawn.dart);
       keep(members, drawn.dart, fraction);
+      fresh_.insert(drawn.dart, own_radius(members, drawn.dart, fraction));
       if (!closed && !members.full()) continue;
       // What was drawn after it was drawn from a board that has changed.
       if (k + 1 < drawn_.size()) random_ = drawn_[k + 1].before;
@@ -213,10 +225,15 @@ class Throwing {
 
   void test(const ClassDarts& members, double fraction) {
     parallel_chunks(drawn_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<DartGrid::Asked> asked;
       for (std::size_t k = begin; k < end; ++k) {
         drawn_[k].dart = dart_on(members, drawn_[k].draw);
-        drawn_[k].refused = is_refused(members, drawn_[k].dart, fraction);
+        asked.push_back({&drawn_[k].dart, own_radius(members, drawn_[k].dart, fraction)});
       }
+      members.near.refuse(asked);
+      for (std::size_t k = begin; k < end; ++k)
+        drawn_[k].refused =
+            asked[k - begin].refused || is_refused_by_others(members, drawn_[k].dart, fraction);
     });
   }
 
@@ -226,7 +243,20 @@ class Throwing {
 
   [[nodiscard]] bool is_refused(const ClassDarts& members, const Dart& dart,
                                 double fraction) const {
-    if (members.near.refuses(dart, own_radius(members, dart, fraction))) return true;
+    return members.near.refuses(dart, own_radius(members, dart, fraction)) ||
+           is_refused_by_others(members, dart, fraction);
+  }
+
+  /// By those that the batch has kept, if nothing was there before it that does.
+  [[nodiscard]] bool is_refused_by_fresh(const ClassDarts& members, const Dart& dart,
+                                         double fraction) const {
+    return fresh_.refuses(dart, own_radius(members, dart, fraction)) ||
+           is_refused_by_others(members, dart, fraction);
+  }
+
+  /// By those of other classes, and where there are some by its own together with them.
+  [[nodiscard]] bool is_refused_by_others(const ClassDarts& members, const Dart& dart,
+                                          double fraction) const {
     if (many() && any_.refuses(dart, union_radius(dart, fraction))) return true;
     return overlaps(members, dart, std::min(1.0, fraction / kSizesYield));
   }
@@ -267,20 +297,14 @@ class Throwing {
 
   [[nodiscard]] bool many() const { return classes_.size() > 1; }
 
-  struct Drawn {
-    Random before{0};  // the numbers that it was drawn with, and those of what comes after it
-    DartBoard::Draw draw{};
-    Dart dart{};
-    bool refused = false;
-  };
-
   const ClassStarts& starts_;
   Context* context_;
   Random random_;
   std::vector<Drawn> drawn_;  // a batch
   std::size_t batch_ = kLeastBatch;
   std::vector<ClassDarts> classes_;
-  DartSet any_;  // of all classes
+  DartSet fresh_;  // that the batch has kept so far
+  DartSet any_;    // of all classes
   double spacing_;
   std::size_t count_ = 0;
 };

@@ -7,7 +7,6 @@
 
 #include "invariants.hpp"
 #include "shapes.hpp"
-#include "start/darts.hpp"
 
 namespace dapple::test {
 namespace {
@@ -114,21 +113,6 @@ TEST(PoissonStart, StopsWhenCancelled) {
   Context context;
   context.cancel();
   EXPECT_THROW((void)poisson_start(grid(2).surface(), 100, 1, &context), Cancelled);
-}
-
-/// Places that are more cells from the origin than an integer can count.
-TEST(DartGrid, TakesPlacesBeyondAllCells) {
-  const auto near = [](const DartGrid::Member& member) { return member.radius; };
-  for (const double cell : {1e-15, 1e-300}) {
-    DartGrid grid(cell, 0.0);
-    Dart dart{};
-    for (const double x : {1e10, -1e10, 1e300}) {
-      dart.position = {x, 1.0, -x};
-      EXPECT_FALSE(grid.refuses(dart, 1e-16, near));
-      grid.insert(dart, 1e-16);
-      EXPECT_TRUE(grid.refuses(dart, 1e-16, near));
-    }
-  }
 }
 
 }  // namespace
