@@ -10,14 +10,15 @@ import bpy
 from . import copies, ui
 from .base import renders, translation
 from .data import older_files
-from .ops import bake_operators, operators, tools, viewport_operators
+from .live import watcher
+from .ops import bake_operators, live_operators, operators, tools, viewport_operators
 from .panels import asset_library, pictures, preferences, preset_operators, shown
 from .settings import properties
 from .status import freshness, workfiles
 from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
-    *(operators, bake_operators, viewport_operators, tools, preset_operators),
+    *(operators, bake_operators, live_operators, viewport_operators, tools, preset_operators),
     *(ui, asset_library, preferences),
 )
 _CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
@@ -56,11 +57,12 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview, overlay)
+    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview)
+    last: Any = (overlay, watcher, live_operators)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),
-        *((module.register, module.unregister) for module in later),
+        *((module.register, module.unregister) for module in (*later, *last)),
     ]
 
 

@@ -15,7 +15,7 @@ from .panels import shown
 from .panels.base import Panel
 from .panels.details import DAPPLE_PT_details
 from .panels.preset_operators import DAPPLE_MT_presets
-from .panels.results import result_lines
+from .panels.results import draw_result
 
 
 class DAPPLE_PT_main(Panel, bpy.types.Panel):
@@ -53,8 +53,8 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimize.bl_idname, icon="PLAY")
-    for text, icon in result_lines(context.object, context):
-        lines_of(layout, text, icon)
+    layout.prop(settings, "auto_update")
+    draw_result(layout, context)
     if settings.report.details:
         shown.DETAILS.of(context.object)  # likewise for the popover
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")

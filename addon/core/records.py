@@ -16,6 +16,7 @@ from .surface import Floats, Ints
 
 SCHEMA = 1
 SCHEMA_KEY = "dapple_schema"
+RESULT_KEY = "dapple_result"  # digest of the points, with the mesh that has them
 
 # Attribute name -> Blender's type, all on points. Nodes read the names: nodes/bound_point.py.
 ROW_ATTRIBUTES = {

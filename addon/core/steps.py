@@ -8,6 +8,7 @@ however it ends.
 """
 
 import threading
+import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +27,7 @@ class Task:
 
 
 Steps = Generator[Task, Any, Any]
+_SHORT = 0.001  # seconds in which a task is done that hardly does anything
 PAUSE = Task(lambda _: None)  # nothing: lets the artist's events through
 
 
@@ -91,6 +93,19 @@ class Stepper:
         except StopIteration as stop:
             self.result, self._done = stop.value, True
         return self._done
+
+    def run_for(self, seconds: float) -> bool:
+        """Go on for so long at most, but no longer than until a task takes its time; True when all
+        is done.
+        """
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            before = self._task
+            if self.poll(wait=_SHORT):
+                return True
+            if self._task is before:
+                break
+        return False
 
     def close(self) -> None:
         """Stop the worker, wait for it, and let the generator put the scene back."""

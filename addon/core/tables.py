@@ -203,7 +203,24 @@ _BAKE = (
         soft_high=1000,
     ),
 )
-SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DISPLAY, *MOTION, *_BAKE)
+_UPDATES = (
+    Setting(
+        "auto_update_choice",
+        Kind.CHOICE,
+        "AUTOMATIC",
+        "Auto Update",
+        "When the points follow changes of the settings, the surface and what they avoid by "
+        "themselves",
+        Changes.NOTHING,
+        choices=(
+            ("AUTOMATIC", "Automatic", "While the last solution took less than a second"),
+            ("ON", "On", "However long a solution takes"),
+            ("OFF", "Off", "Only when Optimize is pressed"),
+        ),
+        own_words=True,
+    ),
+)
+SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DISPLAY, *MOTION, *_BAKE, *_UPDATES)
 # By the name of the property that holds the group; "" is the scatter itself.
 GROUPS: dict[str, Settings] = {
     "": (*SCATTER, *INSTANCES),

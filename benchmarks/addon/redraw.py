@@ -18,7 +18,16 @@ from addon.blender.surface.surface_mesh import read_surface
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 _FRAMES = 10
-_LEAF = ("prop", "label", "separator", "popover", "menu", "prop_search", "template_icon")
+_LEAF = (
+    "prop",
+    "label",
+    "separator",
+    "popover",
+    "menu",
+    "prop_search",
+    "template_icon",
+    "progress",
+)
 
 
 class _Layout:

@@ -52,6 +52,10 @@ class Layout:
         kind = getattr(bpy.types, name)
         kind.draw(types.SimpleNamespace(layout=self), bpy.context)
 
+    def progress(self, factor, text):
+        assert 0.0 <= factor <= 1.0
+        self.shown.append(text)
+
     def separator(self):
         pass
 

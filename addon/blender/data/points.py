@@ -10,6 +10,7 @@ from ...core.records import (
     GONE_ATTRIBUTES,
     POINT_ATTRIBUTES,
     REST_ATTRIBUTES,
+    RESULT_KEY,
     ROW_ATTRIBUTES,
     Binding,
     Columns,
@@ -63,6 +64,11 @@ def points_digest(obj: bpy.types.Object) -> str:
     """Digest of the points as they are stored and bound, without added points."""
     types = {"position": "FLOAT_VECTOR", **ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
     return digest_of(own_columns(obj, types).values())
+
+
+def write_digest(obj: bpy.types.Object) -> None:
+    """Store it with the settings and with the points: an undo may bring back one of them alone."""
+    obj.dapple.solved_points = obj.data[RESULT_KEY] = points_digest(obj)
 
 
 def places_of(obj: bpy.types.Object) -> Floats:

@@ -21,6 +21,7 @@ from ..base.translation import Say, label_of, told
 
 # Fields of the core's settings and their properties.
 _PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
+_QUICK = 1000.0  # milliseconds
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -59,6 +60,12 @@ def active_surface(context: bpy.types.Context) -> bpy.types.Object | None:
     if is_scatter(obj):
         return obj.dapple.surface
     return obj if is_surface(obj) else None
+
+
+def is_automatic(obj: bpy.types.Object) -> bool:
+    """Whether a scatter follows changes by itself: as the artist says, or as it is quick."""
+    chosen = obj.dapple.auto_update_choice
+    return bool(chosen == "ON" or (chosen != "OFF" and obj.dapple.report.milliseconds < _QUICK))
 
 
 def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:

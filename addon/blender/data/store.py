@@ -22,7 +22,7 @@ from ..base.meshio import to_local, write_columns, write_points
 from .key_writing import clear_keys
 from .library import own_mesh
 from .modifier import ensure_modifier, write_inputs, write_warning
-from .points import points_digest
+from .points import write_digest
 from .scatter import write_report
 
 
@@ -69,7 +69,7 @@ def write_binding(
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
     obj.dapple.solved_from = _on_faces(obj.dapple.solved_from, arrays)
-    obj.dapple.solved_points = points_digest(obj)
+    write_digest(obj)
     write_inputs(obj)
 
 
@@ -86,4 +86,4 @@ def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:
     types = {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES}
     write_columns(own_mesh(obj), columns, {name: types[name] for name in columns})
     obj.dapple.report.count = len(columns["id"])
-    obj.dapple.solved_points = points_digest(obj)
+    write_digest(obj)

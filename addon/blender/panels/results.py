@@ -3,7 +3,10 @@
 
 import bpy
 
+from ..base.labels import lines_of
 from ..base.translation import counted, told
+from ..live import watcher
+from ..ops.live_operators import DAPPLE_OT_cancel_update
 from ..status import freshness
 
 _NOTICED = 0.02  # of an area variation, that is worth a line ...
@@ -31,7 +34,23 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         )
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
+    if watcher.progress(obj) is not None:  # a bar takes the place of what comes next
+        return lines
+    if watcher.trouble(obj):
+        lines.append((told("Auto Update: {why}", why=watcher.trouble(obj)), "ERROR"))
     return [*lines, _fit(freshness.findings(obj, context))]
+
+
+def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What is to be said, and how far an update is, with a cross to cancel it."""
+    for text, icon in result_lines(context.object, context):
+        lines_of(layout, text, icon)
+    share = watcher.progress(context.object)
+    if share is None:
+        return
+    row = layout.row(align=True)
+    row.progress(factor=share, text=told("Updating: {share:.0%}", share=share))
+    row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
 
 
 def _fit(found: freshness.Findings | None) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 
 import bpy
 from bpy.props import (
+    BoolProperty,
     CollectionProperty,
     EnumProperty,
     IntProperty,
@@ -20,6 +21,7 @@ from .property_groups import (
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
 )
+from .updates import follow_by_itself, follows_by_itself
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 
@@ -28,6 +30,14 @@ _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     """Settings of a scatter object."""
 
+    auto_update: BoolProperty(
+        name="Auto Update",
+        description="Solve again as soon as a setting, the surface or what is avoided has changed. "
+        "On by itself while the last solution took less than a second",
+        options=STILL,
+        get=follows_by_itself,
+        set=follow_by_itself,
+    )
     classes: CollectionProperty(name="Object Types", type=DAPPLE_PG_class)
     class_index: IntProperty(
         name="Active Object Type", description="Object type shown in the panel", options=STILL

@@ -4,6 +4,8 @@
 import bpy
 
 from ..data.modifier import write_instance_inputs, write_warning
+from ..data.scatter import is_automatic
+from ..live import watcher
 from ..status import freshness
 from ..viewport import overlay
 
@@ -18,3 +20,15 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     write_warning(settings.id_data)
     overlay.touch(settings.id_data)
     freshness.touch(settings.id_data)
+    watcher.touch(settings.id_data)
+
+
+def follows_by_itself(settings: bpy.types.PropertyGroup) -> bool:
+    """What Auto Update shows."""
+    return is_automatic(settings.id_data)
+
+
+def follow_by_itself(settings: bpy.types.PropertyGroup, value: bool) -> None:
+    """Auto Update is what the artist says from now on."""
+    settings.auto_update_choice = "ON" if value else "OFF"
+    watcher.touch(settings.id_data)

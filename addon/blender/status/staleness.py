@@ -6,11 +6,14 @@ from dataclasses import dataclass
 import bpy
 
 from ...core.errors import ScatterError
+from ...core.records import RESULT_KEY
+from ...core.sources import Sources
 from ..base.translation import counted, told
 from ..data.key_stores import key_points
+from ..data.points import points_digest
 from ..data.scatter import is_surface, settings_reason, solve_again
 from .bake_staleness import bake_reason, bound_vertices
-from .contents import contents, other_surface
+from .contents import contents, other_surface, solution_reason
 from .present import Looked, Present
 
 
@@ -112,12 +115,36 @@ def _faces_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked:
     return ""
 
 
+def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
+    """Whether a result is not that of the settings and contents now; True after an undo that has
+    brought back the points or the settings, but not both.
+    """
+    known = obj.dapple.surface_topology.split()
+    on_faces = obj.dapple.bound_to == "FACES" and bool(known)
+    other_faces = on_faces and now.exact["faces"] not in known
+    other_binding = obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to)
+    undone = points_digest(obj) != (obj.dapple.solved_points or points_digest(obj))
+    return other_faces or other_binding or undone or bool(solution_reason(obj, now))
+
+
+def is_edited(obj: bpy.types.Object) -> bool:
+    """Whether points were edited by hand since they were stored."""
+    stored = obj.dapple.solved_points, obj.data.get(RESULT_KEY)
+    return bool(stored[0]) and points_digest(obj) not in stored
+
+
 def _points_reason(obj: bpy.types.Object, present: Present) -> str:
     """Whether points were edited by hand, or added and removed under the keys."""
-    if obj.dapple.baked_keys:
-        if len(obj.data.vertices) != key_points(obj):
-            return solve_again(obj, told("Points were added or removed since the bake"))
-    elif obj.dapple.report.count != len(obj.data.vertices):
+    if obj.dapple.baked_keys and len(obj.data.vertices) != key_points(obj):
+        return solve_again(obj, told("Points were added or removed since the bake"))
+    reason = _edited_reason(obj, present)
+    if reason and obj.data.get(RESULT_KEY) == present.points(obj):
+        return solve_again(obj, told("An undo brought back points of other settings"))
+    return reason
+
+
+def _edited_reason(obj: bpy.types.Object, present: Present) -> str:
+    if not obj.dapple.baked_keys and obj.dapple.report.count != len(obj.data.vertices):
         return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
     if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
         return ""

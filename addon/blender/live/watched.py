@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which scatters follow changes by themselves, and changes of what."""
+
+import bpy
+
+from ...core.native import missing
+from ..data.library import read_only
+from ..data.scatter import is_automatic, is_scatter
+from ..status.present import AROUND, SURFACE, VALUES, depends_on
+
+_READ = {SURFACE, VALUES, AROUND}  # what a scatter is solved from
+
+
+def follows(obj: bpy.types.Object) -> bool:
+    """Whether a scatter may be solved without being asked: it has a result of its own, no bake
+    that would be lost, and is in Object Mode in the view layer that is shown.
+    """
+    settings = obj.dapple
+    if not settings.solved_settings or settings.baked_keys or not is_automatic(obj):
+        return False
+    there = bpy.context.view_layer.objects.get(obj.name) == obj and settings.surface is not None
+    return there and obj.mode == "OBJECT" and not read_only(obj) and not missing()
+
+
+def scatters() -> list[bpy.types.Object]:
+    """Those of the file."""
+    return [obj for obj in bpy.data.objects if is_scatter(obj)]
+
+
+def dependencies(obj: bpy.types.Object) -> set[int]:
+    """What a scatter is solved from, by session_uid; the scatter is not in it.
+
+    Nor are collections, which change with every object in them.
+    """
+    scene, avoided = bpy.context.scene, obj.dapple.density.obstacles
+    found = {uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)}
+    if not obj.dapple.density.use_camera:
+        found.discard(scene.session_uid)  # which changes with every selection
+    if avoided is not None:
+        found -= {one.session_uid for one in (avoided, *avoided.children_recursive)}
+    return found

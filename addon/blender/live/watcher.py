@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Auto Update: scatters are solved again once what they are solved from has rested for a moment.
+
+Handlers and property updates only note what changed. An app timer reads what is there part by
+part, a worker solves, and the timer writes; until then the old points stay. A change meanwhile
+gives that up and begins the pause anew. No undo step is made: an undo of the artist's change brings
+back settings or points that do not fit, which is a change as any other.
+
+In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+from ...core.errors import ScatterError, StoppedError
+from ...core.schedule import Schedule
+from ...core.steps import Stepper
+from ..base.held import Held
+from ..base.job import is_under_way
+from ..base.renders import when_one_begins
+from ..base.sidebars import redraw
+from ..data.scatter import is_scatter
+from ..steps.updating import update_steps
+from ..viewport import preview
+from .holds import is_held
+from .watched import dependencies, follows, scatters
+
+_POLL = 0.005  # seconds between two looks at a worker
+_PART = 0.01  # seconds of a look in which the artist waits
+_HELD = 0.1  # seconds between two looks whether what holds it up is over
+
+_NOBODY: frozenset[int] = frozenset()
+
+enabled = not bpy.app.background
+
+
+@dataclass
+class _Job:
+    """The scatter that is being solved."""
+
+    scatter: Held
+    stepper: Stepper
+    shown: int = -1  # hundredths that the panel shows
+
+
+@dataclass
+class _State:
+    """What the timer and the handlers share; file data is always looked up anew."""
+
+    schedule: Schedule = field(default_factory=Schedule)
+    job: _Job | None = None
+    touched: set[int] = field(default_factory=set)  # session_uids of changed data-blocks
+    depends: dict[int, set[int]] = field(default_factory=dict)  # by the scatter's session_uid
+    relinked: bool = True  # whether that is to be looked up again
+    doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
+    all_doubtful: bool = False
+    passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
+    caused: dict[int, frozenset[int]] = field(default_factory=dict)  # by which updates, see _spread
+    wrote: dict[int, frozenset[int]] = field(default_factory=dict)  # the same of what was written
+    troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
+
+
+_state = _State()
+
+
+def progress(obj: bpy.types.Object) -> float | None:
+    """How much of a scatter's update is done, in [0, 1]; None: it waits for none."""
+    job = _state.job
+    if job is not None and job.scatter.uid == obj.session_uid:
+        return job.stepper.progress
+    return 0.0 if obj.session_uid in _state.schedule else None
+
+
+def trouble(obj: bpy.types.Object) -> str:
+    """Why the last update of a scatter failed; empty when it did not."""
+    return _state.troubles.get(obj.session_uid, "")
+
+
+def touch(obj: bpy.types.Object) -> None:
+    """A setting of a scatter was changed: of what it depends, too."""
+    if enabled:
+        _state.relinked = True
+        _change(obj.session_uid)
+        _wake()
+
+
+def cancel() -> None:
+    """Give up all updates, until something is changed again."""
+    _state.schedule.clear()
+    _give_up()
+    redraw()
+
+
+def is_active() -> bool:
+    """Whether some scatter is updated, or waits for that."""
+    return _state.job is not None or bool(_state.schedule)
+
+
+def tick() -> float | None:
+    """Go on with what is to be done; seconds until the next time, None to end."""
+    _spread()
+    if is_held():
+        _step_aside()
+        return _HELD if is_active() else None
+    if _state.job is None:
+        _begin()
+    if _state.job is not None:
+        _go_on(_state.job)
+    return _POLL if _state.job is not None else _state.schedule.wait()
+
+
+def _spread() -> None:
+    """Note which scatters depend on what was changed.
+
+    One that was updated because of another does not have that updated in turn: two that avoid each
+    other would never rest.
+    """
+    touched, _state.touched = _state.touched, set()
+    causes = {uid: _state.wrote.pop(uid) for uid in touched & _state.wrote.keys()}
+    for uid, depends in _depends().items():
+        found = {causes.get(block, _NOBODY) for block in touched & depends}
+        if _state.all_doubtful or uid in _state.doubtful or uid in touched & _state.passed_over:
+            found.add(_NOBODY)
+        for cause in found:
+            if uid not in cause:
+                _change(uid, cause)
+    _state.all_doubtful = False
+    _state.doubtful.clear()
+
+
+def _depends() -> dict[int, set[int]]:
+    """What scatters depend on; where that is something else than before, it is a change."""
+    if _state.relinked:
+        _state.relinked = False
+        before = _state.depends
+        _state.depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
+        _state.doubtful |= {
+            uid for uid, now in _state.depends.items() if now != before.get(uid, now)
+        }
+    return _state.depends
+
+
+def _change(uid: int, cause: frozenset[int] = _NOBODY) -> None:
+    _state.passed_over.discard(uid)
+    _state.troubles.pop(uid, None)
+    _state.caused[uid] = cause
+    _state.schedule.change(uid)
+    if _state.job is not None and _state.job.scatter.uid == uid:
+        _give_up()
+
+
+def _begin() -> None:
+    uid = _state.schedule.take()
+    obj = next((one for one in scatters() if one.session_uid == uid), None)
+    if obj is None:
+        return
+    if follows(obj):
+        held = Held(obj)
+        _state.job = _Job(held, Stepper(update_steps(held)))
+    else:
+        _state.passed_over.add(obj.session_uid)
+
+
+def _go_on(job: _Job) -> None:
+    try:
+        if job.stepper.run_for(_PART):
+            _done(job)
+    except (ScatterError, StoppedError) as error:
+        _state.troubles[job.scatter.uid] = str(error)
+        _give_up()
+    except BaseException:
+        _give_up()
+        raise
+    _show(job)
+
+
+def _done(job: _Job) -> None:
+    _state.job = None
+    if job.stepper.result:
+        obj = job.scatter.get()
+        cause = _state.caused.pop(obj.session_uid, _NOBODY) | {obj.session_uid}
+        _state.wrote[obj.session_uid] = _state.wrote[obj.data.session_uid] = cause
+        preview.solved_anew(obj)
+
+
+def _give_up() -> None:
+    """Forget what a worker still finds."""
+    job, _state.job = _state.job, None
+    if job is not None:
+        job.stepper.abandon()
+
+
+def _show(job: _Job) -> None:
+    hundredths = -1 if _state.job is None else int(100 * job.stepper.progress)
+    if hundredths != job.shown or _state.job is None:
+        job.shown = hundredths
+        redraw()
+
+
+def _wake() -> None:
+    if not bpy.app.timers.is_registered(tick):
+        bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
+
+
+def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Note what was changed; objects that are merely evaluated after others are listed too."""
+    if not enabled:
+        return
+    for one in depsgraph.updates:
+        block = one.id.original
+        if not isinstance(block, bpy.types.Object):
+            _state.touched.add(block.session_uid)
+            if isinstance(block, bpy.types.Collection | bpy.types.Scene):
+                _state.relinked = True  # other objects may be avoided, or another camera used
+        elif one.is_updated_geometry or one.is_updated_transform:
+            _state.touched.add(block.session_uid)
+            if block.session_uid not in _state.depends and is_scatter(block):
+                _state.relinked = True
+    if _state.touched:
+        _wake()
+
+
+def _undone(*_arguments: Any) -> None:
+    """An undo may have brought back anything."""
+    if enabled:
+        _state.all_doubtful = _state.relinked = True
+        _give_up()
+        _wake()
+
+
+def _leaving(*_arguments: Any) -> None:
+    _give_up()
+    vars(_state).update(vars(_State()))
+
+
+def _render_begins() -> None:
+    """The worker stops; the scatter has its turn again afterwards."""
+    if _state.job is not None:
+        _state.schedule.change(_state.job.scatter.uid)
+        _give_up()
+
+
+def _step_aside() -> None:
+    """The same for operators; while the animation plays the worker may go on."""
+    if is_under_way():
+        _render_begins()
+
+
+_HANDLERS: dict[str, Callable[..., None]] = {
+    "depsgraph_update_post": _updated,
+    "undo_post": _undone,
+    "redo_post": _undone,
+    "load_pre": _leaving,
+}
+
+
+def register() -> None:
+    """Watch what happens to the file."""
+    when_one_begins(_render_begins)
+    for name, handler in _HANDLERS.items():
+        bpy.app.handlers.persistent(handler)
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """Update nothing and watch nothing."""
+    for name, handler in _HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    _leaving()

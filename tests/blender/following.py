@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Auto Update driven by hand: a background Blender has no timers, and a test no time to wait."""
+
+from contextlib import contextmanager
+
+import addon_host
+import bpy
+
+_MOST = 10_000  # looks until an update must have come to its end
+
+
+class Clock:
+    """Time that goes on when it is told to."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def __call__(self):
+        return self.now
+
+    def rest(self):
+        """So long that what was changed is worked on."""
+        self.now += 10.0 * addon_host.part("core.schedule").PAUSE
+
+
+@contextmanager
+def driven():
+    """Have scatters follow changes; what the tests call is yielded."""
+    watcher = addon_host.part("blender.live.watcher")
+    watcher.enabled = True
+    watcher._leaving()
+    watcher._state.schedule._clock = clock = Clock()
+    try:
+        yield Driver(watcher, clock)
+    finally:
+        watcher._leaving()
+        watcher.enabled = False
+        if bpy.app.timers.is_registered(watcher.tick):
+            bpy.app.timers.unregister(watcher.tick)
+
+
+class Driver:
+    """The timer of Auto Update."""
+
+    def __init__(self, watcher, clock):
+        self.watcher, self.clock = watcher, clock
+
+    def look(self):
+        """One look, after Blender has evaluated what was changed."""
+        bpy.context.view_layer.update()
+        return self.watcher.tick()
+
+    def begin(self):
+        """Until a worker solves, or nothing is left to be done; whether it solves."""
+        self.look()
+        self.clock.rest()
+        for _ in range(_MOST):
+            self.look()
+            job = self.watcher._state.job
+            if job is None or job.stepper.progress > 0.0:
+                break
+        return self.watcher._state.job is not None
+
+    def settle(self):
+        """Until nothing is left to be done; how often something was written."""
+        written = 0
+        done = self.watcher._done
+
+        def counted(job):
+            nonlocal written
+            done(job)
+            written += bool(job.stepper.result)
+
+        self.watcher._done = counted
+        try:
+            self._until_idle()
+        finally:
+            self.watcher._done = done
+        return written
+
+    def _until_idle(self):
+        for _ in range(_MOST):
+            self.look()
+            self.clock.rest()
+            if self.look() is None and not self.watcher.is_active():
+                return
+        raise AssertionError("an update does not come to its end")

@@ -1,0 +1,315 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Auto Update: what is changed is followed, and nothing is done that nobody asked for."""
+
+import addon_host
+import bpy
+import following
+import numpy as np
+import pytest
+import scenes
+
+
+@pytest.fixture
+def live():
+    with following.driven() as driver:
+        yield driver
+
+
+@pytest.fixture
+def obj():
+    made = scenes.scattered(scenes.sphere(), count=60)
+    made.dapple.auto_update_choice = "ON"  # however slow the machine is
+    return made
+
+
+def reason(obj):
+    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
+
+
+def followed(live, obj):
+    assert reason(obj) != ""
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    assert live.settle() == 0
+
+
+def grown(surface, name="Grass"):
+    """A vertex group with the upper half of a surface."""
+    group = surface.vertex_groups.get(name) or surface.vertex_groups.new(name=name)
+    upper = [vertex.index for vertex in surface.data.vertices if vertex.co.z > 0.0]
+    group.add(range(len(surface.data.vertices)), 0.2, "REPLACE")
+    group.add(upper, 1.0, "REPLACE")
+    return group
+
+
+def test_a_setting_is_followed(live, obj):
+    live.settle()
+    obj.dapple.count = 90
+    followed(live, obj)
+    assert len(scenes.positions(obj)) == 90
+
+
+def test_nothing_is_solved_while_nothing_changes(live, obj):
+    assert live.settle() == 0
+    obj.dapple.scale = 2.0  # instances alone
+    obj.location.x = 1.0
+    assert live.settle() == 0
+    obj.dapple.count = 70
+    obj.dapple.count = 60
+    assert live.settle() == 0
+
+
+def test_nothing_is_read_before_the_changes_rest(live, obj):
+    live.settle()
+    for count in range(61, 70):
+        obj.dapple.count = count
+        live.clock.now += 0.5 * addon_host.part("core.schedule").PAUSE
+        live.look()
+        assert live.watcher._state.job is None
+        assert live.watcher.progress(obj) == 0.0
+    followed(live, obj)
+    assert obj.dapple.report.count == 69
+
+
+def test_a_stroke_and_an_edited_or_scaled_surface_are_followed(live, obj):
+    surface = obj.dapple.surface
+    grown(surface)
+    obj.dapple.density.attribute = "Grass"
+    followed(live, obj)
+    surface.vertex_groups["Grass"].add(range(40), 0.0, "REPLACE")
+    surface.data.update()
+    followed(live, obj)
+    surface.data.vertices[5].co *= 1.5
+    surface.data.update()
+    followed(live, obj)
+    surface.scale.x = 2.0
+    followed(live, obj)
+    surface.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    surface.modifiers["Subdivision"].render_levels = 1
+    followed(live, obj)
+
+
+def test_what_is_avoided_and_the_camera_are_followed(live, obj):
+    surface = obj.dapple.surface
+    stones = bpy.data.collections.new("Stones")
+    bpy.context.scene.collection.children.link(stones)
+    stone = scenes.sphere(location=(0.0, 0.0, 1.0))
+    stones.objects.link(stone)
+    obj.dapple.density.obstacles = stones
+    followed(live, obj)
+    stone.location.y = 0.5
+    followed(live, obj)
+    other = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.3, 0.3, 0.3))
+    stones.objects.link(other)
+    followed(live, obj)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 9.0
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    obj.dapple.density.use_camera = True
+    followed(live, obj)
+    camera.location.x = 0.5
+    followed(live, obj)
+    camera.data.lens = 80.0
+    followed(live, obj)
+    surface.location.x = 0.1
+    followed(live, obj)
+
+
+def test_a_change_meanwhile_begins_again_and_the_old_points_stay(live, obj):
+    live.settle()
+    before = scenes.positions(obj)
+    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
+    assert live.begin()
+    assert live.watcher.progress(obj) is not None
+    assert np.array_equal(scenes.positions(obj), before)
+    obj.dapple.max_evaluations, obj.dapple.count = 30, 80
+    assert live.watcher._state.job is None
+    followed(live, obj)
+    assert len(scenes.positions(obj)) == 80
+
+
+def test_cancel_leaves_the_points_and_says_that_they_are_out_of_date(live, obj):
+    live.settle()
+    assert not bpy.ops.dapple.cancel_update.poll()
+    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
+    assert live.begin()
+    assert bpy.ops.dapple.cancel_update() == {"FINISHED"}
+    assert live.settle() == 0
+    assert len(scenes.positions(obj)) == 60
+    assert "Settings were changed" in reason(obj)
+
+
+def test_on_by_itself_while_it_is_quick_and_as_the_artist_says(live, obj):
+    settings = obj.dapple
+    settings.auto_update_choice = "AUTOMATIC"
+    settings.report.milliseconds = 999.0
+    assert settings.auto_update
+    settings.report.milliseconds = 1001.0
+    assert not settings.auto_update
+    live.settle()
+    settings.count = 70
+    assert live.settle() == 0
+    settings.auto_update = True
+    followed(live, obj)
+    settings.report.milliseconds = 1001.0
+    assert settings.auto_update
+    settings.auto_update = False
+    settings.report.milliseconds = 1.0
+    assert not settings.auto_update
+    settings.count = 80
+    assert live.settle() == 0
+
+
+def baked(obj):
+    bpy.context.scene.frame_end = 2
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+
+
+def excluded(obj):
+    for collection in obj.users_collection:
+        collection.objects.unlink(obj)
+
+
+def edited(obj):
+    obj.data.vertices[3].co.z += 0.1
+    obj.data.update()
+
+
+def in_edit_mode(obj):
+    scenes._activate(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+@pytest.mark.parametrize("keep", [baked, excluded, edited, in_edit_mode])
+def test_what_would_be_lost_or_is_not_there_is_left_alone(live, obj, keep):
+    keep(obj)
+    live.settle()
+    obj.dapple.count = 70
+    assert live.settle() == 0
+    assert len(obj.data.vertices) == 60
+
+
+def test_what_was_not_there_is_followed_once_it_is(live, obj):
+    excluded(obj)
+    live.settle()
+    obj.dapple.count = 70
+    assert live.settle() == 0
+    bpy.context.collection.objects.link(obj)
+    followed(live, obj)
+
+
+def test_playing_a_frame_is_no_change(live):
+    obj = scenes.scattered(scenes.tail(frames=6))
+    obj.dapple.auto_update_choice = "ON"
+    live.settle()
+    for frame in (2, 4, 6):
+        bpy.context.scene.frame_set(frame)
+        assert live.settle() == 0
+
+
+def test_nothing_is_done_while_something_else_has_the_file(live, obj, monkeypatch):
+    live.settle()
+    obj.dapple.count = 70
+    monkeypatch.setattr(live.watcher, "is_held", lambda: True)
+    for _ in range(5):
+        live.clock.rest()
+        assert live.look() > 0.0
+    assert len(obj.data.vertices) == 60
+    monkeypatch.undo()
+    followed(live, obj)
+
+
+@pytest.mark.parametrize("interruption", ["render", "operator"])
+def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterwards(
+    live, obj, interruption, monkeypatch
+):
+    live.settle()
+    obj.dapple.count = 70
+    assert live.begin()
+    if interruption == "render":
+        live.watcher._render_begins()
+    else:
+        for name in ("is_under_way", "is_held"):
+            monkeypatch.setattr(live.watcher, name, lambda: True)
+        live.look()
+        monkeypatch.undo()
+    assert live.watcher._state.job is None
+    assert len(obj.data.vertices) == 60
+    followed(live, obj)
+
+
+def test_in_background_mode_nothing_follows(obj):
+    obj.dapple.count = 70
+    bpy.context.view_layer.update()
+    watcher = addon_host.part("blender.live.watcher")
+    assert not watcher.is_active()
+    assert watcher.tick() is None
+    assert not watcher._state.touched
+
+
+def test_scatters_that_avoid_each_other_come_to_rest(live):
+    surface = scenes.sphere()
+    both = [scenes.scattered(surface, count=30) for _ in range(2)]
+    for one, other in (both, both[::-1]):
+        collection = bpy.data.collections.new(f"Around {one.name}")
+        collection.objects.link(other)
+        bpy.context.scene.collection.children.link(collection)
+        one.dapple.density.obstacles = collection
+        one.dapple.density.obstacle_margin = 0.05
+        one.dapple.auto_update_choice = "ON"
+    assert 2 <= live.settle() <= 4
+    both[0].dapple.seed = 5
+    assert live.settle() == 2
+
+
+def test_a_trouble_is_said_until_it_is_gone(live, obj):
+    live.settle()
+    obj.dapple.density.attribute = "Missing"
+    assert live.settle() == 0
+    assert "no attribute or vertex group 'Missing'" in live.watcher.trouble(obj)
+    grown(obj.dapple.surface, "Missing")
+    obj.dapple.surface.data.update()
+    followed(live, obj)
+    assert not live.watcher.trouble(obj)
+
+
+def test_a_scatter_that_is_removed_meanwhile_is_forgotten(live, obj):
+    live.settle()
+    obj.dapple.count = 70
+    assert live.begin()
+    bpy.data.objects.remove(obj)
+    assert live.settle() == 0
+
+
+def test_an_undo_is_one_step_for_the_change_and_the_points_fit_again(live, obj):
+    name = obj.name
+    live.settle()
+    bpy.ops.ed.undo_push(message="Before")
+    obj.dapple.count = 90
+    bpy.ops.ed.undo_push(message="Count")  # as the interface does, before the points are there
+    assert live.settle() == 1
+    for undo, count in ((bpy.ops.ed.undo, 60), (bpy.ops.ed.redo, 90), (bpy.ops.ed.undo, 60)):
+        undo()
+        obj = bpy.data.objects[name]
+        assert obj.dapple.count == count
+        live.settle()
+        assert reason(obj) == ""
+        assert len(obj.data.vertices) == len(scenes.positions(obj)) == count
+
+
+def test_an_undo_of_something_else_keeps_what_was_updated(live, obj):
+    name = obj.name
+    live.settle()
+    bpy.ops.ed.undo_push(message="Before")
+    obj.dapple.count = 90
+    bpy.ops.ed.undo_push(message="Count")
+    live.settle()
+    bpy.context.scene.cursor.location.x = 1.0
+    bpy.data.objects[name].dapple.surface.name = "Renamed"
+    bpy.ops.ed.undo_push(message="Rename")
+    bpy.ops.ed.undo()
+    live.settle()
+    obj = bpy.data.objects[name]
+    assert obj.dapple.count == len(scenes.positions(obj)) == 90
+    assert reason(obj) == ""
