@@ -134,7 +134,7 @@ void bind_planar_verbs(py::module_& m) {
 
 Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.
 
-As sample() does on a Surface, on Delaunay triangulations of the plane or the torus (Chen et al. 2012, Algorithm 1);
+As sample() does on a Surface, in the plane or on the torus (Chen et al. 2012, Algorithm 1);
 sample_planar(..., **dapple.PAPER) is the paper's own way.
 
 Args:

@@ -41,9 +41,9 @@ class FlatDomain : public Domain {
   std::shared_ptr<const Image> density_;
 };
 
-/// A rectangle, a polygon with holes, or an image over a rectangle. Cells come from CGAL's Delaunay
-/// triangulation of the sites, which knows the neighbors of each, and are cut out of the triangles
-/// that make up the domain.
+/// A rectangle, a polygon with holes, or an image over a rectangle. Which cells touch is found
+/// first, as if the domain were all of the rectangle around it; then the cells are cut out of the
+/// triangles that make up the domain.
 class PlanarDomain final : public FlatDomain {
  public:
   /// [0, width] x [0, height].
@@ -91,9 +91,9 @@ class PlanarDomain final : public FlatDomain {
   Cells cells_ = Cells::kConnected;
 };
 
-/// The unit square with opposite sides joined. Cells come from CGAL's periodic Delaunay
-/// triangulation; while the sites are too few for one of a single sheet, from the plane one of the
-/// sites and their eight nearest images.
+/// The unit square with opposite sides joined. Which cells touch is found among the sites and their
+/// images in the eight squares around it; then the cells are cut out of triangles that cover the
+/// square and half a period around it.
 ///
 /// Any point of the plane stands for its place in the square, and the gradient belongs to the point
 /// as it is: while optimizing, positions are not wrapped, so that differences of positions are

@@ -12,7 +12,7 @@ namespace dapple {
 enum class Stage {
   kStart,       ///< where the optimization begins
   kNeighbors,   ///< which sites are near each: boxes around them, searches, bisectors; on flat
-                ///< domains the Delaunay triangulation
+                ///< domains also whose cells touch
   kCells,       ///< Voronoi cells: clipping, integrals, faces that no flood reached
   kSolver,      ///< energy and gradient from the cells, model Hessian, line search, vectors
   kProjection,  ///< of moved sites back onto the domain

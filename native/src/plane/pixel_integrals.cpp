@@ -31,21 +31,6 @@ std::int32_t pixel(double middle, std::size_t count) {
 
 }  // namespace
 
-void FlatPolygon::cut(const Vec2& normal, double offset, std::int32_t label) {
-  kept_.clear();
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Corner& a = corners[k];
-    const Corner& b = corners[k + 1 < corners.size() ? k + 1 : 0];
-    const double beyond_a = normal.dot(a.x) - offset;
-    const double beyond_b = normal.dot(b.x) - offset;
-    if (beyond_a <= 0.0) kept_.push_back(a);
-    if ((beyond_a <= 0.0) == (beyond_b <= 0.0)) continue;
-    const Vec2 x = a.x + beyond_a / (beyond_a - beyond_b) * (b.x - a.x);
-    kept_.push_back({x, beyond_a <= 0.0 ? label : a.edge});
-  }
-  corners.swap(kept_);
-}
-
 void PixelIntegrals::reset(const FlatPolygon& polygon, const Vec2& origin) {
   origin_ = origin;
   pieces_.clear();

@@ -2,25 +2,11 @@
 #pragma once
 
 #include <dapple/image.hpp>
-#include <dapple/restricted_voronoi.hpp>
+#include <dapple/moments.hpp>
+
+#include "plane/flat_polygon.hpp"
 
 namespace dapple {
-
-/// A convex polygon in the plane, counter-clockwise, relative to its site.
-struct FlatPolygon {
-  struct Corner {
-    Vec2 x;
-    std::int32_t edge;  ///< label of the edge that begins here
-  };
-
-  /// Keep the half-plane normal . x <= offset; the edge this makes gets the label.
-  void cut(const Vec2& normal, double offset, std::int32_t label);
-
-  std::vector<Corner> corners;
-
- private:
-  std::vector<Corner> kept_;
-};
 
 /// Exact integrals over polygons of a density that is constant on each pixel [c, c + 1] x
 /// [r, r + 1] of an image; one per thread. The cost grows with the pixels that a polygon covers.

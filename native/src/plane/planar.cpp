@@ -7,8 +7,9 @@
 #include "base/stopwatch.hpp"
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
+#include "base/vectors.hpp"
 #include "density/cut_surface.hpp"
-#include "plane/delaunay_graph.hpp"
+#include "plane/flat_graph.hpp"
 #include "plane/polygon_mesh.hpp"
 #include "start/class_start.hpp"
 #include "surface/ordered_surface.hpp"
@@ -105,6 +106,15 @@ double wrap(double x) {
   return wrapped < 1.0 ? wrapped : 0.0;  // the difference can round up to 1
 }
 
+/// Around all of a domain.
+/// \param size of a rectangle; 0 for a polygon
+Eigen::AlignedBox2d frame_of(const Surface& surface, const Vec2& size) {
+  if (!size.isZero()) return {Vec2::Zero(), size};
+  Eigen::AlignedBox2d frame;
+  for (const Vec3& corner : surface.vertices()) frame.extend(corner.head<2>());
+  return frame;
+}
+
 std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
   std::vector<Vec3> result;
   for (const Vec2& p : points) result.emplace_back(p.x(), p.y(), 0.0);
@@ -175,7 +185,8 @@ RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) cons
   Stretch dividing(context, cut ? kCut : 0.0, 1.0);
   return restricted_voronoi(
       cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
-      in_stage(context, Stage::kNeighbors, [&] { return plane_graph(sites.positions); }),
+      in_stage(context, Stage::kNeighbors,
+               [&] { return plane_graph(sites.positions, frame_of(surface_, size_)); }),
       dividing.context(), cells_);
 }
 
@@ -250,11 +261,13 @@ Vec2 TorusDomain::canonical(const Vec3& position) const {
 RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const {
   if (context) context->check();
   Sites wrapped;
-  for (const Vec3& x : sites.positions) {
-    const Vec2 p = canonical(x);
-    wrapped.positions.emplace_back(p.x(), p.y(), 0.0);
-    wrapped.faces.push_back(face_at(p));
-  }
+  wrapped.positions.resize(sites.size());
+  wrapped.faces.resize(sites.size());
+  for_each_vector(sites.size(), [&](std::size_t k) {
+    const Vec2 p = canonical(sites.positions[k]);
+    wrapped.positions[k] = {p.x(), p.y(), 0.0};
+    wrapped.faces[k] = face_at(p);
+  });
   const SiteGraph graph =
       in_stage(context, Stage::kNeighbors, [&] { return torus_graph(wrapped.positions); });
   return restricted_voronoi(cover_, wrapped, graph, context);
@@ -266,17 +279,17 @@ Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::in
                            const Context* context) const {
   check_finite("points", points);
   if (context) context->check();
-  Sites sites;
-  for (const Vec3& x : points) {
-    const Vec2 p = canonical(x);
-    const std::int32_t face = face_at(p);
-    const auto [a, b, c] = cover_.ordered().corners(cover_.ordered().ordered_face(face));
-    sites.positions.emplace_back(x.x(), x.y(), 0.0);
-    sites.faces.push_back(face);
-    sites.barycentric.push_back(closest_barycentric({p.x(), p.y(), 0.0}, cover_.ordered().vertex(a),
-                                                    cover_.ordered().vertex(b),
-                                                    cover_.ordered().vertex(c)));
-  }
+  const OrderedSurface& cover = cover_.ordered();
+  Sites sites{Vectors(points.size()), std::vector<std::int32_t>(points.size()),
+              Vectors(points.size())};
+  for_each_vector(points.size(), [&](std::size_t k) {
+    const Vec2 p = canonical(points[k]);
+    sites.faces[k] = face_at(p);
+    const auto [a, b, c] = cover.corners(cover.ordered_face(sites.faces[k]));
+    sites.positions[k] = {points[k].x(), points[k].y(), 0.0};
+    sites.barycentric[k] =
+        closest_barycentric({p.x(), p.y(), 0.0}, cover.vertex(a), cover.vertex(b), cover.vertex(c));
+  });
   return sites;
 }
 

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "plane/raster_domain.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "base/density_unit.hpp"
+#include "base/laps.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/segment.hpp"
-#include "base/stopwatch.hpp"
 #include "base/validate.hpp"
-#include "plane/delaunay_graph.hpp"
+#include "plane/flat_cells.hpp"
 #include "plane/pixel_integrals.hpp"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 64;   // cells a chunk
+constexpr std::size_t kGrain = 512;  // cells a chunk
 constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
 
 /// In a unit of its own if its values are far from 1.
@@ -42,18 +41,16 @@ Surface rectangle(const Vec2& size) {
   return {vertices, faces};
 }
 
-/// The cell of a site in the rectangle [0, size]; edge k lies on the bisector with link k. Empty if
-/// the site coincides with one of lower index.
+/// The cell of a site in the rectangle [0, size]; edge k lies on the bisector with link k.
 void shape_cell(const Vec2& size, const Vec2& x, std::span<const SiteGraph::Link> links,
-                std::int32_t site, FlatPolygon& cell) {
+                FlatPolygon& cell) {
   cell.corners = {{-x, kFrame},
                   {Vec2(size.x(), 0.0) - x, kFrame},
                   {size - x, kFrame},
                   {Vec2(0.0, size.y()) - x, kFrame}};
   for (std::size_t k = 0; k < links.size(); ++k) {
     const Vec2 d = links[k].offset.head<2>();
-    if (d.isZero(0.0) && links[k].site < site) return cell.corners.clear();
-    if (!d.isZero(0.0)) cell.cut(d, 0.5 * d.squaredNorm(), static_cast<std::int32_t>(k));
+    cell.cut(d, 0.5 * d.squaredNorm(), static_cast<std::int32_t>(k));
   }
 }
 
@@ -74,6 +71,54 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
 
 Vec2 flat(const Vec3& p) { return p.head<2>(); }
 
+/// The cells of some sites, one after another, with their boundaries in that order.
+struct Chunk {
+  Laps laps;  // looking for neighbors
+  std::vector<CellBoundary> boundaries;
+
+  void integrate(const Image& density, const FlatSites& sites, std::size_t begin, std::size_t end,
+                 RestrictedVoronoi& result) {
+    const Vec2 size(static_cast<double>(density.columns), static_cast<double>(density.rows));
+    FlatCells cells(sites, {Vec2::Zero(), size});
+    PixelIntegrals integrals(density);
+    FlatPolygon cell;
+    for (std::size_t k = begin; k < end; ++k) {
+      {
+        const Laps::Lap lap(laps);
+        cells.turn_to(k);
+      }
+      const auto site = static_cast<std::size_t>(sites.site(k));
+      const Vec2 x = flat(sites.place(k));
+      shape_cell(size, x, cells.links(), cell);
+      integrals.reset(cell, x);
+      result.cells[site] = integrals.moments();
+      const std::size_t first = boundaries.size();
+      append_boundaries(cell, integrals, cells.links(), boundaries);
+      result.rows[site].count = boundaries.size() - first;
+    }
+  }
+};
+
+/// Put the boundaries of all sites behind each other, in the order of the sites.
+void join_boundaries(const FlatSites& sites, const std::vector<Chunk>& chunks,
+                     RestrictedVoronoi& result) {
+  std::size_t count = 0;
+  for (RestrictedVoronoi::Row& row : result.rows) {
+    row.first = count;
+    count += row.count;
+  }
+  result.boundaries.resize(count);
+  parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    auto next = chunks[begin / kGrain].boundaries.begin();
+    for (std::size_t k = begin; k < end; ++k) {
+      const RestrictedVoronoi::Row& row = result.rows[static_cast<std::size_t>(sites.site(k))];
+      const auto to = result.boundaries.begin() + static_cast<std::ptrdiff_t>(row.first);
+      std::copy_n(next, row.count, to);
+      next += static_cast<std::ptrdiff_t>(row.count);
+    }
+  });
+}
+
 }  // namespace
 
 RasterDomain::RasterDomain(Image density)
@@ -82,40 +127,25 @@ RasterDomain::RasterDomain(Image density)
       mass_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
       frame_(rectangle(size_)) {}
 
+// Only the first of coincident sites has a cell.
 RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) const {
-  const SiteGraph graph =
-      in_stage(context, Stage::kNeighbors, [&] { return plane_graph(sites.positions); });
+  const FlatSites places =
+      in_stage(context, Stage::kNeighbors, [&] { return FlatSites(sites.positions, false); });
   RestrictedVoronoi result;
   result.cells.resize(sites.size());
   result.rows.resize(sites.size());
-  std::vector<std::vector<CellBoundary>> boundaries((sites.size() + kGrain - 1) / kGrain);
-  Tally tally(context, sites.size());
-  parallel_chunks(sites.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  std::vector<Chunk> chunks((places.size() + kGrain - 1) / kGrain);
+  Tally tally(context, places.size());
+  std::optional<SharedLoop> loop(std::in_place, context, Stage::kNeighbors);
+  parallel_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     tally.check();
-    FlatPolygon cell;
-    PixelIntegrals integrals(density_);
-    std::vector<CellBoundary>& mine = boundaries[begin / kGrain];
-    for (std::size_t k = begin; k < end; ++k) {
-      const Vec2 x = flat(sites.positions[k]);
-      shape_cell(size_, x, graph.of(k), static_cast<std::int32_t>(k), cell);
-      integrals.reset(cell, x);
-      result.cells[k] = integrals.moments();
-      const std::size_t first = mine.size();
-      append_boundaries(cell, integrals, graph.of(k), mine);
-      result.rows[k] = {first, mine.size() - first};
-    }
+    Chunk& mine = chunks[begin / kGrain];
+    loop->run(begin / kGrain, mine.laps,
+              [&] { mine.integrate(density_, places, begin, end, result); });
     tally.add(end - begin);
   });
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    if (k % kGrain == 0 && k > 0) {
-      const auto& before = boundaries[k / kGrain - 1];
-      result.boundaries.insert(result.boundaries.end(), before.begin(), before.end());
-    }
-    result.rows[k].first += result.boundaries.size();
-  }
-  if (!boundaries.empty())
-    result.boundaries.insert(result.boundaries.end(), boundaries.back().begin(),
-                             boundaries.back().end());
+  loop.reset();
+  join_boundaries(places, chunks, result);
   return result;
 }
 
@@ -171,15 +201,16 @@ Vec2 RasterDomain::nearest(const Vec2& point) const {
 }
 
 std::vector<bool> RasterDomain::on_border(const Sites& sites, const RestrictedVoronoi&) const {
-  const SiteGraph graph = plane_graph(sites.positions);
-  std::vector<bool> result(sites.size(), false);
-  FlatPolygon cell;
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    shape_cell(size_, flat(sites.positions[k]), graph.of(k), static_cast<std::int32_t>(k), cell);
-    result[k] = std::any_of(cell.corners.begin(), cell.corners.end(),
-                            [](const auto& corner) { return corner.edge == kFrame; });
-  }
-  return result;
+  const FlatSites places(sites.positions, false);
+  std::vector<char> found(sites.size(), 0);  // of bool, several would share a byte
+  parallel_chunks(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    FlatCells cells(places, {Vec2::Zero(), size_});
+    for (std::size_t k = begin; k < end; ++k) {
+      cells.turn_to(k);
+      found[static_cast<std::size_t>(places.site(k))] = cells.at_frame() ? 1 : 0;
+    }
+  });
+  return {found.begin(), found.end()};
 }
 
 void RasterDomain::check(const Sites& sites) const { check_finite("positions", sites.positions); }

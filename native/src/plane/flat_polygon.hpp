@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/types.hpp>
+#include <vector>
+
+namespace dapple {
+
+/// A convex polygon in the plane, counter-clockwise, relative to its site.
+struct FlatPolygon {
+  struct Corner {
+    Vec2 x;
+    std::int32_t edge;  ///< label of the edge that begins here
+  };
+
+  /// Keep the half-plane normal . x <= offset; the edge this makes gets the label.
+  /// \return whether anything was beyond
+  bool cut(const Vec2& normal, double offset, std::int32_t label);
+
+  /// Of the corner farthest from the site; 0 if there is none.
+  [[nodiscard]] double squared_radius() const;
+
+  std::vector<Corner> corners;
+
+ private:
+  std::vector<Corner> kept_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "voronoi/site_boxes.hpp"
+
+namespace dapple {
+
+/// Where sites of the plane or the torus are, each place once, in the order of a Morton curve; and
+/// which of them are near. On the torus they are in the unit square, and every site is there nine
+/// times: in it and in the eight squares around it.
+class FlatSites {
+ public:
+  /// A site that lies where another one does.
+  struct Twin {
+    std::int32_t site, first;
+  };
+
+  /// \param periodic whether this is the torus
+  FlatSites(std::span<const Vec3> sites, bool periodic);
+  FlatSites(const FlatSites&) = delete;
+  FlatSites& operator=(const FlatSites&) = delete;
+
+  /// Of places.
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  [[nodiscard]] bool periodic() const { return periodic_; }
+  [[nodiscard]] const Vec3& place(std::size_t k) const { return places_[k]; }
+  /// The first of the caller's sites at a place.
+  [[nodiscard]] std::int32_t site(std::size_t k) const { return sites_[k]; }
+  /// All that are not the first at their places.
+  [[nodiscard]] std::span<const Twin> twins() const { return twins_; }
+
+  /// A box around a few places, of which this is one; the same box, the same number.
+  [[nodiscard]] std::size_t neighborhood(std::size_t k) const { return k / SiteBoxes::kFan; }
+  [[nodiscard]] Box box_around(std::size_t k) const { return boxes_.leaf_of(k); }
+
+  /// Call visit(k, shift) for at least all places whose images, moved by the shift, are nearer to
+  /// the box than the root of `limit`, which visit() may lower.
+  template <typename Visit>
+  void for_each_near(const Box& query, const double& limit, const Visit& visit) const {
+    for_each_shift([&](const Vec3& shift) {
+      boxes_.for_each_near({query.low - shift, query.high - shift}, limit,
+                           [&](std::size_t k) { visit(k, shift); });
+    });
+  }
+
+  /// The same, near boxes first: for a limit that sinks on the way.
+  template <typename Visit>
+  void for_each_nearest(const Vec3& point, const double& limit, const Visit& visit) const {
+    for_each_shift([&](const Vec3& shift) {
+      const Vec3 moved = point - shift;
+      boxes_.for_each_nearest({moved, moved}, limit, [&](std::size_t k) { visit(k, shift); });
+    });
+  }
+
+ private:
+  /// More than the eight squares around there need not be, since a site's own images hold its cell
+  /// within half a period of it. The middle one comes first: what is near lowers the limit.
+  template <typename Use>
+  void for_each_shift(const Use& use) const {
+    use(Vec3::Zero());
+    if (!periodic_) return;
+    for (const double y : {-1.0, 0.0, 1.0})
+      for (const double x : {-1.0, 0.0, 1.0})
+        if (x != 0.0 || y != 0.0) use(Vec3(x, y, 0.0));
+  }
+
+  bool periodic_;
+  std::vector<Vec3> places_;
+  std::vector<std::int32_t> sites_;
+  std::vector<Twin> twins_;
+  SiteBoxes boxes_;
+};
+
+}  // namespace dapple
