@@ -8,25 +8,32 @@
 namespace dapple {
 namespace {
 
+/// std::floor(), which is a call where the machine need not have an instruction for it.
+double floor_of(double x) {
+  const auto toward_zero = static_cast<double>(static_cast<std::int64_t>(x));
+  return toward_zero > x ? toward_zero - 1.0 : toward_zero;
+}
+
 /// The parameters at which a coordinate that goes from p to q meets whole numbers, in order.
 class Crossings {
  public:
   Crossings(double p, double q) : p_(p), d_(q - p), step_(q > p ? 1.0 : -1.0) {
-    line_ = q > p ? std::floor(p) + 1.0 : std::ceil(p) - 1.0;
-    if (p == q) line_ = std::numeric_limits<double>::infinity();
+    line_ = q > p ? floor_of(p) + 1.0 : -floor_of(-p) - 1.0;
+    if (p != q) next_ = (line_ - p_) / d_;
   }
-  [[nodiscard]] double next() const {
-    return std::isinf(line_) ? std::numeric_limits<double>::infinity() : (line_ - p_) / d_;
+  [[nodiscard]] double next() const { return next_; }
+  void advance() {
+    line_ += step_;
+    next_ = (line_ - p_) / d_;
   }
-  void advance() { line_ += step_; }
 
  private:
   double p_, d_, step_, line_ = 0.0;
+  double next_ = std::numeric_limits<double>::infinity();
 };
 
 std::int32_t pixel(double middle, std::size_t count) {
-  return std::clamp(static_cast<std::int32_t>(std::floor(middle)), 0,
-                    static_cast<std::int32_t>(count) - 1);
+  return std::clamp(static_cast<std::int32_t>(middle), 0, static_cast<std::int32_t>(count) - 1);
 }
 
 }  // namespace
@@ -34,14 +41,17 @@ std::int32_t pixel(double middle, std::size_t count) {
 void PixelIntegrals::reset(const FlatPolygon& polygon, const Vec2& origin) {
   origin_ = origin;
   pieces_.clear();
+  starts_.clear();
   const std::size_t count = polygon.corners.size();
-  for (std::size_t k = 0; k < count; ++k)
-    split(polygon.corners[k].x + origin, polygon.corners[k + 1 < count ? k + 1 : 0].x + origin,
-          polygon.corners[k].edge);
+  for (std::size_t k = 0; k < count; ++k) {
+    starts_.push_back(pieces_.size());
+    split(polygon.corners[k].x + origin, polygon.corners[k + 1 < count ? k + 1 : 0].x + origin);
+  }
+  starts_.push_back(pieces_.size());
   add_up_rows();
 }
 
-void PixelIntegrals::split(const Vec2& p, const Vec2& q, std::int32_t edge) {
+void PixelIntegrals::split(const Vec2& p, const Vec2& q) {
   Crossings columns(p.x(), q.x()), rows(p.y(), q.y());
   Vec2 a = p;
   for (bool more = true; more;) {
@@ -50,8 +60,7 @@ void PixelIntegrals::split(const Vec2& p, const Vec2& q, std::int32_t edge) {
     more = t < 1.0;
     const Vec2 b = more ? Vec2(p + t * (q - p)) : q;
     const Vec2 middle = 0.5 * (a + b);
-    pieces_.push_back(
-        {a, b, pixel(middle.x(), image_->columns), pixel(middle.y(), image_->rows), edge});
+    pieces_.push_back({a, b, pixel(middle.x(), image_->columns), pixel(middle.y(), image_->rows)});
     if (x <= t) columns.advance();
     if (y <= t) rows.advance();
     a = b;
@@ -115,10 +124,9 @@ Moments PixelIntegrals::moments() const {
   return sum;
 }
 
-PixelIntegrals::Edge PixelIntegrals::along(std::int32_t label) const {
+PixelIntegrals::Edge PixelIntegrals::along(std::size_t k) const {
   Edge edge;
-  for (const Piece& piece : pieces_) {
-    if (piece.edge != label) continue;
+  for (const Piece& piece : std::span(pieces_).subspan(starts_[k], starts_[k + 1] - starts_[k])) {
     const double length = (piece.b - piece.a).norm();
     edge.length += length;
     edge.flux += density(piece.column, piece.row) * length * (0.5 * (piece.a + piece.b) - origin_);

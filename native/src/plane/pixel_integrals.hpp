@@ -3,6 +3,7 @@
 
 #include <dapple/image.hpp>
 #include <dapple/moments.hpp>
+#include <span>
 
 #include "plane/flat_polygon.hpp"
 
@@ -26,18 +27,18 @@ class PixelIntegrals {
   /// Integrals over the polygon, relative to the site.
   [[nodiscard]] Moments moments() const;
 
-  /// Along the edges with this label: length, and integral of phi (x - origin) ds.
+  /// Along the edge that begins at corner k: length, and integral of phi (x - origin) ds.
   struct Edge {
     double length = 0.0;
     Vec2 flux = Vec2::Zero();
   };
-  [[nodiscard]] Edge along(std::int32_t label) const;
+  [[nodiscard]] Edge along(std::size_t k) const;
 
  private:
   /// A part of an edge within one pixel, from a to b, in the image's coordinates.
   struct Piece {
     Vec2 a, b;
-    std::int32_t column, row, edge;
+    std::int32_t column, row;
   };
   /// Integrals of phi and of phi^2 times 1, x, x^2 over the part of a row left of a pixel, per unit
   /// of height; x is relative to the site.
@@ -49,7 +50,7 @@ class PixelIntegrals {
     std::size_t start;         // in left_
   };
 
-  void split(const Vec2& p, const Vec2& q, std::int32_t edge);
+  void split(const Vec2& p, const Vec2& q);
   void add_up_rows();
   void add(const Piece& piece, Moments& sum) const;
   [[nodiscard]] double density(std::int32_t column, std::int32_t row) const {
@@ -60,6 +61,7 @@ class PixelIntegrals {
   const Image* image_;
   Vec2 origin_ = Vec2::Zero();
   std::vector<Piece> pieces_;
+  std::vector<std::size_t> starts_;  // of the pieces of each edge, and their end
   std::int32_t first_row_ = 0;
   std::vector<Row> rows_;
   std::vector<Left> left_;

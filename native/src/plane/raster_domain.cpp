@@ -59,7 +59,7 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
   for (std::size_t k = 0; k < cell.corners.size(); ++k) {
     const FlatPolygon::Corner& corner = cell.corners[k];
     if (corner.edge == kFrame) continue;
-    const PixelIntegrals::Edge edge = integrals.along(corner.edge);
+    const PixelIntegrals::Edge edge = integrals.along(k);
     if (edge.length <= 0.0) continue;
     const SiteGraph::Link& link = links[static_cast<std::size_t>(corner.edge)];
     const Vec2 flux = edge.flux / link.offset.norm();
