@@ -15,6 +15,7 @@ from .ops import bake_operators, live_operators, operators, tools, viewport_oper
 from .panels import asset_library, pictures, preferences, preset_operators, shown
 from .settings import properties
 from .status import freshness, workfiles
+from .steps import remembered
 from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
@@ -58,7 +59,7 @@ def _register() -> None:
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
     later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview)
-    last: Any = (overlay, watcher, live_operators)
+    last: Any = (overlay, remembered, watcher, live_operators)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -53,7 +53,9 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimize.bl_idname, icon="PLAY")
-    layout.prop(settings, "auto_update")
+    column = layout.column(heading="Update")
+    column.prop(settings, "auto_update")
+    column.prop(settings, "keep_points")
     draw_result(layout, context)
     if settings.report.details:
         shown.DETAILS.of(context.object)  # likewise for the popover

@@ -14,7 +14,7 @@ from .density import vertex_terms
 from .fine import Term, all_changes, blocked, fine_terms
 from .native import package
 from .settings import Settings
-from .surface import Floats, SurfaceArrays
+from .surface import Floats, Ints, SurfaceArrays
 
 _FINE = 0.3  # longest edge where a density changes within faces, in spacings of the points
 _ROUNDS = 24  # of halving edges there
@@ -26,12 +26,22 @@ _PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are av
 class Ground:
     """What is sampled and tracked in place of the surface that was read."""
 
-    def __init__(self, arrays: SurfaceArrays, settings: Settings, context: Any = None) -> None:
-        """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting."""
+    def __init__(
+        self,
+        arrays: SurfaceArrays,
+        settings: Settings,
+        context: Any = None,
+        like: "Ground | None" = None,
+    ) -> None:
+        """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting.
+
+        A ground with the same faces, `like`, saves measuring anew those that have not changed.
+        """
         self._arrays, self._context = arrays, context
         self._refined: Any = None
         density = vertex_terms(arrays, settings.density)
-        self.surface = package().Surface(arrays.vertices, arrays.faces, density)
+        self._base: Any = _measured(arrays, density, None if like is None else like._base)
+        self.surface = self._base
         terms = fine_terms(arrays.around, settings.density)
         around, count = arrays.around, _wanted(self.surface, settings)
         if terms or len(around.points):
@@ -51,6 +61,26 @@ class Ground:
     def is_cut(self) -> bool:
         """Whether there are other faces than those that were read."""
         return self._refined is not None
+
+    @property
+    def pieces(self) -> tuple[Ints, Floats]:
+        """Of each face that is sampled, the one (m,) that was read, and its corners (m, 3, 3) there
+        in barycentrics.
+        """
+        if self._refined is not None:
+            return self._refined.parents, self._refined.barycentric
+        count = len(self.surface.faces)
+        corners = np.broadcast_to(np.eye(3), (count, 3, 3))
+        return np.arange(count, dtype=np.int32), corners
+
+    @property
+    def uncut(self) -> Floats:
+        """Density (m, 3) at the corners of the faces that were read, as long as none is cut."""
+        density = self._base.density
+        found: Floats = (
+            np.ones((len(self._base.faces), 3)) if density is None else density[self._base.faces]
+        )
+        return found
 
     @property
     def original(self) -> Any:
@@ -155,6 +185,15 @@ class Ground:
     def _extend(self, cut: Any) -> None:
         self._refined = cut if self._refined is None else self._refined.then(cut)
         self.surface = self._refined.surface
+
+
+def _measured(arrays: SurfaceArrays, density: Floats | None, like: Any) -> Any:
+    """dapple.Surface of what was read; that of the same faces saves most of the work."""
+    if like is None or not np.array_equal(like.faces, arrays.faces):
+        return package().Surface(arrays.vertices, arrays.faces, density)
+    if not np.array_equal(like.vertices, arrays.vertices):
+        like = like.deformed(arrays.vertices)
+    return like.with_density(density)
 
 
 def _wanted(surface: Any, settings: Settings) -> int:

@@ -41,6 +41,7 @@ class Report:
     overlap_first: int = -1  # ids of the two points that do most
     overlap_second: int = -1
     overlap_frame: int = 0  # of a bake, in which they do
+    measured: bool = True  # whether spacing and areas are of these points; else of some before
 
     def of_ids(self, ids: Ints) -> "Report":
         """With ids in place of the rows that the native package returns."""
@@ -60,6 +61,16 @@ class Scattered:
     details: Details = field(default_factory=Details)
     settings: Settings = field(default_factory=Settings)  # that it was solved with
     mass: float = 0.0  # integral of the density over the surface
+    solved: "Solved | None" = None  # what points can be kept with: keep.py
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solution in the terms of the native package."""
+
+    arrays: SurfaceArrays
+    ground: Ground
+    samples: Any  # dapple.Samples of the ground
 
 
 def scatter(
@@ -81,8 +92,8 @@ def scatter(
     binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)
-    mass = float(ground.surface.mass)
-    return Scattered(positions, binding, columns, report, details, settings, mass)
+    mass, solved = float(ground.surface.mass), Solved(arrays, ground, fine)
+    return Scattered(positions, binding, columns, report, details, settings, mass, solved)
 
 
 def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:

@@ -219,6 +219,15 @@ _UPDATES = (
         ),
         own_words=True,
     ),
+    Setting(
+        "keep_points",
+        Kind.SWITCH,
+        True,
+        "Keep Points",
+        "Auto Update starts from the points that are there: they keep their identity, and few of "
+        "them move far from a change. Optimize starts anew from the seed",
+        Changes.NOTHING,
+    ),
 )
 SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DISPLAY, *MOTION, *_BAKE, *_UPDATES)
 # By the name of the property that holds the group; "" is the scatter itself.

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Auto Update driven by hand: a background Blender has no timers, and a test no time to wait."""
 
+import time
 from contextlib import contextmanager
 
 import addon_host
 import bpy
 
-_MOST = 10_000  # looks until an update must have come to its end
+_PATIENCE = 120.0  # seconds after which an update must have come to its end
 
 
 class Clock:
@@ -39,6 +40,13 @@ def driven():
             bpy.app.timers.unregister(watcher.tick)
 
 
+def _patient():
+    end = time.monotonic() + _PATIENCE
+    while time.monotonic() < end:
+        yield
+    raise AssertionError("an update does not come to its end")
+
+
 class Driver:
     """The timer of Auto Update."""
 
@@ -54,7 +62,7 @@ class Driver:
         """Until a worker solves, or nothing is left to be done; whether it solves."""
         self.look()
         self.clock.rest()
-        for _ in range(_MOST):
+        for _ in _patient():
             self.look()
             job = self.watcher._state.job
             if job is None or job.stepper.progress > 0.0:
@@ -79,9 +87,8 @@ class Driver:
         return written
 
     def _until_idle(self):
-        for _ in range(_MOST):
+        for _ in _patient():
             self.look()
             self.clock.rest()
             if self.look() is None and not self.watcher.is_active():
                 return
-        raise AssertionError("an update does not come to its end")

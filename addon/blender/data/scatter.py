@@ -22,6 +22,7 @@ from ..base.translation import Say, label_of, told
 # Fields of the core's settings and their properties.
 _PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
 _QUICK = 1000.0  # milliseconds
+_COUNTED = ("count", "spacing", "evaluations", "milliseconds", "converged", "measured")
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
@@ -153,9 +154,10 @@ def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:
-    """Show these figures."""
-    for field in fields(Report):
-        setattr(obj.dapple.report, field.name, getattr(report, field.name))
+    """Show these figures; before points are measured, those of the points before stay."""
+    names = [field.name for field in fields(Report)] if report.measured else _COUNTED
+    for name in names:
+        setattr(obj.dapple.report, name, getattr(report, name))
 
 
 def copy_report(source: bpy.types.PropertyGroup, target: bpy.types.PropertyGroup) -> None:

@@ -50,10 +50,15 @@ def write_scattered(
     obj.dapple.solved_settings = settings_text(solved.settings)
     obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.mass).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
-    write_report(obj, solved.report)
-    obj.dapple.report.details = solved.details.text()
+    write_figures(obj, solved)
     write_binding(obj, arrays, solved.binding, rest)
     write_warning(obj)
+
+
+def write_figures(obj: bpy.types.Object, solved: Scattered) -> None:
+    """Store what is known of a result."""
+    write_report(obj, solved.report)
+    obj.dapple.report.details = solved.details.text()
 
 
 def write_binding(

@@ -20,6 +20,7 @@ from ...core.schedule import Schedule
 from ...core.steps import Stepper
 from ..base.held import Held
 from ..base.job import is_under_way
+from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
 from ..data.scatter import is_scatter
@@ -43,7 +44,16 @@ class _Job:
 
     scatter: Held
     stepper: Stepper
+    cause: frozenset[int]  # itself and the scatters because of which it is, see _spread
     shown: int = -1  # hundredths that the panel shows
+
+    def writes(self) -> dict[int, frozenset[int]]:
+        """The cause of changes of what it writes, by session_uid."""
+        try:
+            obj = self.scatter.get()
+        except ScatterError:  # it was removed
+            return {}
+        return dict.fromkeys((obj.session_uid, obj.data.session_uid), self.cause)
 
 
 @dataclass
@@ -120,6 +130,8 @@ def _spread() -> None:
     """
     touched, _state.touched = _state.touched, set()
     causes = {uid: _state.wrote.pop(uid) for uid in touched & _state.wrote.keys()}
+    if _state.job is not None:
+        causes |= _state.job.writes()
     for uid, depends in _depends().items():
         found = {causes.get(block, _NOBODY) for block in touched & depends}
         if _state.all_doubtful or uid in _state.doubtful or uid in touched & _state.passed_over:
@@ -159,7 +171,8 @@ def _begin() -> None:
         return
     if follows(obj):
         held = Held(obj)
-        _state.job = _Job(held, Stepper(update_steps(held)))
+        cause = _state.caused.pop(held.uid, _NOBODY) | {held.uid}
+        _state.job = _Job(held, Stepper(update_steps(held)), cause)
     else:
         _state.passed_over.add(obj.session_uid)
 
@@ -180,10 +193,8 @@ def _go_on(job: _Job) -> None:
 def _done(job: _Job) -> None:
     _state.job = None
     if job.stepper.result:
-        obj = job.scatter.get()
-        cause = _state.caused.pop(obj.session_uid, _NOBODY) | {obj.session_uid}
-        _state.wrote[obj.session_uid] = _state.wrote[obj.data.session_uid] = cause
-        preview.solved_anew(obj)
+        _state.wrote |= job.writes()
+        preview.solved_anew(job.scatter.get())
 
 
 def _give_up() -> None:
@@ -207,7 +218,7 @@ def _wake() -> None:
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Note what was changed; objects that are merely evaluated after others are listed too."""
-    if not enabled:
+    if not enabled or is_quiet():
         return
     for one in depsgraph.updates:
         block = one.id.original

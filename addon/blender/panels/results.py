@@ -19,6 +19,11 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
     points = counted(report.count, "{count} point", "{count:,} points")
     spread = 100 * report.capacity_variation
     mean, least = 100 * report.alpha_mean, 100 * report.alpha_min
+    if not report.measured and watcher.progress(obj) is None:
+        return [
+            (told("{points}, not measured: optimize again", points=points), "INFO"),
+            *_end(obj, context),
+        ]
     lines = [
         (told("{points}, area variation {spread:.2g} %", points=points, spread=spread), "NONE"),
         (told("Spacing {mean:.0f} % of ideal (min {least:.0f} %)", mean=mean, least=least), "NONE"),
@@ -34,11 +39,16 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         )
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
-    if watcher.progress(obj) is not None:  # a bar takes the place of what comes next
-        return lines
-    if watcher.trouble(obj):
-        lines.append((told("Auto Update: {why}", why=watcher.trouble(obj)), "ERROR"))
-    return [*lines, _fit(freshness.findings(obj, context))]
+    return [*lines, *_end(obj, context)]
+
+
+def _end(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
+    """Whether the result fits; a bar takes that place while it is updated."""
+    if watcher.progress(obj) is not None:
+        return []
+    fit = _fit(freshness.findings(obj, context))
+    why = watcher.trouble(obj)
+    return [(told("Auto Update: {why}", why=why), "ERROR"), fit] if why else [fit]
 
 
 def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -63,6 +63,11 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     overlap_frame: IntProperty(
         name="Overlap Frame", description="Baked frame with the largest overlap"
     )
+    measured: BoolProperty(
+        name="Measured",
+        description="Whether spacing and areas are those of these points",
+        default=True,
+    )
 
 
 @with_settings(GROUPS["density"])

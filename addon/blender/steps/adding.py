@@ -17,13 +17,14 @@ from ...core.surface import SurfaceArrays, check_unchanged
 from ..base.held import Held
 from ..base.translation import reported
 from ..data.library import open_collections
-from ..data.store import new_scatter, write_scattered
+from ..data.store import new_scatter
 from ..status.workfiles import new_key
 from ..surface.bound import rest_of
 from ..surface.reading import read
 from ..surface.resting import kind_of_binding, rest_position, rest_position_kept
 from .preset_fit import first_values, left_out_note
 from .presets import apply
+from .remembered import write_solved
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
         with _new(surface.get()) as obj:
             obj.dapple.bake_key = new_key()
             apply(obj, solved.values)
-            write_scattered(obj, solved.arrays, solved.scattered, solved.rest)
+            write_solved(obj, solved.arrays, solved.scattered, solved.rest)
     return Added(obj, left_out or note)
 
 

@@ -8,19 +8,18 @@ from dataclasses import replace
 
 import bpy
 
-from ...core.solve import scatter
 from ...core.sources import sources_of
 from ...core.steps import Steps, Task
 from ...core.surface import SurfaceArrays
 from ..base.held import Held
+from ..base.quiet import quiet
 from ..base.times import time_of
 from ..data.points import locked_points
 from ..data.scatter import is_fluid, settings_of, surface_of
-from ..data.store import write_scattered
 from ..status.staleness import is_edited, needs_solving
-from ..surface.bound import rest_of
 from ..surface.parts import read_parts
-from ..surface.resting import kind_of_binding, rest_position
+from ..surface.resting import kind_of_binding
+from .keeping import Update, anew_steps, keep_steps, keeps
 
 
 def update_steps(held: Held) -> Steps:
@@ -36,11 +35,9 @@ def update_steps(held: Held) -> Steps:
     obj = held.get()
     if is_edited(obj) or not needs_solving(obj, now):
         return False
-    kind, locked = _kind(obj, surface.get(), arrays), locked_points(obj)
-    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
-    with rest_position(surface, kind):
-        rest = rest_of(surface.get(), arrays, solved.binding, kind)
-        write_scattered(held.get(), arrays, solved, rest)
+    kind = _kind(obj, surface.get(), arrays)
+    update = Update(held, surface, arrays, settings, kind, locked_points(obj))
+    yield from (keep_steps if keeps(update) else anew_steps)(update)
     return True
 
 
@@ -49,4 +46,5 @@ def _kind(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArray
     known = obj.dapple.surface_topology.split()
     if obj.dapple.bind_to == "AUTO" and not is_fluid(surface) and known == [arrays.topology]:
         return str(obj.dapple.bound_to)
-    return kind_of_binding(surface, bpy.context, obj.dapple.bind_to)
+    with quiet():  # it evaluates a copy in a scene of its own
+        return kind_of_binding(surface, bpy.context, obj.dapple.bind_to)

@@ -12,10 +12,11 @@ from ...core.surface import check_unchanged
 from ..base.held import Held
 from ..data.points import columns_with_own_ids, locked_points, places_of
 from ..data.scatter import settings_of, surface_of
-from ..data.store import write_binding, write_own_ids, write_scattered
+from ..data.store import write_binding, write_own_ids
 from ..surface.bound import rest_of
 from ..surface.reading import read
 from ..surface.resting import kind_of_binding, rest_position
+from .remembered import write_solved
 
 
 def optimize_steps(context: bpy.types.Context) -> Steps:
@@ -30,7 +31,7 @@ def optimize_steps(context: bpy.types.Context) -> Steps:
     check_unchanged(arrays, read(surface.get(), settings, obj))
     with rest_position(surface, kind):
         rest = rest_of(surface.get(), arrays, solved.binding, kind)
-        write_scattered(obj, arrays, solved, rest)
+        write_solved(obj, arrays, solved, rest)
     return obj
 
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solutions that the session remembers: what has changed since then is found by comparing them.
+
+They are kept by the points that they belong to, so that an undo finds those of before. Files do not
+have them.
+"""
+
+from collections import OrderedDict
+from typing import Any
+
+import bpy
+
+from ...core.keep import Before
+from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, binding_from
+from ...core.rest import AtRest
+from ...core.solve import Scattered, Solved
+from ...core.surface import SurfaceArrays
+from ..data.points import own_columns, points_digest
+from ..data.store import write_scattered
+
+_MOST = 4  # as each has a surface with all that is known of it
+
+_known: OrderedDict[str, Solved] = OrderedDict()
+
+
+def write_solved(
+    obj: bpy.types.Object, arrays: SurfaceArrays, scattered: Scattered, rest: AtRest | None = None
+) -> None:
+    """Store a result, and remember how it was solved."""
+    write_scattered(obj, arrays, scattered, rest)
+    if scattered.solved is not None and not scattered.settings.classes:
+        _known[obj.dapple.solved_points] = scattered.solved
+        _known.move_to_end(obj.dapple.solved_points)
+        while len(_known) > _MOST:
+            _known.popitem(last=False)
+
+
+def before_of(obj: bpy.types.Object) -> Before:
+    """The points of a scatter as they are stored, with their solution if it is remembered."""
+    columns = own_columns(obj, {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"})
+    binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
+    return Before(binding, columns, _known.get(points_digest(obj)))
+
+
+def _forget(*_arguments: Any) -> None:
+    _known.clear()
+
+
+def register() -> None:
+    """Forget what another file has."""
+    bpy.app.handlers.persistent(_forget)
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister() -> None:
+    """Remember nothing."""
+    _forget()
+    if _forget in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_forget)

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keep Points: a solution from the one before, so that points stay and little moves.
+
+Where it is known what has changed, only the points there are relaxed, and all others keep every
+byte. A count that is exact then asks for points elsewhere too: these come and go over the whole
+surface, as do all where nothing is known of the solution before.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .binding import binding_of, samples_of
+from .details import Details, details_of
+from .forward import pointing
+from .frames import carried
+from .ground import Ground
+from .kinds import counted
+from .locked import Locked
+from .native import package
+from .records import Binding, Columns, own_random
+from .settings import Settings
+from .solve import Scattered, Solved, named, point_columns, report_of
+from .surface import Floats, Ints, SurfaceArrays
+
+KEEPING = {"count", "per_area", "density", "forward"}  # settings that may be others than before
+_SAME = 1e-5  # of a surface's extent: vertices that are moved by less are where they were
+_SPARE_POINTS, _SPARE = 2, 0.001  # points by area that may be missing, in all and as a share
+_EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no measure of points
+_FEW = 0.02  # of the points that move, which may be too many or too few where they are
+
+_ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
+
+
+@dataclass(frozen=True)
+class Before:
+    """The points as they are stored, and their solution where it is remembered."""
+
+    binding: Binding
+    columns: Columns
+    solved: Solved | None = None
+
+
+def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
+    """Whether points can be kept at all: of one class, on the same faces, from the same seed."""
+    return same_faces and not settings.classes and KEEPING.issuperset(changed)
+
+
+def kept(
+    before: Before, arrays: SurfaceArrays, settings: Settings, context: Any, locked: Locked | None
+) -> Scattered:
+    """The points relaxed where something has changed.
+
+    They may be more or fewer than the exact count asks for: see is_whole. They are not measured.
+    """
+    arrays = _cut_alike(before.solved, arrays)
+    with named(arrays.name):
+        like = before.solved.ground if before.solved else None
+        ground = Ground(arrays, settings, context, like)
+        given, changed = _given(before, arrays, ground)
+        fine = _relaxed(ground, given, changed, settings, context, locked)
+        return _scattered(before, arrays, ground, given, fine, settings, locked)
+
+
+def is_whole(scattered: Scattered) -> bool:
+    """Whether there are as many points as there have to be: exactly, or about so many by area."""
+    solved, settings = scattered.solved, scattered.settings
+    assert solved is not None
+    wanted = _wanted(solved.ground, settings)
+    spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
+    return abs(len(solved.samples) - wanted) <= spare
+
+
+def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
+    """The points with the exact count, even over the whole surface."""
+    solved, settings = before.solved, before.settings
+    assert solved is not None
+    ground, arrays = solved.ground, solved.arrays
+    with named(arrays.name):
+        fine = _resampled(ground, solved.samples, settings, context, locked)
+        stored = Before(before.binding, before.columns, solved)
+        found = _scattered(stored, arrays, ground, solved.samples, fine, settings, locked)
+    spent = before.report.milliseconds + found.report.milliseconds
+    return replace(found, report=replace(found.report, milliseconds=spent))
+
+
+def measured(scattered: Scattered, context: Any) -> Scattered:
+    """With the figures of all points."""
+    solved = scattered.solved
+    assert solved is not None
+    ground, samples = solved.ground, solved.samples
+    with named(solved.arrays.name):
+        weight = scattered.settings.capacity_weight
+        found = report_of(
+            package().analyze(ground.surface, samples, capacity_weight=weight, context=context)
+        )
+        density = ground.densities(samples)
+        gaps = details_of(samples, density).gaps
+    effort = {name: getattr(scattered.report, name) for name in _EFFORT}
+    return replace(scattered, report=replace(found, **effort), details=Details(gaps=gaps))
+
+
+def _cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
+    """With quads cut along the same diagonals as before, which may be others once they are bent.
+
+    A picture lies on the triangles as they were read.
+    """
+    if solved is None or arrays.around.uv is not None or arrays.topology != solved.arrays.topology:
+        return arrays
+    mirrored = np.linalg.det(arrays.matrix[:3, :3]) * np.linalg.det(solved.arrays.matrix[:3, :3])
+    return arrays if mirrored < 0.0 else replace(arrays, faces=solved.arrays.faces)
+
+
+def _given(before: Before, arrays: SurfaceArrays, ground: Ground) -> tuple[Any, Ints]:
+    """dapple.Samples of the ground that are there, and the faces on which something changed."""
+    solved, everything = before.solved, np.arange(len(ground.surface.faces), dtype=np.int32)
+    ids, classes = before.columns["id"], before.columns["dapple_class"]
+    if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
+        samples = samples_of(before.binding, ground.original, ids, classes)
+        return ground.there(samples), everything
+    vertices = _in_pose(solved.arrays, arrays)
+    if not (ground.is_cut or solved.ground.is_cut):
+        surface = solved.ground.surface.deformed(vertices)
+        changed: Ints = package().changed_faces(surface, ground.surface)
+        samples = solved.samples
+        if vertices is not solved.arrays.vertices or not np.array_equal(samples.ids, ids):
+            places = (samples.faces, samples.barycentric)
+            samples = package().Samples(surface, *places, ids=ids, classes=classes)
+        return samples, changed
+    coarse = solved.ground.back(solved.samples)
+    places = (coarse.faces, coarse.barycentric)
+    samples = package().Samples(ground.original, *places, ids=ids, classes=classes)
+    return ground.there(samples), _changed_pieces(solved.ground, vertices, ground, arrays)
+
+
+def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
+    """The vertices of before where they are once the object was moved or turned as a whole."""
+    if np.array_equal(before.matrix, now.matrix):
+        return before.vertices
+    motion = now.matrix @ np.linalg.inv(before.matrix)
+    linear = motion[:3, :3]
+    if not np.allclose(linear.T @ linear, np.eye(3), atol=_SAME):
+        return before.vertices
+    moved = before.vertices @ linear.T + motion[:3, 3]
+    extent = np.ptp(now.vertices, axis=0).max(initial=0.0)
+    same = np.abs(moved - now.vertices).max(axis=1) <= _SAME * extent
+    found: Floats = np.where(same[:, None], now.vertices, moved)
+    return found
+
+
+def _changed_pieces(
+    before: Ground, vertices: Floats, ground: Ground, arrays: SurfaceArrays
+) -> Ints:
+    """Pieces of cut faces where there is another density or shape than before."""
+    now = _pieces(ground, arrays.vertices, arrays.faces)
+    same = np.isin(now, _pieces(before, vertices, arrays.faces))
+    alike = (vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
+    alike &= (before.uncut == ground.uncut).all(axis=1)
+    parents = before.pieces[0][~_is_plain(before)]
+    alike[parents] = False
+    same |= _is_plain(ground) & alike[ground.pieces[0]]  # it is merely cut otherwise
+    return np.flatnonzero(~same).astype(np.int32)
+
+
+def _is_plain(ground: Ground) -> NDArray[np.bool_]:
+    """Which pieces (m,) have the density that the face had before it was cut."""
+    parents, corners = ground.pieces
+    values = np.einsum("mkc,mc->mk", corners, ground.uncut[parents])
+    found: NDArray[np.bool_] = np.isclose(ground.at_corners(), values, atol=0.0).all(axis=1)
+    return found
+
+
+def _pieces(ground: Ground, vertices: Floats, faces: Ints) -> NDArray[np.uint64]:
+    """Numbers (m,) that are the same where a piece lies at the same place of the same face that was
+    read, with the same density.
+    """
+    parents, corners = ground.pieces
+    count = len(parents)
+    places = vertices[faces[parents]].reshape(count, 9)
+    rows = np.concatenate([corners.reshape(count, 9), ground.at_corners(), places], axis=1)
+    bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
+    mixed = parents.astype(np.uint64) * _ODD[0]
+    for column, factor in zip(bits.T, _ODD[1:], strict=True):
+        mixed = (mixed ^ column) * factor
+        mixed ^= mixed >> np.uint64(29)
+    return mixed
+
+
+def _relaxed(
+    ground: Ground,
+    given: Any,
+    changed: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    wanted = _wanted(ground, settings)
+    everything = len(changed) == len(ground.surface.faces)
+    if not len(changed) and wanted == len(given):
+        return given
+    if everything or not len(changed) or not len(given):
+        return _resampled(ground, given, settings, context, locked)
+    options = {"locked": _rows(given, locked), "context": context, **settings.sample_options()}
+    found = package().relax(ground.surface, given, changed, **options)
+    missing = abs(len(found) - wanted)
+    if missing and missing <= _FEW * np.count_nonzero(~_stays(given, found)):
+        return package().relax(ground.surface, given, changed, count=wanted, **options)
+    return found
+
+
+def _resampled(
+    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """All points made even, as many as there have to be; none of them stays but the locked ones."""
+    options, wanted = settings.sample_options(), _wanted(ground, settings)
+    rows = _rows(given, locked)
+    if not len(rows):
+        return package().resample(ground.surface, given, wanted, context=context, **options)
+    everything = np.arange(len(ground.surface.faces), dtype=np.int32)
+    return package().relax(
+        ground.surface, given, everything, count=wanted, locked=rows, context=context, **options
+    )
+
+
+def _wanted(ground: Ground, settings: Settings) -> int:
+    return int(counted(ground.surface, settings).count)
+
+
+def _rows(samples: Any, locked: Locked | None) -> Ints:
+    """Rows of the samples that are locked."""
+    ids = np.empty(0, dtype=np.int32) if locked is None else locked.ids
+    return np.flatnonzero(np.isin(samples.ids, ids)).astype(np.int32)
+
+
+def _scattered(
+    before: Before,
+    arrays: SurfaceArrays,
+    ground: Ground,
+    given: Any,
+    fine: Any,
+    settings: Settings,
+    locked: Locked | None,
+) -> Scattered:
+    """What is stored of the samples; those that stay keep all that they had."""
+    samples = ground.back(fine)
+    old, stays = _old_rows(given, fine), _stays(given, fine)
+    columns = point_columns(samples.ids, samples.classes, settings.seed)
+    columns["dapple_locked"][_rows(samples, locked)] = True
+    columns["dapple_density"] = ground.shares(ground.densities(fine))
+    new = own_random(settings.seed, samples.ids, 4)
+    columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
+    binding = _with_directions(
+        before.binding, binding_of(samples, arrays.faces), old, stays, arrays
+    )
+    binding = pointing(binding, arrays, settings.forward)
+    report = replace(report_of(samples.report), count=len(samples), measured=False)
+    solved, mass = Solved(arrays, ground, fine), float(ground.surface.mass)
+    positions = np.asarray(samples.positions)
+    return Scattered(positions, binding, columns, report, Details(), settings, mass, solved)
+
+
+def _old_rows(given: Any, found: Any) -> Ints:
+    """Rows (n,) that samples had before; -1 for new ones."""
+    order = np.argsort(given.ids)
+    place = np.searchsorted(given.ids, found.ids, sorter=order)
+    rows = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(found), int)
+    there = given.ids[rows] == found.ids if len(order) else np.zeros(len(found), bool)
+    return np.where(there, rows, -1).astype(np.int32)
+
+
+def _stays(given: Any, found: Any) -> NDArray[np.bool_]:
+    """Which samples (n,) are where they were."""
+    rows = _old_rows(given, found)
+    there = rows >= 0
+    there[there] = (found.positions[there] == given.positions[rows[there]]).all(axis=1)
+    return there
+
+
+def _with_directions(
+    before: Binding, after: Binding, old: Ints, stays: NDArray[np.bool_], arrays: SurfaceArrays
+) -> Binding:
+    """The binding of points that stay is what it was; others keep directions as they slide."""
+    corners, weights, carry = after.corners.copy(), after.barycentric.copy(), after.carry.copy()
+    at = old[stays]
+    corners[stays], weights[stays] = before.corners[at], before.barycentric[at]
+    carry[stays] = before.carry[at]
+    slid = (old >= 0) & ~stays
+    if slid.any():
+        rows = old[slid]
+        was = Binding(before.corners[rows], before.barycentric[rows], before.carry[rows])
+        now = Binding(corners[slid], weights[slid], carry[slid])
+        carry[slid] = carried(was, now, arrays.vertices, arrays.faces).carry
+    return Binding(corners, weights, carry)

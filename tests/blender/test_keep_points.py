@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keep Points in Blender: what an update leaves as it is, and what it falls back on."""
+
+import addon_host
+import bpy
+import following
+import numpy as np
+import pytest
+import scenes
+from test_auto_update import grown, reason
+
+
+@pytest.fixture
+def live():
+    with following.driven() as driver:
+        yield driver
+
+
+@pytest.fixture
+def obj(live):
+    """A scatter by area over a fine sphere with a vertex group."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
+    surface = bpy.context.object
+    grown(surface).add(range(len(surface.data.vertices)), 1.0, "REPLACE")
+    made = scenes.scattered(surface, count=100)
+    made.dapple.auto_update_choice = "ON"
+    made.dapple.amount, made.dapple.points_per_area = "PER_AREA", 60.0
+    made.dapple.density.attribute = "Grass"
+    assert live.settle() > 0
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    live.settle()
+    return made
+
+
+def stored(obj):
+    """All that is stored of each point, by its id, in bytes."""
+    meshio, records = addon_host.part("blender.base.meshio"), addon_host.part("core.records")
+    types = {**records.ROW_ATTRIBUTES, "id": "INT", "dapple_scale": "FLOAT", "dapple_rank": "FLOAT"}
+    columns = {**meshio.read_columns(obj.data, types), "place": meshio.read_points(obj.data)}
+    count = len(columns["id"])
+    rows = np.concatenate(
+        [one.reshape(count, -1).astype(np.float64) for one in columns.values()], 1
+    )
+    return {int(key): row.tobytes() for key, row in zip(columns["id"], rows, strict=True)}
+
+
+def places(obj):
+    ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
+    return dict(zip(ids.tolist(), scenes.positions(obj), strict=True))
+
+
+def stroke(surface, middle, radius, weight):
+    """A brush stroke on the vertex group."""
+    away = np.linalg.norm(scenes.world_vertices(surface) - middle, axis=1)
+    near = np.flatnonzero(away < radius).tolist()
+    surface.vertex_groups["Grass"].add(near, weight, "REPLACE")
+    surface.data.update()
+
+
+def far_stay(before, after, there, middle, reach):
+    """Share of the points farther from a place than that, whose bytes are the same."""
+    far = [key for key, place in there.items() if np.linalg.norm(place - middle) > reach]
+    assert len(far) > 200
+    return np.mean([before[key] == after.get(key) for key in far])
+
+
+@pytest.mark.parametrize("weight", [0.0, 0.4])
+def test_a_stroke_leaves_what_is_far_from_it(live, obj, weight):
+    middle = np.array([0.0, 0.0, 1.0])
+    before, there = stored(obj), places(obj)
+    stroke(obj.dapple.surface, middle, 0.4, weight)
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    assert obj.dapple.report.measured
+    assert obj.dapple.report.capacity_variation < 0.05
+    reach = 0.4 + 3 * obj.dapple.report.spacing
+    assert far_stay(before, stored(obj), there, middle, reach) >= 0.99
+    assert len(obj.data.vertices) < len(before)
+
+
+def test_an_obstacle_that_is_added_and_moved_leaves_what_is_far_from_it(live, obj):
+    stones = bpy.data.collections.new("Stones")
+    bpy.context.scene.collection.children.link(stones)
+    obj.dapple.density.obstacles = stones
+    stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.3, 0.3, 0.3))
+    live.settle()
+    for shift in (0.0, 0.1):
+        before, there = stored(obj), places(obj)
+        if stone.users_collection[0] != stones:
+            stones.objects.link(stone)
+        stone.location.y = shift
+        assert live.settle() == 1
+        assert reason(obj) == ""
+        reach = 0.5 + 3 * obj.dapple.report.spacing
+        assert far_stay(before, stored(obj), there, np.array([1.0, 0, 0]), reach) >= 0.99
+        away = np.linalg.norm(scenes.positions(obj) - np.array(stone.location), axis=1)
+        assert away.min() > 0.3
+
+
+def test_an_edited_surface_leaves_what_is_far_from_the_edit(live, obj):
+    surface, middle = obj.dapple.surface, np.array([0.0, 0.0, -1.0])
+    before, there = stored(obj), places(obj)
+    for vertex in surface.data.vertices:
+        if (vertex.co - type(vertex.co)(middle)).length < 0.3:
+            vertex.co.z -= 0.1
+    surface.data.update()
+    assert live.settle() == 1
+    reach = 0.4 + 3 * obj.dapple.report.spacing
+    assert far_stay(before, stored(obj), there, middle, reach) >= 0.99
+
+
+def test_another_amount_keeps_the_ids(live, obj):
+    before = stored(obj).keys()
+    obj.dapple.points_per_area = 50.0
+    assert live.settle() == 1
+    assert stored(obj).keys() < before
+    obj.dapple.amount, obj.dapple.count = "COUNT", 900
+    assert live.settle() == 1
+    assert len(stored(obj)) == obj.dapple.report.count == 900
+
+
+def test_an_exact_count_is_exact_after_a_stroke(live, obj):
+    obj.dapple.amount, obj.dapple.count = "COUNT", 700
+    live.settle()
+    before = stored(obj).keys()
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.5, 0.0)
+    assert live.settle() == 1
+    assert len(obj.data.vertices) == 700
+    assert len(before & stored(obj).keys()) > 600
+    assert scenes.positions(obj)[:, 2].max() < 0.95
+    assert reason(obj) == ""
+
+
+def test_optimize_starts_anew_from_the_seed(live, obj):
+    expected = scenes.positions(obj)
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.0)
+    live.settle()
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 1.0)
+    live.settle()
+    assert not np.array_equal(scenes.positions(obj), expected)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert np.array_equal(scenes.positions(obj), expected)
+
+
+@pytest.mark.parametrize("forget", ["session", "keep_points"])
+def test_without_a_memory_or_the_setting_the_points_fit_too(live, obj, forget):
+    ids = stored(obj).keys()
+    if forget == "session":
+        addon_host.part("blender.steps.remembered")._forget()
+    else:
+        obj.dapple.keep_points = False
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.0)
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    assert scenes.positions(obj)[:, 2].max() < 0.97
+    if forget == "session":
+        assert stored(obj).keys() <= ids
+
+
+@pytest.mark.parametrize("change", ["seed", "classes", "faces", "tolerance"])
+def test_what_cannot_be_kept_is_solved_anew(live, obj, change):
+    surface = obj.dapple.surface
+    if change == "classes":
+        bpy.ops.dapple.edit_classes(action="ADD")
+        obj.dapple.classes[0].radius = 0.01
+    elif change == "faces":
+        surface.modifiers.new("Triangulate", "TRIANGULATE")
+        surface.modifiers.new("Subdivision", "SUBSURF")
+    else:
+        setattr(obj.dapple, change, {"seed": 3, "tolerance": 1e-4}[change])
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    expected = scenes.positions(obj)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert np.array_equal(scenes.positions(obj), expected)
+
+
+def test_locked_points_stay(live, obj):
+    obj.data.vertices.foreach_set("select", np.arange(len(obj.data.vertices)) % 5 == 0)
+    assert bpy.ops.dapple.lock() == {"FINISHED"}
+    before = stored(obj)
+    locked = [key for key, row in zip(before, range(len(before)), strict=True) if row % 5 == 0]
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.4, 0.4)
+    assert live.settle() == 1
+    assert obj.dapple.locked_count == len(locked)
+    after = stored(obj)
+    assert all(before[key] == after[key] for key in locked)
+
+
+def test_a_change_between_the_parts_of_an_update_loses_nothing(live, obj):
+    """An exact count is made in two parts; what is shown between them is called out of date."""
+    obj.dapple.amount, obj.dapple.count = "COUNT", 700
+    live.settle()
+    stroke(obj.dapple.surface, (0.0, 0.0, 1.0), 0.5, 0.0)
+    live.look()
+    live.clock.rest()
+    while len(obj.data.vertices) == 700:
+        live.look()
+        assert live.watcher.is_active()
+    live.watcher.cancel()
+    assert obj.dapple.report.count == len(obj.data.vertices) < 700
+    assert "Settings were changed (Count)" in reason(obj)
+    obj.dapple.count = 701
+    live.settle()
+    assert len(obj.data.vertices) == 701
+    assert reason(obj) == ""
