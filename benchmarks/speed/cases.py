@@ -110,6 +110,24 @@ def _planar(domain: Callable[[], dapple.FlatDomain], count: int) -> Make:
     return make
 
 
+def _picture(side: int) -> NDArray[np.uint8]:
+    """Ramps and waves with a disc, a black box and a white one, which have sharp borders."""
+    row, column = np.indices((side, side)) / side
+    gray = 0.15 + 0.35 * (row + column) + 0.15 * np.sin(12 * row) * np.sin(9 * column)
+    gray = np.where(np.hypot(row - 0.35, column - 0.6) < 0.2, 0.05 + 0.3 * column, gray)
+    gray[int(0.65 * side) : int(0.85 * side), int(0.1 * side) : int(0.4 * side)] = 1.0
+    gray[int(0.55 * side) : int(0.85 * side), int(0.65 * side) : int(0.85 * side)] = 0.0
+    return np.rint(255 * gray.clip(0, 1)).astype(np.uint8)
+
+
+def _stippled(side: int, count: int) -> Make:
+    def make(seed: int) -> Run:
+        picture = _picture(side)
+        return lambda: dapple.stipple(picture, count, seed=seed).report
+
+    return make
+
+
 def _tracked(count: int) -> Make:
     def make(seed: int) -> Run:
         vertices, faces = torus(*_TRACKED)
@@ -170,6 +188,8 @@ def cases(mesh: Mesh) -> dict[str, Make]:
             "1.1M faces/2000": _faces(1_056, 528, 2_000),
             "torus/100000": _planar(lambda: dapple.Torus(), 100_000),
             "plane/100000": _planar(lambda: dapple.Plane(1.0, 1.0), 100_000),
+            "picture/100000": _stippled(1024, 100_000),
+            "picture/1000000": _stippled(4096, 1_000_000),
             "tracked frame/2000": _tracked(2_000),
             "tracked frame/20000": _tracked(20_000),
             "still frame/20000": _still(20_000),

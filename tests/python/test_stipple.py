@@ -51,6 +51,14 @@ def test_takes_several_kinds_of_numbers():
         np.testing.assert_allclose(dapple.stipple(image, 100).positions, base.positions, atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.uint8])
+def test_leaves_the_picture_as_it_is(kind):
+    image = WAVES.astype(kind)
+    before = image.copy()
+    dapple.stipple(image, 20)
+    np.testing.assert_array_equal(image, before)
+
+
 def test_alpha_lets_white_paper_through():
     image = np.zeros((20, 20, 4))
     image[:, 10:, 3] = 1.0

@@ -122,8 +122,10 @@ def stipple(
         raise ValueError("counts is given and the image is gray: it has one ink, black")
     if picture.size == 0:
         raise ValueError(f"image has the shape {picture.shape}: it has no pixel")
+    if gray:  # in place: the picture may be large
+        np.subtract(1.0, picture, out=picture)
     found = stipple_inks(
-        (1.0 - picture)[None] if gray else separate_inks(np.moveaxis(picture, 2, 0)),
+        picture[None] if gray else separate_inks(np.moveaxis(picture, 2, 0)),
         count,
         counts=[] if counts is None else list(counts),
         context=context,

@@ -20,6 +20,7 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 512;  // cells a chunk
+constexpr std::size_t kSides = 7;    // of a cell: about six on average
 constexpr std::int32_t kFrame = -1;  // label of the edges along the picture's border
 
 /// In a unit of its own if its values are far from 1.
@@ -82,6 +83,7 @@ struct Chunk {
     FlatCells cells(sites, {Vec2::Zero(), size});
     PixelIntegrals integrals(density);
     FlatPolygon cell;
+    boundaries.reserve(kSides * (end - begin));
     for (std::size_t k = begin; k < end; ++k) {
       {
         const Laps::Lap lap(laps);
