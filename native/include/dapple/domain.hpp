@@ -19,6 +19,13 @@ class Domain {
   /// \throw Cancelled
   [[nodiscard]] virtual RestrictedVoronoi cells(const Sites& sites, Context* context) const = 0;
 
+  /// The same in the memory that `diagram` has, whatever it held: evaluations that follow each
+  /// other need not allocate. After an error it holds nothing of use.
+  virtual void update_cells(const Sites& sites, Context* context,
+                            RestrictedVoronoi& diagram) const {
+    diagram = cells(sites, context);
+  }
+
   /// The nearest points of the domain, each with its face; `hints` are faces near the points.
   /// \param context  is asked whether to go on, no more: this is a part of a step
   /// \throw Cancelled
@@ -57,6 +64,7 @@ class Domain {
   virtual void check(const Sites& sites) const = 0;
 };
 
+class CellBuilders;
 class CutSurfaces;
 
 /// Where a point goes that has left a face near it.
@@ -74,6 +82,8 @@ class SurfaceDomain final : public Domain {
                          Steps steps = Steps::kAnywhere);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
+  void update_cells(const Sites& sites, Context* context,
+                    RestrictedVoronoi& diagram) const override;
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
@@ -93,6 +103,7 @@ class SurfaceDomain final : public Domain {
   Cells cells_;
   Steps steps_;
   std::shared_ptr<CutSurfaces> cuts_;
+  std::shared_ptr<CellBuilders> builders_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<const Projector> projector_;  // made when it is first needed
 };

@@ -27,4 +27,10 @@ struct Energy {
 [[nodiscard]] Energy evaluate_energy(const Domain& domain, const Sites& sites,
                                      double capacity_weight, Context* context = nullptr);
 
+/// The same in the memory that `energy` has, whatever it held: evaluations of as many sites on one
+/// surface, one after another, allocate nothing but what their sites make larger. After an error it
+/// holds nothing of use.
+void update_energy(Energy& energy, const Domain& domain, const Sites& sites, double capacity_weight,
+                   Context* context = nullptr);
+
 }  // namespace dapple

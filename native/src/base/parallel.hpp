@@ -6,8 +6,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <dapple/option.hpp>
+#include <span>
 #include <vector>
 
 namespace dapple {
@@ -32,7 +34,10 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
 /// order: the same for any number of threads.
 template <typename Term>
 double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
-  std::vector<double> sums((count + grain - 1) / grain, 0.0);
+  const std::size_t chunks = (count + grain - 1) / grain;
+  std::array<double, 256> few;  // without an allocation
+  std::vector<double> many(chunks > few.size() ? chunks : 0);
+  const std::span<double> sums = many.empty() ? std::span(few).first(chunks) : std::span(many);
   parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) {
     double sum = 0.0;
     for (std::size_t k = begin; k < end; ++k) sum += term(k);

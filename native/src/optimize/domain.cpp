@@ -9,6 +9,7 @@
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "density/cut_surface.hpp"
+#include "optimize/cell_builders.hpp"
 #include "surface/local_projection.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
@@ -26,17 +27,27 @@ double Domain::spacing(std::size_t count) const {
 }
 
 SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
-    : surface_(surface), cells_(cells), steps_(steps), cuts_(std::make_shared<CutSurfaces>()) {}
+    : surface_(surface),
+      cells_(cells),
+      steps_(steps),
+      cuts_(std::make_shared<CutSurfaces>()),
+      builders_(std::make_shared<CellBuilders>()) {}
 
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, Context* context) const {
+  RestrictedVoronoi diagram;
+  update_cells(sites, context, diagram);
+  return diagram;
+}
+
+void SurfaceDomain::update_cells(const Sites& sites, Context* context,
+                                 RestrictedVoronoi& diagram) const {
   check_sites(surface_, sites);
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
   const std::shared_ptr<const CutSurface> cut =
       cuts_->at(surface_, sites.size(), cutting.context());
-  if (!cut) return unit_voronoi(surface_, sites, context, cells_);
-  return without_unit(
-      unit_voronoi(cut->surface(), cut->on_pieces(sites), dividing.context(), cells_),
-      cut->surface().ordered().density_unit() / density_unit());
+  if (!cut) return builders_->build(surface_, sites, cells_, context, diagram);
+  builders_->build(cut->surface(), cut->on_pieces(sites), cells_, dividing.context(), diagram);
+  remove_unit(diagram, cut->surface().ordered().density_unit() / density_unit());
 }
 
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,

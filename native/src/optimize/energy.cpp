@@ -11,8 +11,9 @@ namespace {
 
 /// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
 /// Theorem 2).
-std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_weight) {
-  std::vector<Vec3> result(diagram.cells.size());
+void find_gradient(const RestrictedVoronoi& diagram, double capacity_weight,
+                   std::vector<Vec3>& result) {
+  result.resize(diagram.cells.size());
   for_each_vector(result.size(), [&](std::size_t i) {
     const Moments& cell = diagram.cells[i];
     Vec3 capacity = Vec3::Zero();
@@ -22,13 +23,10 @@ std::vector<Vec3> gradient(const RestrictedVoronoi& diagram, double capacity_wei
           side.flux;
     result[i] = -2.0 * cell.first + 2.0 * capacity_weight * capacity;
   });
-  return result;
 }
 
-/// The energy over known cells.
-Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) {
-  Energy energy;
-  energy.diagram = std::move(diagram);
+/// The energy over its cells.
+void assemble(Energy& energy, double mass, double capacity_weight) {
   const std::vector<Moments>& cells = energy.diagram.cells;
   energy.cvt =
       parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].second; });
@@ -38,13 +36,12 @@ Energy assemble(RestrictedVoronoi diagram, double mass, double capacity_weight) 
   energy.total = energy.cvt + capacity_weight * energy.capacity_term;
   const auto count = static_cast<double>(energy.diagram.cells.size());
   energy.normalized = count / mass * energy.total / mass - capacity_weight;
-  energy.gradient = gradient(energy.diagram, capacity_weight);
-  return energy;
+  find_gradient(energy.diagram, capacity_weight, energy.gradient);
 }
 
 Energy without_unit(Energy energy, double density_unit) {
   const double once = 1.0 / density_unit;
-  energy.diagram = without_unit(std::move(energy.diagram), density_unit);
+  remove_unit(energy.diagram, density_unit);
   for (double* sum : {&energy.total, &energy.cvt, &energy.capacity_term}) *sum = *sum * once * once;
   for (Vec3& g : energy.gradient) g = g * once * once;
   return energy;
@@ -61,10 +58,17 @@ Energy evaluate_energy(const Surface& surface, const Sites& sites, double capaci
 
 Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity_weight,
                        Context* context) {
+  Energy energy;
+  update_energy(energy, domain, sites, capacity_weight, context);
+  return energy;
+}
+
+void update_energy(Energy& energy, const Domain& domain, const Sites& sites, double capacity_weight,
+                   Context* context) {
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
-  return assemble(in_stage(context, Stage::kCells, [&] { return domain.cells(sites, context); }),
-                  domain.mass(), capacity_weight);
+  in_stage(context, Stage::kCells, [&] { domain.update_cells(sites, context, energy.diagram); });
+  assemble(energy, domain.mass(), capacity_weight);
 }
 
 }  // namespace dapple

@@ -88,17 +88,15 @@ Vectors lbfgs_direction(const Objective& objective, const State& state, double m
 
 Step backtrack(const Objective& objective, const State& from, Vectors direction,
                const Backtracking& how,
-               const std::function<std::optional<State>(const Vectors& moves)>& at) {
+               const std::function<const State*(const Vectors& moves)>& at) {
   Step step;
   double rise = std::numeric_limits<double>::infinity();
   for (int k = 0; k < how.most; ++k) {
     const double slope = std::min(dot(direction, from.gradient), 0.0);
-    std::optional<State> next = at(direction);
+    const State* next = at(direction);
     if (!next) break;
-    if (next->total <= from.total + kArmijo * slope) {
-      step.next = std::move(next);
-      break;
-    }
+    step.found = next->total <= from.total + kArmijo * slope;
+    if (step.found) break;
     const double before = std::exchange(rise, next->total - from.total - slope);
     if (how.gives_up && rise > kJump * before) {
       step.jump = rise;

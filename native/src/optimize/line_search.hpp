@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 
 #include "optimize/lbfgs.hpp"
 #include "optimize/objective.hpp"
@@ -26,16 +25,16 @@ struct Backtracking {
 
 /// Where a line search ended.
 struct Step {
-  std::optional<State> next;  ///< none if no step lowers the energy enough
-  double shortened = 1.0;     ///< by how much, for all sites alike
-  double jump = 0.0;          ///< of the energy, for which it gave up
+  bool found = false;      ///< whether the state that was reached last lowers the energy enough
+  double shortened = 1.0;  ///< by how much, for all sites alike
+  double jump = 0.0;       ///< of the energy, for which it gave up
 };
 
 /// Armijo's rule: the longest of the shortened steps that lowers the energy by a share of what its
 /// slope predicts.
-/// \param at the state after moves; none if no evaluation is left
+/// \param at the state after moves, until it is asked again; null if no evaluation is left
 [[nodiscard]] Step backtrack(const Objective& objective, const State& from, Vectors direction,
                              const Backtracking& how,
-                             const std::function<std::optional<State>(const Vectors& moves)>& at);
+                             const std::function<const State*(const Vectors& moves)>& at);
 
 }  // namespace dapple

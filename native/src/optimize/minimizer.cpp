@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/progress.hpp"
@@ -64,12 +63,12 @@ class Minimizer {
 
   void begin(const Sites& start, const Sites* home) {
     const bool projected = start.barycentric.empty();
-    state_ = evaluate(projected ? objective_.project(start.positions, start.faces, {}, context_)
-                                : start);
+    evaluate(projected ? objective_.project(start.positions, start.faces, {}, context_) : start,
+             state_);
     limit_.set_home(home && !projected ? *home : state_.sites);
     if (limit_.exceeded(state_))
-      state_ =
-          evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces, context_));
+      evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces, context_),
+               state_);
     shrink_radii(objective_, state_, radii_);
     if (options_.stickiness > 0.0)
       stick(objective_, state_, limit_.home().positions, options_.stickiness);
@@ -80,18 +79,19 @@ class Minimizer {
     note_energy();
   }
 
-  State evaluate(Sites sites) {
+  void evaluate(Sites sites, State& state) {
     const int before = result_.evaluations++;
     Stretch evaluating(context_, forecast_.progress(before), forecast_.progress(before + 1));
-    return dapple::evaluate(objective_, std::move(sites), radii_, evaluating.context());
+    update(state, objective_, std::move(sites), radii_, evaluating.context());
   }
 
-  /// The state after moves along the surface, none if no evaluation is left.
-  std::optional<State> evaluate_at(const Vectors& moves) {
-    if (result_.evaluations >= options_.max_evaluations) return std::nullopt;
+  /// The state after moves along the surface, null if no evaluation is left.
+  const State* evaluate_at(const Vectors& moves) {
+    if (result_.evaluations >= options_.max_evaluations) return nullptr;
     Vectors moved = state_.sites.positions;
     add_scaled(moved, 1.0, moves);
-    return evaluate(limit_.project(state_, std::move(moved), state_.sites.faces, context_));
+    evaluate(limit_.project(state_, std::move(moved), state_.sites.faces, context_), trial_);
+    return &trial_;
   }
 
   void iterate() {
@@ -102,10 +102,10 @@ class Minimizer {
                            .holds_back = in_trust_region(),
                            .gives_up = in_trust_region() && !restoring()},
                           [this](const Vectors& moves) { return evaluate_at(moves); });
-    region_.update_radius(step.next.has_value(), step.shortened);
+    region_.update_radius(step.found, step.shortened);
     update_stopping(step, slope);
-    if (step.next)
-      accept(std::move(*step.next));
+    if (step.found)
+      accept();
     else
       history_.forget();
   }
@@ -120,18 +120,19 @@ class Minimizer {
   void update_stopping(const Step& step, double slope) {
     const double promised = -0.5 * slope;
     const double hoped = promised > step.jump ? promised : 0.0;
-    decrease_ = (step.next ? state_.total - step.next->total : hoped) / state_.total;
-    rule_.update(decrease_, step.next.has_value(), promised / state_.total);
+    decrease_ = (step.found ? state_.total - trial_.total : hoped) / state_.total;
+    rule_.update(decrease_, step.found, promised / state_.total);
   }
 
-  void accept(State next) {
-    history_.remember(difference(next.sites.positions, state_.sites.positions),
-                      difference(next.gradient, state_.gradient));
-    go_to(std::move(next));
+  void accept() {
+    history_.remember(difference(trial_.sites.positions, state_.sites.positions),
+                      difference(trial_.gradient, state_.gradient));
+    go_on();
   }
 
-  void go_to(State next) {
-    state_ = std::move(next);
+  /// From the state that was tried.
+  void go_on() {
+    std::swap(state_, trial_);
     shrink_radii(objective_, state_, radii_);
     ++result_.iterations;
     note_energy();
@@ -149,12 +150,11 @@ class Minimizer {
       moved.positions[site] = found.positions[k];
       moved.faces[site] = found.faces[k];
     }
-    State next =
-        evaluate(limit_.project(state_, std::move(moved.positions), moved.faces, context_));
-    if (!(next.total < state_.total)) return;
+    evaluate(limit_.project(state_, std::move(moved.positions), moved.faces, context_), trial_);
+    if (!(trial_.total < state_.total)) return;
     history_.forget();
     rule_.reset();
-    go_to(std::move(next));
+    go_on();
   }
 
   /// Whether it is where it should be; a frame that is even enough is not even begun.
@@ -190,6 +190,7 @@ class Minimizer {
   Context* context_;
   const Restoration* restoration_;  // null: minimize on
   State state_;
+  State trial_;  // where a step leads; its memory is that of earlier ones
   LbfgsHistory history_;
   std::vector<std::vector<double>> radii_;  // of the repulsion, per term and site; empty without it
   TrustRegion region_;

@@ -40,7 +40,8 @@ void add_stickiness(const Objective& objective, State& state) {
 
 void add_up(const Objective& objective, State& state) {
   state.total = state.discs.energy;
-  state.gradient.assign(state.sites.size(), Vec3::Zero());
+  state.gradient.resize(state.sites.size());
+  for_each_vector(state.gradient.size(), [&](std::size_t k) { state.gradient[k].setZero(); });
   for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
   if (!state.discs.pairs.empty()) add_scaled(state.gradient, 1.0, state.discs.gradient);
   add_stickiness(objective, state);
@@ -51,13 +52,21 @@ void add_up(const Objective& objective, State& state) {
 
 Sites select(const Sites& sites, std::span<const std::int32_t> members) {
   Sites result;
-  for (const std::int32_t member : members) {
-    const auto k = static_cast<std::size_t>(member);
-    result.positions.push_back(sites.positions[k]);
-    result.faces.push_back(sites.faces[k]);
-    if (!sites.barycentric.empty()) result.barycentric.push_back(sites.barycentric[k]);
-  }
+  select(sites, members, result);
   return result;
+}
+
+void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen) {
+  const bool bound = !sites.barycentric.empty();
+  chosen.positions.resize(members.size());
+  chosen.faces.resize(members.size());
+  chosen.barycentric.resize(bound ? members.size() : 0);
+  for_each_vector(members.size(), [&](std::size_t k) {
+    const auto site = static_cast<std::size_t>(members[k]);
+    chosen.positions[k] = sites.positions[site];
+    chosen.faces[k] = sites.faces[site];
+    if (bound) chosen.barycentric[k] = sites.barycentric[site];
+  });
 }
 
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen) {
@@ -109,35 +118,40 @@ void Objective::restrict(Vectors& v, const Vectors& normals) const {
 State evaluate(const Objective& objective, Sites sites,
                const std::vector<std::vector<double>>& radii, Context* context) {
   State state;
+  update(state, objective, std::move(sites), radii, context);
+  return state;
+}
+
+void update(State& state, const Objective& objective, Sites sites,
+            const std::vector<std::vector<double>>& radii, Context* context) {
   state.sites = std::move(sites);
   objective.domain().check(state.sites);
   state.normals.resize(state.sites.size());
   for_each_vector(state.normals.size(), [&](std::size_t k) {
     state.normals[k] = objective.domain().normal(state.sites.faces[k]);
   });
+  state.parts.resize(objective.terms.size());
   for (std::size_t t = 0; t < objective.terms.size(); ++t) {
     const Term& term = objective.terms[t];
+    Part& part = state.parts[t];
     Stretch evaluating(context, t, objective.terms.size());
-    Part part;
-    part.energy = evaluate_energy(
-        *term.domain, term.members.empty() ? state.sites : select(state.sites, term.members),
-        objective.capacity_weight, evaluating.context());
-    state.parts.push_back(std::move(part));
+    if (!term.members.empty()) select(state.sites, term.members, part.sites);
+    update_energy(part.energy, *term.domain, term.members.empty() ? state.sites : part.sites,
+                  objective.capacity_weight, evaluating.context());
   }
+  state.discs = {};
   if (!objective.discs.empty())
     state.discs = evaluate_disc_repulsion(state.sites, state.normals, objective.discs,
                                           objective.domain().period(), objective.discs_weight);
   set_radii(objective, state, radii);
-  return state;
 }
 
 void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     Part& part = state.parts[t];
-    part.repulsion =
-        evaluate_repulsion(part.energy.diagram, radii[t],
-                           repulsion_weight(objective.terms[t], part.energy.gradient.size()));
+    update_repulsion(part.repulsion, part.energy.diagram, radii[t],
+                     repulsion_weight(objective.terms[t], part.energy.gradient.size()));
   }
   add_up(objective, state);
 }

@@ -49,12 +49,15 @@ struct Objective {
 
 /// The chosen sites.
 [[nodiscard]] Sites select(const Sites& sites, std::span<const std::int32_t> members);
+/// The same in the memory that `chosen` has.
+void select(const Sites& sites, std::span<const std::int32_t> members, Sites& chosen);
 
 /// Put chosen sites back: the inverse of select().
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
 
 /// One term at given sites.
 struct Part {
+  Sites sites;  ///< of the term; empty if it has all
   Energy energy;
   Repulsion repulsion;
 };
@@ -74,6 +77,10 @@ struct State {
 /// \param radii of the repulsion, per term
 [[nodiscard]] State evaluate(const Objective& objective, Sites sites,
                              const std::vector<std::vector<double>>& radii, Context* context);
+
+/// The same in the memory that `state` has, whatever it held.
+void update(State& state, const Objective& objective, Sites sites,
+            const std::vector<std::vector<double>>& radii, Context* context);
 
 /// Add up again after the radii have changed.
 void set_radii(const Objective& objective, State& state,

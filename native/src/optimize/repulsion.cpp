@@ -106,18 +106,19 @@ class Crowd {
 
 }  // namespace
 
-Repulsion evaluate_repulsion(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
-                             double weight) {
-  Repulsion repulsion;
-  repulsion.gradient.assign(diagram.cells.size(), Vec3::Zero());
-  if (weight == 0.0 || radii.empty()) return repulsion;
+void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
+                      const std::vector<double>& radii, double weight) {
+  repulsion.energy = 0.0;
+  repulsion.pairs.clear();
+  repulsion.gradient.resize(diagram.cells.size());
+  for_each_vector(diagram.cells.size(), [&](std::size_t k) { repulsion.gradient[k].setZero(); });
+  if (weight == 0.0 || radii.empty()) return;
   const auto pushes = of_touching_pairs<Push>(
       diagram, [&](std::size_t i, std::size_t j, const Vec3& d, std::vector<Push>& out) {
         if (const auto push = push_between(i, j, d, 0.5 * (radii[i] + radii[j]), weight))
           out.push_back(*push);
       });
   for (const Push& push : pushes) add(repulsion, push);
-  return repulsion;
 }
 
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,

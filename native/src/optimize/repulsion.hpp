@@ -24,11 +24,11 @@ struct Repulsion {
   std::vector<ClosePair> pairs;
 };
 
-/// The repulsion between sites whose cells touch.
+/// The repulsion between sites whose cells touch, in the memory that `repulsion` has.
 /// \param radii  r_i per site; r_ij is the mean of the two; empty for no repulsion
 /// \param weight kappa (|S|_phi / n)^2
-[[nodiscard]] Repulsion evaluate_repulsion(const RestrictedVoronoi& diagram,
-                                           const std::vector<double>& radii, double weight);
+void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
+                      const std::vector<double>& radii, double weight);
 
 /// Halve the moves of touching sites that would bring two of them nearer than r_ij and than they
 /// are: neither the repulsion's gradient nor its stiffness knows of pairs farther apart so far.

@@ -17,6 +17,10 @@ class PartDomain final : public Domain {
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override {
     return domain_.cells(sites, context);
   }
+  void update_cells(const Sites& sites, Context* context,
+                    RestrictedVoronoi& diagram) const override {
+    domain_.update_cells(sites, context, diagram);
+  }
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context) const override {
     return domain_.project(points, hints, context);

@@ -89,10 +89,9 @@ void Bisectors::take_rivals() {
 /// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, complete
 /// the list without the sites that its faces are nowhere near to. False if that failed.
 bool Bisectors::take_all_that_cut() {
-  std::vector<std::int32_t> found;
-  if (!shrink_to_cell(found)) return false;
+  if (!shrink_to_cell()) return false;
   bisectors_.resize(settled_);
-  for (const std::int32_t site : found) add(first_at_place_of(site));
+  for (const std::int32_t site : found_) add(first_at_place_of(site));
   sort();
   for (Bisector& b : bisectors_) b.idle = !cell_.touches(b.normal, b.offset);
   settle(bisectors_.size());
@@ -101,8 +100,9 @@ bool Bisectors::take_all_that_cut() {
 }
 
 // A convex polyhedron belongs to the site if its vertices do: wherever another site is nearer to
-// one, that site's bisector cuts it off. `found` are the sites that are not in the list.
-bool Bisectors::shrink_to_cell(std::vector<std::int32_t>& found) {
+// one, that site's bisector cuts it off.
+bool Bisectors::shrink_to_cell() {
+  found_.clear();
   if (box_.isEmpty())
     for (std::size_t v = 0; v < surface_->vertex_count(); ++v)
       box_.extend(surface_->ordered().vertex(static_cast<std::int32_t>(v)));
@@ -118,7 +118,7 @@ bool Bisectors::shrink_to_cell(std::vector<std::int32_t>& found) {
     const Bisector b = bisector_to(nearest);
     if (!cell_.is_cut_by(b.normal, b.offset)) continue;
     if (!cell_.cut(b.normal, b.offset)) return false;
-    found.push_back(nearest);
+    found_.push_back(nearest);
   }
   return true;
 }

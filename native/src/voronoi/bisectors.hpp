@@ -26,6 +26,9 @@ class Bisectors {
   /// The arguments must outlive the bisectors.
   Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
+  /// After the sites have changed.
+  void restart() { near_.restart(); }
+
   /// Turn to a site, with all others.
   void reset(std::int32_t site);
 
@@ -61,7 +64,7 @@ class Bisectors {
   void look_further();
   void take_near();
   [[nodiscard]] bool take_all_that_cut();
-  [[nodiscard]] bool shrink_to_cell(std::vector<std::int32_t>& found);
+  [[nodiscard]] bool shrink_to_cell();
   [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;
   void take_rivals();
   void take_links();
@@ -77,6 +80,7 @@ class Bisectors {
   const SiteIndex* index_;
   Eigen::AlignedBox3d box_;  // around the surface, once it is needed
   CellPolyhedron cell_;
+  std::vector<std::int32_t> found_;  // sites that cut the cell and are not in the list
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;

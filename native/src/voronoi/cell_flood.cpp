@@ -7,6 +7,8 @@
 namespace dapple {
 namespace {
 
+// Floods before their stamps begin anew: with more sites than that, indices end too.
+constexpr std::int32_t kMostStamps = 1 << 30;
 constexpr double kTie = 1e-14;  // of a polygon's squared radius: rounding of x . (x_j - x_i)
 
 }  // namespace
@@ -16,6 +18,13 @@ CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const Si
       sites_(&sites),
       bisectors_(surface, sites, index),
       stamps_(surface.face_count(), 0) {}
+
+void CellFlood::restart() {
+  bisectors_.restart();
+  if (stamp_ < kMostStamps) return;
+  std::fill(stamps_.begin(), stamps_.end(), 0);
+  stamp_ = 0;
+}
 
 bool CellFlood::reset(std::int32_t site) {
   site_ = site;

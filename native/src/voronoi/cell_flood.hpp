@@ -13,6 +13,9 @@ class CellFlood {
   /// The arguments must outlive the flood.
   CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
+  /// After the sites have changed.
+  void restart();
+
   /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
   /// owner(), or another one that this leads to.
   bool reset(std::int32_t site);

@@ -15,9 +15,15 @@ constexpr std::size_t kNone = ~std::size_t{0};
 }  // namespace
 
 NearSites::NearSites(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
-    : sites_(&sites), index_(&index), neighborhood_(kNone) {
-  const double reach = kFirstReach * surface.spacing(sites.size());
+    : surface_(&surface), sites_(&sites), index_(&index) {
+  restart();
+}
+
+void NearSites::restart() {
+  const double reach = kFirstReach * surface_->spacing(sites_->size());
   squared_reach_around_ = reach * reach;
+  neighborhood_ = kNone;
+  needed_ = 0.0;
 }
 
 void NearSites::turn_to(std::int32_t site) {

@@ -26,6 +26,9 @@ class NearSites {
   /// The arguments must outlive this.
   NearSites(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
+  /// After the sites have changed.
+  void restart();
+
   /// Turn to a site.
   void turn_to(std::int32_t site);
 
@@ -51,15 +54,16 @@ class NearSites {
   void find(const Box& query, std::vector<Place>& found) const;
   void choose(const std::vector<Place>& places);
 
+  const Surface* surface_;
   const OrderedSites* sites_;
   const SiteIndex* index_;
   std::int32_t site_ = 0;
   double squared_reach_ = 0.0;
   std::vector<Rival> near_;
   std::vector<Place> further_;
-  std::size_t neighborhood_;
+  std::size_t neighborhood_ = 0;
   std::vector<Place> around_;  // all within reach of the neighborhood
-  double squared_reach_around_;
+  double squared_reach_around_ = 0.0;
   double needed_ = 0.0;  // the largest squared distance that was needed there so far
 };
 

@@ -22,16 +22,19 @@ void extend(Box& box, const Box& other) {
 
 }  // namespace
 
-SiteBoxes::SiteBoxes(std::span<const Vec3> points) : points_(points) {
-  std::size_t count = groups_of(points.size());
-  for (std::size_t level = 0; count > 0; ++level) {
-    levels_.emplace_back(groups_of(count));
+void SiteBoxes::assign(std::span<const Vec3> points) {
+  points_ = points;
+  std::size_t count = groups_of(points.size()), level = 0;
+  for (; count > 0; ++level) {
+    if (level == levels_.size()) levels_.emplace_back();
+    levels_[level].resize(groups_of(count));
     parallel_chunks(kFan * levels_[level].size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         put(level, k, k < count ? around(level, k) : kEmpty);
     });
     count = count > 1 ? groups_of(count) : 0;
   }
+  levels_.resize(level);
 }
 
 /// What box k of a level holds: points, or boxes of the level below.

@@ -24,7 +24,10 @@ class SiteBoxes {
   SiteBoxes() = default;
 
   /// \param points must outlive the boxes
-  explicit SiteBoxes(std::span<const Vec3> points);
+  explicit SiteBoxes(std::span<const Vec3> points) { assign(points); }
+
+  /// Of other points, in the same memory.
+  void assign(std::span<const Vec3> points);
 
   [[nodiscard]] Box leaf_of(std::size_t point) const { return box(0, point / kFan); }
 

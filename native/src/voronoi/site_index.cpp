@@ -7,6 +7,7 @@
 
 #include "base/morton.hpp"
 #include "base/reorder.hpp"
+#include "base/vectors.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -16,52 +17,57 @@ constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are looked thr
 constexpr std::size_t kMany = 8;      // sites on one face, on average
 constexpr std::size_t kCounted = 16;  // faces a site
 
-/// The sites sorted by face and number, by counting them on each face where there are not far more
-/// faces.
-std::vector<std::int32_t> in_order_of_faces(const std::vector<OrderedFace>& faces,
-                                            std::size_t face_count) {
-  std::vector<std::int32_t> order(faces.size());
-  if (face_count > kCounted * faces.size()) {
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-      return faces[static_cast<std::size_t>(a)] < faces[static_cast<std::size_t>(b)];
-    });
-    return order;
-  }
-  std::vector<std::int32_t> next(face_count + 1, 0);
-  for (const OrderedFace face : faces) ++next[as_index(face) + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  for (std::size_t k = 0; k < faces.size(); ++k)
-    order[static_cast<std::size_t>(next[as_index(faces[k])]++)] = static_cast<std::int32_t>(k);
-  return order;
-}
-
 }  // namespace
 
-OrderedSites::OrderedSites(const Surface& surface, const Sites& sites) {
-  std::vector<OrderedFace> ordered(sites.size());
-  for (std::size_t k = 0; k < sites.size(); ++k)
-    ordered[k] = surface.ordered().ordered_face(sites.faces[k]);
-  originals = in_order_of_faces(ordered, surface.face_count());
-  positions.reserve(sites.size());
-  faces.reserve(sites.size());
-  for (const std::int32_t k : originals) {
-    positions.push_back(sites.positions[static_cast<std::size_t>(k)]);
-    faces.push_back(ordered[static_cast<std::size_t>(k)]);
-  }
+void OrderedSites::assign(const Surface& surface, const Sites& sites) {
+  callers_.resize(sites.size());
+  for_each_vector(sites.size(), [&](std::size_t k) {
+    callers_[k] = surface.ordered().ordered_face(sites.faces[k]);
+  });
+  order_by_face(surface.face_count());
+  positions.resize(sites.size());
+  faces.resize(sites.size());
+  for_each_vector(sites.size(), [&](std::size_t k) {
+    const auto caller = static_cast<std::size_t>(originals[k]);
+    positions[k] = sites.positions[caller];
+    faces[k] = callers_[caller];
+  });
 }
 
-SiteIndex::SiteIndex(const OrderedSites& sites, const SiteGraph* graph)
-    : sites_(&sites), graph_(graph) {
+/// By face and number: by counting the sites on each face where there are not far more faces.
+void OrderedSites::order_by_face(std::size_t face_count) {
+  originals.resize(callers_.size());
+  if (face_count > kCounted * callers_.size()) {
+    std::iota(originals.begin(), originals.end(), 0);
+    std::sort(originals.begin(), originals.end(), [&](std::int32_t a, std::int32_t b) {
+      const OrderedFace on_a = callers_[static_cast<std::size_t>(a)];
+      const OrderedFace on_b = callers_[static_cast<std::size_t>(b)];
+      return on_a != on_b ? on_a < on_b : a < b;
+    });
+    return;
+  }
+  next_.assign(face_count + 1, 0);
+  for (const OrderedFace face : callers_) ++next_[as_index(face) + 1];
+  std::partial_sum(next_.begin(), next_.end(), next_.begin());
+  for (std::size_t k = 0; k < callers_.size(); ++k)
+    originals[static_cast<std::size_t>(next_[as_index(callers_[k])]++)] =
+        static_cast<std::int32_t>(k);
+}
+
+void SiteIndex::update(const SiteGraph* graph) {
+  graph_ = graph;
+  leaders_.clear();
+  kept_.clear();
+  places_.clear();
   if (!graph) {
     leave_crowds_out();
     sort_in_space();
-    boxes_ = SiteBoxes(kept_.empty() ? sites.positions : kept_positions_);
+    boxes_.assign(kept_.empty() ? sites_->positions : kept_positions_);
     return;
   }
-  ordered_.resize(sites.size());
+  ordered_.resize(sites_->size());
   for (std::size_t k = 0; k < ordered_.size(); ++k)
-    ordered_[static_cast<std::size_t>(sites.originals[k])] = static_cast<std::int32_t>(k);
+    ordered_[static_cast<std::size_t>(sites_->originals[k])] = static_cast<std::int32_t>(k);
 }
 
 // Sites are sorted by face and caller's index, so those of a face are one run.

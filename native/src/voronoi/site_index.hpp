@@ -11,12 +11,17 @@ namespace dapple {
 
 /// The sites in the order of their faces, which is also an order in space. All that computes cells
 /// speaks of a site by its place in this order, *ordered* site for short.
-struct OrderedSites {
+class OrderedSites {
+ public:
   std::vector<std::int32_t> originals;  ///< ordered -> caller's
   std::vector<Vec3> positions;
   std::vector<OrderedFace> faces;
 
-  OrderedSites(const Surface& surface, const Sites& sites);
+  OrderedSites() = default;
+  OrderedSites(const Surface& surface, const Sites& sites) { assign(surface, sites); }
+
+  /// Of other sites, in the same memory.
+  void assign(const Surface& surface, const Sites& sites);
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] std::int32_t original(std::int32_t site) const {
@@ -25,15 +30,26 @@ struct OrderedSites {
   [[nodiscard]] const Vec3& position(std::int32_t site) const {
     return positions[static_cast<std::size_t>(site)];
   }
+
+ private:
+  void order_by_face(std::size_t face_count);
+
+  std::vector<OrderedFace> callers_;  // faces, by caller's index
+  std::vector<std::int32_t> next_;    // per face: the place of its next site
 };
 
 /// Knows which sites are near: from boxes around them, or from a graph of the sites whose cells
 /// touch.
 class SiteIndex {
  public:
-  /// The arguments must outlive the index.
-  /// \param graph of the caller's sites, or null
-  SiteIndex(const OrderedSites& sites, const SiteGraph* graph);
+  /// Of no sites, until update().
+  /// \param sites must outlive the index
+  explicit SiteIndex(const OrderedSites& sites) : sites_(&sites) {}
+  SiteIndex(const OrderedSites& sites, const SiteGraph* graph) : SiteIndex(sites) { update(graph); }
+
+  /// After the sites have changed; in the same memory.
+  /// \param graph of the caller's sites, or null; must outlive the index
+  void update(const SiteGraph* graph);
 
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
   /// Only without a graph, as what follows: call visit(site) for at least all sites whose squared
@@ -83,7 +99,7 @@ class SiteIndex {
   }
 
   const OrderedSites* sites_;
-  const SiteGraph* graph_;
+  const SiteGraph* graph_ = nullptr;
   SiteBoxes boxes_;  // without a graph
   // Where there are crowds: a search would look at all of a crowd for each of its sites.
   std::vector<std::int32_t> leaders_;  // per site

@@ -15,31 +15,30 @@ struct OnALine {
     State from;
     from.total = energy(0.0);
     from.gradient = {-Vec3::UnitX()};
-    return backtrack({}, from, {Vec3::UnitX()}, how,
-                     [&](const Vectors& moves) -> std::optional<State> {
-                       if (++evaluations > most) return std::nullopt;
-                       State state;
-                       state.total = energy(moves[0].x());
-                       return state;
-                     });
+    return backtrack({}, from, {Vec3::UnitX()}, how, [&](const Vectors& moves) -> const State* {
+      if (++evaluations > most) return nullptr;
+      reached.total = energy(moves[0].x());
+      return &reached;
+    });
   }
 
+  State reached;
   int evaluations = 0, most = 100;
 };
 
 TEST(LineSearch, HalvesTheStepUntilTheEnergyFallsEnough) {
   OnALine line;
   const Step step = line.search([](double x) { return 1.0 - x + 2.0 * x * x; }, {});
-  ASSERT_TRUE(step.next);
+  ASSERT_TRUE(step.found);
   EXPECT_EQ(step.shortened, 0.25);  // at 1 it rises, at 0.5 it is as before
-  EXPECT_EQ(step.next->total, 0.875);
+  EXPECT_EQ(line.reached.total, 0.875);
   EXPECT_EQ(line.evaluations, 3);
 }
 
 TEST(LineSearch, EndsAfterSoManySteps) {
   OnALine line;
   const Step step = line.search([](double x) { return x > 0.0 ? 2.0 : 1.0; }, {.most = 4});
-  EXPECT_FALSE(step.next);
+  EXPECT_FALSE(step.found);
   EXPECT_EQ(line.evaluations, 4);
   EXPECT_EQ(step.jump, 0.0);
 }
@@ -48,7 +47,7 @@ TEST(LineSearch, GivesUpWhereTheEnergyJumps) {
   OnALine line;
   const Step step =
       line.search([](double x) { return x > 0.0 ? 2.0 - x : 1.0; }, {.gives_up = true});
-  EXPECT_FALSE(step.next);
+  EXPECT_FALSE(step.found);
   EXPECT_EQ(line.evaluations, 2);
   EXPECT_NEAR(step.jump, 1.0, 1e-12);
 }
@@ -56,7 +55,7 @@ TEST(LineSearch, GivesUpWhereTheEnergyJumps) {
 TEST(LineSearch, EndsWhereNoEvaluationIsLeft) {
   OnALine line;
   line.most = 2;
-  EXPECT_FALSE(line.search([](double x) { return 1.0 + x; }, {}).next);
+  EXPECT_FALSE(line.search([](double x) { return 1.0 + x; }, {}).found);
   EXPECT_EQ(line.evaluations, 3);  // the third was refused
 }
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "voronoi/cell_builder.hpp"
+
+namespace dapple {
+
+/// Keeps builders of cells for the evaluations to come. Every member may be called from several
+/// threads.
+class CellBuilders {
+ public:
+  /// Compute cells with a builder that is free; a new one if none is.
+  /// \param surface must outlive this; parameters as in unit_voronoi()
+  void build(const Surface& surface, const Sites& sites, Cells cells, Context* context,
+             RestrictedVoronoi& diagram) {
+    std::unique_ptr<CellBuilder> builder = take(surface);
+    builder->build(sites, nullptr, cells, context, diagram);
+    const std::lock_guard lock(mutex_);
+    free_[&surface].push_back(std::move(builder));
+  }
+
+ private:
+  std::unique_ptr<CellBuilder> take(const Surface& surface) {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::unique_ptr<CellBuilder>>& free = free_[&surface];
+    if (free.empty()) return std::make_unique<CellBuilder>(surface);
+    std::unique_ptr<CellBuilder> last = std::move(free.back());
+    free.pop_back();
+    return last;
+  }
+
+  std::mutex mutex_;
+  std::map<const Surface*, std::vector<std::unique_ptr<CellBuilder>>> free_;
+};
+
+}  // namespace dapple

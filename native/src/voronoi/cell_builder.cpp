@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voronoi/cell_builder.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "base/parallel.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kGrain = 32;   // cells a chunk
+constexpr std::size_t kWorks = 128;  // chunks in work: what they leave stays in the cache
+constexpr std::size_t kSum = 4096;   // cells, in one sum
+constexpr double kRoom = 1.02;       // for boundaries, of what the cells so far let expect
+
+// Of the progress: the cells are known but for the uncovered faces, which are in few of them or in
+// many.
+constexpr double kFlooded = 0.7;
+
+std::size_t chunks_of(std::size_t count) { return (count + kGrain - 1) / kGrain; }
+
+/// Make room for `needed` values, those from `first` on being a share of all that will come. What
+/// was there in an earlier run need not be cleared.
+template <typename T>
+void make_room(std::vector<T>& values, std::size_t first, std::size_t needed, double share) {
+  if (needed <= values.size()) return;
+  const double more = kRoom * static_cast<double>(needed - first) / share;
+  values.reserve(first + static_cast<std::size_t>(more));
+  values.resize(needed);
+}
+
+}  // namespace
+
+CellBuilder::CellBuilder(const Surface& surface)
+    : surface_(surface), index_(sites_), workers_([this] { return Worker(*this); }) {}
+
+void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, Context* context,
+                        RestrictedVoronoi& result) {
+  result_ = &result;
+  whole_ = graph && graph->periodic;
+  connected_ = cells == Cells::kConnected;
+  context_ = context;
+  start(sites, graph, context);
+  Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);
+  integrate(all_, flooding.context());
+  if (!whole_ && missing_area()) share_uncovered_faces(mending.context());
+  result.boundaries.resize(boundary_count_);
+  if (context) context->advance(1.0);
+}
+
+void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* context) {
+  const StageSpan finding(context, Stage::kNeighbors);
+  sites_.assign(surface_, sites);
+  index_.update(graph);
+  for (Worker& worker : workers_) worker.flood.restart();
+  all_.resize(count());
+  std::iota(all_.begin(), all_.end(), 0);
+  shares_.clear();
+  divided_.clear();
+  boundary_count_ = 0;
+  result_->cells.resize(count());
+  result_->rows.resize(count());
+}
+
+std::vector<CellPolygon> CellBuilder::polygons(Context* context) {
+  std::vector<std::vector<CellPolygon>> cells(count());
+  Tally tally(context, count());
+  parallel_chunks(count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    tally.check();
+    for (std::size_t s = begin; s < end; ++s)
+      collect(static_cast<std::int32_t>(s), cells[original(static_cast<std::int32_t>(s))]);
+    tally.add(end - begin);
+  });
+  std::vector<CellPolygon> result;
+  for (auto& cell : cells) std::move(cell.begin(), cell.end(), std::back_inserter(result));
+  return result;
+}
+
+/// A site's shares of uncovered faces, as a range of shares_.
+std::span<const Share> CellBuilder::shares_of(std::int32_t site) const {
+  const auto first = std::lower_bound(shares_.begin(), shares_.end(), Share{site, OrderedFace{-1}});
+  const auto last = std::lower_bound(first, shares_.end(), Share{site + 1, OrderedFace{-1}});
+  return {first, last};
+}
+
+/// Call `visit(face, whole)` for each piece of the site's cell, and `flush()` after each change
+/// of bisectors. Uncovered faces with owners are divided among these; what floods found there is
+/// void.
+template <typename Visit, typename Flush>
+void CellBuilder::for_each_piece(Worker& worker, std::int32_t site, const Visit& visit,
+                                 const Flush& flush) {
+  CellFlood& flood = worker.flood;
+  if (!flood.reset(site)) return;
+  flood.flood(seeds_of(worker, site), [&](OrderedFace face, bool whole) {
+    if (!is_divided(face)) visit(face, whole);
+  });
+  flush();
+  if (!connected_) return;
+  for (const Share& share : shares_of(site)) {
+    flood.reset_among(site, owners_of(share.face));
+    const bool whole = flood.clip(share.face);
+    if (flood.polygon().empty()) continue;
+    visit(share.face, whole);
+    flush();
+  }
+}
+
+/// The faces to flood a Euclidean cell from; a connected one is flooded from its site alone.
+std::span<const OrderedFace> CellBuilder::seeds_of(Worker& worker, std::int32_t site) const {
+  worker.seeds = {sites_.faces[static_cast<std::size_t>(site)]};
+  if (!connected_)
+    for (const Share& share : shares_of(site)) worker.seeds.push_back(share.face);
+  return worker.seeds;
+}
+
+bool CellBuilder::is_divided(OrderedFace face) const {
+  return connected_ && !divided_.empty() && !owners_of(face).empty();
+}
+
+std::span<const std::int32_t> CellBuilder::owners_of(OrderedFace face) const {
+  const auto f = as_index(face);
+  return std::span(owners_).subspan(divided_[f], divided_[f + 1] - divided_[f]);
+}
+
+// A chunk's cells leave what they have found in a place that the next chunk there takes over: who
+// takes it puts the others' into the result first. By then it is known how much comes before it.
+void CellBuilder::integrate(std::span<const std::int32_t> sites, Context* context) {
+  const std::size_t chunks = chunks_of(sites.size());
+  chunks_.resize(std::max(chunks_.size(), std::min(chunks, kWorks)));
+  for (Chunk& chunk : chunks_) chunk.clear();  // a cancelled run may have left something
+  const std::size_t known = boundary_count_;
+  piece_count_ = 0;
+  Tally tally(context, sites.size());
+  SharedLoop loop(context_, Stage::kNeighbors);
+  for (std::size_t first = 0; first < chunks; first += kWorks) {
+    const std::size_t works = std::min(kWorks, chunks - first);
+    parallel_chunks(works, 1, [&](std::size_t k, std::size_t) {
+      tally.check();
+      put_away(chunks_[k]);
+      const std::size_t begin = (first + k) * kGrain;
+      chunks_[k].sites = sites.subspan(begin, std::min(kGrain, sites.size() - begin));
+      Worker& worker = workers_.local();
+      loop.run(first + k, worker.flood.laps(), [&] { integrate(chunks_[k], worker); });
+      tally.add(chunks_[k].sites.size());
+    });
+    place(std::span(chunks_).first(works));
+    const double done = std::min(1.0, static_cast<double>(first + works) / static_cast<double>(chunks));
+    make_room(result_->boundaries, known, boundary_count_, done);
+    make_room(pieces_, 0, piece_count_, done);
+  }
+  parallel_chunks(std::min(chunks, kWorks), 1,
+                  [&](std::size_t k, std::size_t) { put_away(chunks_[k]); });
+}
+
+/// Find the places in the result of what the chunks have left.
+void CellBuilder::place(std::span<Chunk> chunks) {
+  for (Chunk& chunk : chunks) {
+    chunk.first_boundary = boundary_count_;
+    chunk.first_piece = piece_count_;
+    boundary_count_ += chunk.boundaries.size();
+    piece_count_ += chunk.pieces.size();
+  }
+}
+
+void CellBuilder::put_away(Chunk& chunk) {
+  for (const std::int32_t site : chunk.sites) row(site).first += chunk.first_boundary;
+  std::copy(chunk.boundaries.begin(), chunk.boundaries.end(),
+            result_->boundaries.begin() + static_cast<std::ptrdiff_t>(chunk.first_boundary));
+  std::copy(chunk.pieces.begin(), chunk.pieces.end(),
+            pieces_.begin() + static_cast<std::ptrdiff_t>(chunk.first_piece));
+  chunk.clear();
+}
+
+void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
+  CellIntegrals& integrals = worker.integrals;
+  std::vector<CellBoundary>& boundary = worker.boundary;
+  for (const std::int32_t s : chunk.sites) {
+    integrals.reset();
+    boundary.clear();
+    for_each_piece(
+        worker, s,
+        [&](OrderedFace face, bool whole) {
+          const double before = integrals.moments().area;
+          integrals.add(face, whole);
+          chunk.pieces.push_back({s, face, integrals.moments().area - before});
+        },
+        [&] { integrals.flush_boundary(sites_, boundary); });
+    row(s) = {chunk.boundaries.size(), boundary.size()};
+    chunk.boundaries.insert(chunk.boundaries.end(), boundary.begin(), boundary.end());
+    result_->cells[original(s)] = integrals.moments();
+  }
+}
+
+bool CellBuilder::missing_area() const {
+  const double covered =
+      parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
+  return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
+}
+
+/// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
+/// that this changes again.
+void CellBuilder::share_uncovered_faces(Context* context) {
+  const std::span<const Coverage> pieces = std::span(pieces_).first(piece_count_);
+  std::vector<OrderedFace> uncovered = uncovered_faces(surface_, pieces);
+  std::vector<std::int32_t> changed;
+  if (connected_) {
+    for (const Coverage& piece : pieces)
+      if (std::binary_search(uncovered.begin(), uncovered.end(), piece.face))
+        changed.push_back(piece.site);
+    shares_ = share_out(
+        surface_, pieces, uncovered,
+        [this](OrderedFace face, std::span<const std::int32_t> asked,
+               std::span<const std::int32_t> rivals) { return winners(face, asked, rivals); });
+    uncovered = without_owner(uncovered);
+  }
+  add_nearest_owners(uncovered);
+  index_owners();
+  for (const Share& share : shares_) changed.push_back(share.site);
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  integrate(changed, context);
+}
+
+/// Of the sites asked, those that own something of the face when only the rivals compete.
+std::vector<std::int32_t> CellBuilder::winners(OrderedFace face,
+                                               std::span<const std::int32_t> asked,
+                                               std::span<const std::int32_t> rivals) {
+  CellFlood& flood = workers_.local().flood;
+  std::vector<std::int32_t> result;
+  for (const std::int32_t site : asked) {
+    flood.reset_among(site, rivals);
+    flood.clip(face);
+    if (!flood.polygon().empty()) result.push_back(site);
+  }
+  return result;
+}
+
+std::vector<OrderedFace> CellBuilder::without_owner(std::vector<OrderedFace> faces) const {
+  std::vector<bool> owned(surface_.face_count(), false);
+  for (const Share& share : shares_) owned[as_index(share.face)] = true;
+  std::erase_if(faces, [&](OrderedFace face) { return owned[as_index(face)]; });
+  return faces;
+}
+
+/// Euclidean cells, and components without any site: the sites nearest in space.
+void CellBuilder::add_nearest_owners(std::span<const OrderedFace> faces) {
+  std::vector<std::vector<Share>> found(faces.size());
+  parallel_chunks(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (context_) context_->check();
+    for (std::size_t k = begin; k < end; ++k) found[k] = nearest_owners(faces[k]);
+  });
+  for (const auto& part : found) shares_.insert(shares_.end(), part.begin(), part.end());
+  std::sort(shares_.begin(), shares_.end());
+}
+
+void CellBuilder::index_owners() {
+  divided_.assign(surface_.face_count() + 1, 0);
+  for (const Share& share : shares_) ++divided_[as_index(share.face) + 1];
+  std::partial_sum(divided_.begin(), divided_.end(), divided_.begin());
+  owners_.resize(shares_.size());
+  std::vector<std::size_t> next(divided_.begin(), divided_.end() - 1);
+  for (const Share& share : shares_)  // sorted by site, and so is each row
+    owners_[next[as_index(share.face)]++] = share.site;
+}
+
+/// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
+/// piece too.
+std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
+  CellFlood& flood = workers_.local().flood;
+  std::vector<std::int32_t> known = {nearest_to(face)};
+  std::vector<Share> result;
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    for (std::int32_t site = known[k]; !flood.reset(site);) site = flood.owner();
+    flood.clip(face);
+    const auto add = [&](std::int32_t j) {
+      if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
+    };
+    if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
+    if (flood.tied_to() >= 0) add(flood.tied_to());
+    for (const Polygon::Corner& corner : flood.polygon().corners())
+      if (corner.edge >= 0) add(flood.bisector(corner.edge).site);
+  }
+  return result;
+}
+
+std::int32_t CellBuilder::nearest_to(OrderedFace face) const {
+  const auto near = std::lower_bound(sites_.faces.begin(), sites_.faces.end() - 1, face);
+  return index_.nearest(surface_.ordered().geometry(face).centroid,
+                        static_cast<std::int32_t>(near - sites_.faces.begin()));
+}
+
+void CellBuilder::collect(std::int32_t site, std::vector<CellPolygon>& out) {
+  Worker& worker = workers_.local();
+  CellFlood& flood = worker.flood;
+  for_each_piece(
+      worker, site,
+      [&](OrderedFace face, bool) {
+        CellPolygon piece{sites_.original(site), surface_.ordered().original_face(face), {}, {}};
+        for (const Polygon::Corner& corner : flood.polygon().corners()) {
+          piece.points.push_back(corner.x + flood.position());
+          piece.edges.push_back(
+              corner.edge < 0 ? corner.edge : sites_.original(flood.bisector(corner.edge).site));
+        }
+        out.push_back(std::move(piece));
+      },
+      [] {});
+}
+
+}  // namespace dapple

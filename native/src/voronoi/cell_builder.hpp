@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include "base/laps.hpp"
+#include "base/progress.hpp"
+#include "voronoi/cell_integrals.hpp"
+#include "voronoi/shared_faces.hpp"
+#include "voronoi/site_graph.hpp"
+
+namespace dapple {
+
+/// Computes the cells of one set of sites after another on a surface. It keeps the memory that this
+/// takes: with as many sites as before, hardly anything is allocated again.
+class CellBuilder {
+ public:
+  /// \param surface must outlive the builder
+  explicit CellBuilder(const Surface& surface);
+  CellBuilder(const CellBuilder&) = delete;
+  CellBuilder& operator=(const CellBuilder&) = delete;
+
+  /// \param graph   of the caller's sites, or null; must outlive the use of polygons()
+  /// \param result  takes the diagram, in the memory that it has
+  void build(const Sites& sites, const SiteGraph* graph, Cells cells, Context* context,
+             RestrictedVoronoi& result);
+
+  /// Of the cells that were built last.
+  [[nodiscard]] std::vector<CellPolygon> polygons(Context* context);
+
+ private:
+  /// What one thread works with.
+  struct Worker {
+    explicit Worker(const CellBuilder& builder)
+        : flood(builder.surface_, builder.sites_, builder.index_),
+          integrals(builder.surface_, flood) {}
+    Worker(const Worker&) = delete;
+    Worker& operator=(const Worker&) = delete;
+
+    CellFlood flood;
+    CellIntegrals integrals;
+    std::vector<CellBoundary> boundary;  // of one cell
+    std::vector<OrderedFace> seeds;      // of its flood
+  };
+
+  /// What a chunk of cells leaves until its place in the result is known.
+  struct Chunk {
+    std::span<const std::int32_t> sites;
+    std::vector<CellBoundary> boundaries;
+    std::vector<Coverage> pieces;
+    std::size_t first_boundary = 0, first_piece = 0;
+
+    void clear() {
+      sites = {};
+      boundaries.clear();
+      pieces.clear();
+    }
+  };
+
+  void start(const Sites& sites, const SiteGraph* graph, Context* context);
+  [[nodiscard]] std::size_t count() const { return sites_.size(); }
+  [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const;
+  template <typename Visit, typename Flush>
+  void for_each_piece(Worker& worker, std::int32_t site, const Visit& visit, const Flush& flush);
+  [[nodiscard]] std::span<const OrderedFace> seeds_of(Worker& worker, std::int32_t site) const;
+  [[nodiscard]] bool is_divided(OrderedFace face) const;
+  [[nodiscard]] std::span<const std::int32_t> owners_of(OrderedFace face) const;
+
+  void integrate(std::span<const std::int32_t> sites, Context* context);
+  void place(std::span<Chunk> chunks);
+  void integrate(Chunk& chunk, Worker& worker);
+  void put_away(Chunk& chunk);
+  [[nodiscard]] std::size_t original(std::int32_t site) const {
+    return static_cast<std::size_t>(sites_.original(site));
+  }
+  RestrictedVoronoi::Row& row(std::int32_t site) { return result_->rows[original(site)]; }
+
+  [[nodiscard]] bool missing_area() const;
+  void share_uncovered_faces(Context* context);
+  [[nodiscard]] std::vector<std::int32_t> winners(OrderedFace face,
+                                                  std::span<const std::int32_t> asked,
+                                                  std::span<const std::int32_t> rivals);
+  [[nodiscard]] std::vector<OrderedFace> without_owner(std::vector<OrderedFace> faces) const;
+  void add_nearest_owners(std::span<const OrderedFace> faces);
+  [[nodiscard]] std::vector<Share> nearest_owners(OrderedFace face);
+  [[nodiscard]] std::int32_t nearest_to(OrderedFace face) const;
+  void index_owners();
+  void collect(std::int32_t site, std::vector<CellPolygon>& out);
+
+  const Surface& surface_;
+  OrderedSites sites_;
+  SiteIndex index_;
+  bool whole_ = false;      // no cell can have parts that its site does not reach
+  bool connected_ = false;  // cells follow the surface
+  Context* context_ = nullptr;
+  tbb::enumerable_thread_specific<Worker> workers_;
+  std::vector<std::int32_t> all_;  // sites
+  std::vector<Chunk> chunks_;      // in work
+  std::size_t boundary_count_ = 0, piece_count_ = 0;
+  std::vector<Coverage> pieces_;      // of the last floods; the first piece_count_ count
+  std::vector<Share> shares_;         // of uncovered faces; sorted by site
+  std::vector<std::size_t> divided_;  // per face, one more: rows of owners_
+  std::vector<std::int32_t> owners_;  // of divided faces
+  RestrictedVoronoi* result_ = nullptr;
+};
+
+}  // namespace dapple

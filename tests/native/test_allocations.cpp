@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <dapple/energy.hpp>
+#include <dapple/poisson_start.hpp>
+#include <new>
+
+#include "base/parallel.hpp"
+#include "shapes.hpp"
+
+namespace {
+
+std::atomic<long> allocations = 0;
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  const std::size_t whole =
+      (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+  if (void* memory = std::aligned_alloc(alignment, whole)) return memory;
+  throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace dapple::test {
+namespace {
+
+/// During `work()`. With one thread, so that the same thread does the same work each time.
+template <typename Work>
+long allocations_in(const Work& work) {
+  long count = 0;
+  with_threads(1, [&] {
+    const long before = allocations;
+    work();
+    count = allocations - before;
+  });
+  return count;
+}
+
+/// The second of two evaluations.
+long allocations_in_a_second_evaluation(const Domain& domain, const Sites& sites) {
+  Energy energy;
+  const auto evaluate = [&] { update_energy(energy, domain, sites, 30.0); };
+  EXPECT_GT(allocations_in(evaluate), 0);
+  return allocations_in(evaluate);
+}
+
+TEST(Allocations, AreNoneInAnEvaluationAfterTheFirst) {
+  const Surface surface = blob(5).surface();
+  for (const std::size_t count : {20u, 500u, 20000u}) {
+    const SurfaceDomain domain(surface);
+    const Sites sites = poisson_start(surface, count, 1);
+    EXPECT_EQ(allocations_in_a_second_evaluation(domain, sites), 0) << count << " sites";
+  }
+}
+
+TEST(Allocations, AreNoneWithADensity) {
+  Shape shape = blob(5);
+  for (const Vec3& vertex : shape.vertices) shape.density.push_back(std::exp(2.0 * vertex.x()));
+  const Surface surface = shape.surface();
+  const SurfaceDomain domain(surface);
+  const Sites sites = poisson_start(surface, 500, 1);
+  EXPECT_EQ(allocations_in_a_second_evaluation(domain, sites), 0);
+}
+
+/// Memory that held other sites is as good as new.
+TEST(Allocations, OnesThatAreSparedChangeNothing) {
+  const Surface surface = blob(4).surface();
+  const SurfaceDomain domain(surface);
+  Energy kept;
+  for (const std::size_t count : {300u, 1000u, 50u, 51u, 1000u}) {
+    const Sites sites = poisson_start(surface, count, count);
+    update_energy(kept, domain, sites, 30.0);
+    const Energy fresh = evaluate_energy(SurfaceDomain(surface), sites, 30.0);
+    EXPECT_EQ(kept.total, fresh.total);
+    EXPECT_EQ(kept.gradient, fresh.gradient);
+    ASSERT_EQ(kept.diagram.boundaries.size(), fresh.diagram.boundaries.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      EXPECT_EQ(kept.diagram.cells[k].capacity, fresh.diagram.cells[k].capacity);
+      EXPECT_EQ(kept.diagram.rows[k].first, fresh.diagram.rows[k].first);
+      EXPECT_EQ(kept.diagram.rows[k].count, fresh.diagram.rows[k].count);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
