@@ -62,10 +62,12 @@ std::vector<Pair> one_sided(const RestrictedVoronoi& diagram) {
 
 }  // namespace
 
-CapacityJacobian::CapacityJacobian(const RestrictedVoronoi& diagram,
-                                   const std::vector<std::int32_t>& members,
-                                   const std::vector<TangentBasis>& bases, double factor)
-    : members_(members), own_(diagram.cells.size()), starts_(diagram.cells.size() + 1, 0) {
+void CapacityJacobian::update(const RestrictedVoronoi& diagram,
+                              std::span<const std::int32_t> members,
+                              const std::vector<TangentBasis>& bases, double factor) {
+  members_ = members;
+  own_.resize(diagram.cells.size());
+  starts_.assign(diagram.cells.size() + 1, 0);
   const std::vector<Pair> extra = one_sided(diagram);
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
@@ -73,15 +75,17 @@ CapacityJacobian::CapacityJacobian(const RestrictedVoronoi& diagram,
   });
   for (const Pair& pair : extra) ++starts_[pair.cell + 1];
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-  entries_.resize(starts_.back());
+  others_.resize(starts_.back());
+  out_.resize(starts_.back());
+  in_.resize(starts_.back());
   const auto before = [](const Pair& pair, std::size_t cell) { return pair.cell < cell; };
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::size_t next = starts_[i];
       const auto add = [&](std::size_t j) {
-        entries_[next++] = {static_cast<std::int32_t>(j),
-                            to_tangent(bases[site(i)], flux_between(diagram, i, j), factor),
-                            to_tangent(bases[site(j)], flux_between(diagram, j, i), factor)};
+        others_[next] = static_cast<std::int32_t>(j);
+        out_[next] = to_tangent(bases[site(i)], flux_between(diagram, i, j), factor);
+        in_[next++] = to_tangent(bases[site(j)], flux_between(diagram, j, i), factor);
       };
       for_each_neighbor(diagram, i, add);
       for (auto pair = std::lower_bound(extra.begin(), extra.end(), i, before);
@@ -100,16 +104,16 @@ void CapacityJacobian::add_product(const TangentVectors& v, std::vector<double>&
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       double sum = own_[i].dot(v[site(i)]);
-      for (const Entry& entry : row(i))
-        sum -= entry.in.dot(v[site(static_cast<std::size_t>(entry.other))]);
+      for (std::size_t k = starts_[i]; k < starts_[i + 1]; ++k)
+        sum -= in_[k].dot(v[site(static_cast<std::size_t>(others_[k]))]);
       change[i] = sum;
     }
   });
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Tangent sum = change[i] * own_[i];
-      for (const Entry& entry : row(i))
-        sum += -change[static_cast<std::size_t>(entry.other)] * entry.out;
+      for (std::size_t k = starts_[i]; k < starts_[i + 1]; ++k)
+        sum += -change[static_cast<std::size_t>(others_[k])] * out_[k];
       result[site(i)] += sum;
     }
   });
@@ -119,7 +123,7 @@ void CapacityJacobian::add_blocks(std::vector<TangentBlock>& blocks) const {
   parallel_chunks(own_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       blocks[site(i)].add_square(own_[i]);
-      for (const Entry& entry : row(i)) blocks[site(i)].add_square(entry.out);
+      for (std::size_t k = starts_[i]; k < starts_[i + 1]; ++k) blocks[site(i)].add_square(out_[k]);
     }
   });
 }

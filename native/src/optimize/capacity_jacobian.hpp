@@ -7,16 +7,24 @@
 namespace dapple {
 
 /// The Jacobian J of the capacities of one term's cells, on the tangent planes: with a_ij the
-/// boundary fluxes (paper, Theorem 2), J_ii = sum_j a_ij and J_ji = -a_ij. A row lies together in
-/// memory with its column, so that products with J and with its transpose run in parallel without
-/// scattering.
+/// boundary fluxes (paper, Theorem 2), J_ii = sum_j a_ij and J_ji = -a_ij. It is kept by rows and
+/// by columns, so that products with J and with its transpose run in parallel without scattering,
+/// and read no more than they need: memory is what bounds them.
 class CapacityJacobian {
  public:
   /// \param members the sites of the cells, as in Term; must outlive the Jacobian
   /// \param bases   of the tangent planes, per site
   /// \param factor  all entries are multiplied with it
-  CapacityJacobian(const RestrictedVoronoi& diagram, const std::vector<std::int32_t>& members,
-                   const std::vector<TangentBasis>& bases, double factor);
+  CapacityJacobian(const RestrictedVoronoi& diagram, std::span<const std::int32_t> members,
+                   const std::vector<TangentBasis>& bases, double factor) {
+    update(diagram, members, bases, factor);
+  }
+  /// Of no cells, until update().
+  CapacityJacobian() = default;
+
+  /// Of other cells, in the same memory.
+  void update(const RestrictedVoronoi& diagram, std::span<const std::int32_t> members,
+              const std::vector<TangentBasis>& bases, double factor);
 
   /// Add J^T J v to `result`; both hold all sites.
   /// \param change a buffer
@@ -27,23 +35,16 @@ class CapacityJacobian {
   void add_blocks(std::vector<TangentBlock>& blocks) const;
 
  private:
-  struct Entry {
-    std::int32_t other;  // cell j
-    Tangent out;         // a_ij, in the plane of i
-    Tangent in;          // a_ji, in the plane of j
-  };
-
   [[nodiscard]] std::size_t site(std::size_t cell) const {
     return members_.empty() ? cell : static_cast<std::size_t>(members_[cell]);
   }
-  [[nodiscard]] std::span<const Entry> row(std::size_t cell) const {
-    return std::span(entries_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
-  }
 
-  const std::vector<std::int32_t>& members_;
-  std::vector<Tangent> own_;         // J_ii
-  std::vector<std::size_t> starts_;  // rows of entries_, one more than cells
-  std::vector<Entry> entries_;
+  std::span<const std::int32_t> members_;
+  std::vector<Tangent> own_;          // J_ii
+  std::vector<std::size_t> starts_;   // of the entries of a cell i, one more than cells
+  std::vector<std::int32_t> others_;  // per entry: cell j
+  std::vector<Tangent> out_;          // per entry: a_ij, in the plane of i
+  std::vector<Tangent> in_;           // per entry: a_ji, in the plane of j
 };
 
 }  // namespace dapple

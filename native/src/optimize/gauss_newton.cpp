@@ -40,12 +40,6 @@ void for_each_pair(const Objective& objective, const State& state, const Visit& 
     visit(static_cast<std::size_t>(pair.i), static_cast<std::size_t>(pair.j), pair, 1.0);
 }
 
-std::vector<TangentBasis> tangent_bases(const Vectors& normals) {
-  std::vector<TangentBasis> bases(normals.size());
-  for_each_vector(bases.size(), [&](std::size_t k) { bases[k] = tangent_basis(normals[k]); });
-  return bases;
-}
-
 double largest(const Vectors& v) {
   double most = 0.0;
   for (const Vec3& x : v) most = std::max(most, x.cwiseAbs().maxCoeff());
@@ -55,20 +49,23 @@ double largest(const Vectors& v) {
 }  // namespace
 
 // Divided by the mean of the first term's diagonal, all is of the order of 1 in whatever units.
-GaussNewton::GaussNewton(const Objective& objective, const State& state, int steps,
-                         const Context* context)
-    : steps_(steps),
-      context_(context),
-      unit_(2.0 * objective.scale(0, state.sites.size()) * mean_mass(state.diagram())),
-      bases_(tangent_bases(state.normals)),
-      locked_(objective.locked) {
+void GaussNewton::update(const Objective& objective, const State& state, int steps,
+                         const Context* context) {
+  steps_ = steps;
+  context_ = context;
+  unit_ = 2.0 * objective.scale(0, state.sites.size()) * mean_mass(state.diagram());
+  locked_ = objective.locked;
+  bases_.resize(state.normals.size());
+  for_each_vector(bases_.size(),
+                  [&](std::size_t k) { bases_[k] = tangent_basis(state.normals[k]); });
   add_masses(objective, state);
+  terms_.resize(state.parts.size());
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     if (context_) context_->check();
     const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
     const double scale = objective.scale(t, diagram.cells.size());
-    terms_.emplace_back(diagram, objective.terms[t].members, bases_,
-                        std::sqrt(2.0 * objective.capacity_weight * scale / unit_));
+    terms_[t].update(diagram, objective.terms[t].members, bases_,
+                     std::sqrt(2.0 * objective.capacity_weight * scale / unit_));
   }
   add_pairs(objective, state);
   add_blocks();
@@ -83,6 +80,7 @@ void GaussNewton::add_masses(const Objective& objective, const State& state) {
     for (std::size_t k = 0; k < cells.size(); ++k)
       masses_[site_of(objective.terms[t], k)] += factor * std::max(cells[k].mass, least);
   }
+  held_.clear();
   for (const double stickiness : objective.stickiness) held_.push_back(2.0 * stickiness / unit_);
 }
 
@@ -106,7 +104,7 @@ void GaussNewton::add_pairs(const Objective& objective, const State& state) {
 }
 
 void GaussNewton::add_blocks() {
-  blocks_.resize(masses_.size());
+  blocks_.assign(masses_.size(), {});
   for (const CapacityJacobian& term : terms_) term.add_blocks(blocks_);
   for (std::size_t k = 0; k < blocks_.size(); ++k) {
     for (const Side& side : sides(k)) blocks_[k].add_square(side.own);
@@ -116,8 +114,7 @@ void GaussNewton::add_blocks() {
   }
 }
 
-void GaussNewton::apply(const TangentVectors& v, double delta, std::vector<double>& change,
-                        TangentVectors& result) const {
+void GaussNewton::apply(const TangentVectors& v, double delta, TangentVectors& result) {
   parallel_chunks(v.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Tangent sum = (delta * masses_[k] + (held_.empty() ? 0.0 : held_[k])) * v[k];
@@ -127,57 +124,60 @@ void GaussNewton::apply(const TangentVectors& v, double delta, std::vector<doubl
       result[k] = sum;
     }
   });
-  for (const CapacityJacobian& term : terms_) term.add_product(v, change, result);
+  for (const CapacityJacobian& term : terms_) term.add_product(v, change_, result);
 }
 
-/// The inverses of H's diagonal blocks; nothing where a site is locked.
-std::vector<TangentBlock> GaussNewton::preconditioner(double delta) const {
-  std::vector<TangentBlock> inverse(blocks_.size());
-  for (std::size_t k = 0; k < inverse.size(); ++k)
-    if (locked_.empty() || !locked_[k]) inverse[k] = blocks_[k].inverse(delta * masses_[k]);
-  return inverse;
+void GaussNewton::precondition(double delta) {
+  inverse_.resize(blocks_.size());
+  for_each_vector(inverse_.size(), [&](std::size_t k) {
+    const bool locked = !locked_.empty() && locked_[k];
+    inverse_[k] = locked ? TangentBlock() : blocks_[k].inverse(delta * masses_[k]);
+  });
 }
 
-Vectors GaussNewton::solve(const Vectors& b, double delta) const {
+Vectors GaussNewton::solve(const Vectors& b, double delta) {
   Vectors result(b.size(), Vec3::Zero());
   const double size = largest(b);
   if (!(size > 0.0)) return result;
-  TangentVectors right(b.size());
+  residual_.resize(b.size());
   for_each_vector(b.size(),
-                  [&](std::size_t k) { right[k] = to_tangent(bases_[k], b[k], 1.0 / size); });
-  const TangentVectors x = solve(std::move(right), delta);
+                  [&](std::size_t k) { residual_[k] = to_tangent(bases_[k], b[k], 1.0 / size); });
+  precondition(delta);
+  iterate(delta);
   const double back = size / unit_;
-  for_each_vector(b.size(), [&](std::size_t k) { result[k] = to_space(bases_[k], x[k], back); });
+  for_each_vector(b.size(), [&](std::size_t k) { result[k] = to_space(bases_[k], x_[k], back); });
   return result;
 }
 
-TangentVectors GaussNewton::solve(TangentVectors residual, double delta) const {
-  const std::size_t count = residual.size();
-  const std::vector<TangentBlock> inverse = preconditioner(delta);
-  TangentVectors x(count), z(count), applied(count);
-  std::vector<double> change;
-  const auto precondition = [&](std::size_t k) { z[k] = inverse[k] * residual[k]; };
-  for_each_vector(count, precondition);
-  TangentVectors direction = z;
-  double rho = dot(residual, z);
+void GaussNewton::iterate(double delta) {
+  const std::size_t count = residual_.size();
+  TangentVectors &x = x_, &z = preconditioned_;
+  x.resize(count);
+  z.resize(count);
+  direction_.resize(count);
+  applied_.resize(count);
+  for_each_vector(count, [&](std::size_t k) {
+    x[k] = {};
+    direction_[k] = z[k] = inverse_[k] * residual_[k];
+  });
+  double rho = dot(residual_, z);
   const double enough = kSolverTolerance * kSolverTolerance * rho;
   for (int step = 0; step < steps_ && rho > enough; ++step) {
     if (context_) context_->check();
-    apply(direction, delta, change, applied);
-    const double curvature = dot(direction, applied);
+    apply(direction_, delta, applied_);
+    const double curvature = dot(direction_, applied_);
     if (!(curvature > 0.0)) break;
     const double length = rho / curvature;
     for_each_vector(count, [&](std::size_t k) {
-      x[k] += length * direction[k];
-      residual[k] += -length * applied[k];
-      precondition(k);
+      x[k] += length * direction_[k];
+      residual_[k] += -length * applied_[k];
+      z[k] = inverse_[k] * residual_[k];
     });
-    const double next = dot(residual, z);
+    const double next = dot(residual_, z);
     const double ratio = next / rho;
-    for_each_vector(count, [&](std::size_t k) { direction[k] = z[k] + ratio * direction[k]; });
+    for_each_vector(count, [&](std::size_t k) { direction_[k] = z[k] + ratio * direction_[k]; });
     rho = next;
   }
-  return x;
 }
 
 }  // namespace dapple

@@ -12,17 +12,23 @@ namespace dapple {
 /// a trust region raises to shorten the step.
 class GaussNewton {
  public:
-  /// The context must outlive the operator.
+  /// Of nothing, until update().
+  GaussNewton() = default;
+  GaussNewton(const Objective& objective, const State& state, int steps,
+              const Context* context = nullptr) {
+    update(objective, state, steps, context);
+  }
+
+  /// At another state, in the same memory. All arguments must outlive the use of solve().
   /// \param steps of conjugate gradients, at most
   /// \param context is asked at each whether to go on, no more
   /// \throw Cancelled
-  GaussNewton(const Objective& objective, const State& state, int steps,
-              const Context* context = nullptr);
+  void update(const Objective& objective, const State& state, int steps, const Context* context);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
   /// restricted.
   /// \throw Cancelled
-  [[nodiscard]] Vectors solve(const Vectors& b, double delta) const;
+  [[nodiscard]] Vectors solve(const Vectors& b, double delta);
 
  private:
   /// One side of a pair of close sites, scaled by the root of its stiffness.
@@ -31,7 +37,8 @@ class GaussNewton {
     Tangent own, others;  // the direction, in the planes of the two
   };
 
-  [[nodiscard]] TangentVectors solve(TangentVectors residual, double delta) const;
+  /// From residual_ to x_.
+  void iterate(double delta);
   void add_masses(const Objective& objective, const State& state);
   void add_pairs(const Objective& objective, const State& state);
   void add_blocks();
@@ -39,13 +46,12 @@ class GaussNewton {
     return std::span(sides_).subspan(side_starts_[site],
                                      side_starts_[site + 1] - side_starts_[site]);
   }
-  void apply(const TangentVectors& v, double delta, std::vector<double>& change,
-             TangentVectors& result) const;
-  [[nodiscard]] std::vector<TangentBlock> preconditioner(double delta) const;
+  void apply(const TangentVectors& v, double delta, TangentVectors& result);
+  void precondition(double delta);
 
-  int steps_;
-  const Context* context_;
-  double unit_;  // all entries are divided by it
+  int steps_ = 0;
+  const Context* context_ = nullptr;
+  double unit_ = 1.0;  // all entries are divided by it
   std::vector<TangentBasis> bases_;
   std::vector<double> masses_;  // what delta multiplies on the diagonal
   std::vector<double> held_;    // what is added to it; empty: nothing
@@ -54,6 +60,10 @@ class GaussNewton {
   std::vector<Side> sides_;
   std::vector<TangentBlock> blocks_;  // on the diagonal, without what delta multiplies
   std::vector<bool> locked_;
+  // Of conjugate gradients.
+  std::vector<TangentBlock> inverse_;  // of the diagonal blocks; nothing where a site is locked
+  TangentVectors x_, residual_, preconditioned_, direction_, applied_;
+  std::vector<double> change_;  // of capacities
 };
 
 }  // namespace dapple

@@ -168,7 +168,7 @@ class Minimizer {
   [[nodiscard]] bool settled() const { return reached() || rule_.ends(); }
 
   /// Whether it ended where it should: settled() also ends where no step is found.
-  [[nodiscard]] bool converged() const {
+  [[nodiscard]] bool converged() {
     if (reached()) return true;
     if (rule_.decreases_are_small()) return rule_.missed() <= options_.tolerance && !stuck();
     return rule_.failed() && rule_.missed() <= kRounding;
@@ -176,7 +176,7 @@ class Minimizer {
 
   /// Whether a full step of the model promises far more than the steps gave: then they are small
   /// because something holds them back, not because nothing is left to gain.
-  [[nodiscard]] bool stuck() const {
+  [[nodiscard]] bool stuck() {
     return in_trust_region() && region_.promised(objective_, state_, context_) >
                                     std::max(kStuck, options_.tolerance) * state_.total;
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "optimize/gauss_newton.hpp"
 #include "optimize/step_limit.hpp"
 
 namespace dapple {
@@ -45,11 +44,11 @@ Vectors keep_apart(const State& state, const std::vector<std::vector<double>>& r
 Vectors TrustRegion::step(const Objective& objective, const State& state,
                           const std::vector<std::vector<double>>& radii, LbfgsHistory& history,
                           const Context* context) {
-  const GaussNewton model(objective, state, exact_ ? kExactSteps : kSteps, context);
+  model_.update(objective, state, exact_ ? kExactSteps : kSteps, context);
   const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
   const double first_delta = delta_;
   for (int solves = 1;; ++solves) {
-    const auto solve = [&](const Vectors& v) { return model.solve(v, delta_); };
+    const auto solve = [&](const Vectors& v) { return model_.solve(v, delta_); };
     Vectors direction = history.direction(state.gradient, restrict, solve);
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
@@ -73,9 +72,9 @@ void TrustRegion::update_radius(bool found, double shortened) {
 }
 
 double TrustRegion::promised(const Objective& objective, const State& state,
-                             const Context* context) const {
-  const GaussNewton model(objective, state, kSteps, context);
-  return 0.5 * dot(model.solve(state.gradient, least_delta_), state.gradient);
+                             const Context* context) {
+  model_.update(objective, state, kSteps, context);
+  return 0.5 * dot(model_.solve(state.gradient, least_delta_), state.gradient);
 }
 
 }  // namespace dapple

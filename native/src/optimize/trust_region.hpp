@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "optimize/gauss_newton.hpp"
 #include "optimize/lbfgs.hpp"
-#include "optimize/objective.hpp"
 
 namespace dapple {
 
@@ -31,9 +31,10 @@ class TrustRegion {
 
   /// What a full step of the model promises.
   [[nodiscard]] double promised(const Objective& objective, const State& state,
-                                const Context* context = nullptr) const;
+                                const Context* context = nullptr);
 
  private:
+  GaussNewton model_;  // of one step after another
   double max_step_;
   bool exact_;
   double delta_ = 1.0;

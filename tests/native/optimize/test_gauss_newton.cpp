@@ -129,7 +129,7 @@ TEST(GaussNewton, DoesNotDependOnTheUnits) {
 TEST(GaussNewton, CanBeCancelled) {
   const Fixture f;
   Context context;
-  const GaussNewton model(f.objective, f.state, kEnough, &context);
+  GaussNewton model(f.objective, f.state, kEnough, &context);
   EXPECT_NO_THROW((void)model.solve(f.state.gradient, kDelta));
   context.cancel();
   EXPECT_THROW((void)model.solve(f.state.gradient, kDelta), Cancelled);

@@ -53,7 +53,7 @@ TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
 
 TEST(TrustRegion, PromisesLittleWhereLittleIsLeft) {
   Fixture random(Start::kRandom), poisson(Start::kPoisson);
-  const TrustRegion region(0.5, false);
+  TrustRegion region(0.5, false);
   EXPECT_GT(region.promised(random.objective, random.state),
             region.promised(poisson.objective, poisson.state));
   EXPECT_GT(region.promised(poisson.objective, poisson.state), 0.0);
