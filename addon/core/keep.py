@@ -291,5 +291,15 @@ def _with_directions(
         rows = old[slid]
         was = Binding(before.corners[rows], before.barycentric[rows], before.carry[rows])
         now = Binding(corners[slid], weights[slid], carry[slid])
-        carry[slid] = carried(was, now, arrays.vertices, arrays.faces).carry
+        faces = _around([was, now], arrays)
+        carry[slid] = carried(was, now, arrays.vertices, faces).carry
     return Binding(corners, weights, carry)
+
+
+def _around(bindings: list[Binding], arrays: SurfaceArrays) -> Ints:
+    """The faces that the normals at bound points depend on."""
+    used = np.zeros(len(arrays.vertices), dtype=bool)
+    for binding in bindings:
+        used[binding.corners] = True
+    found: Ints = arrays.faces[used[arrays.faces].any(axis=1)]
+    return found

@@ -65,6 +65,7 @@ class Stepper:
         self._context: Any = None
         self._value: Any = None
         self._error: Exception | None = None
+        self._begun = 0  # tasks so far
         self._stopped = self._done = False
 
     @property
@@ -100,10 +101,10 @@ class Stepper:
         """
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            before = self._task
+            before = self._begun
             if self.poll(wait=_SHORT):
                 return True
-            if self._task is before:
+            if self._begun == before:
                 break
         return False
 
@@ -122,12 +123,15 @@ class Stepper:
     def _next_task(self) -> Task:
         if self._stopped:
             return self._steps.throw(StoppedError("Canceled: nothing was written"))
-        if self._thread is None:
+        if not self._begun:
             return next(self._steps)
         return _answer(self._steps, self._value, self._error)
 
     def _start(self, task: Task) -> None:
-        self._task, self._context = task, package().Context()
+        self._task, self._context, self._begun = task, package().Context(), self._begun + 1
+        self._thread, self._value, self._error = None, None, None
+        if task is PAUSE:
+            return
         self._thread = threading.Thread(target=self._work, args=(task,), name="dapple", daemon=True)
         self._thread.start()
 

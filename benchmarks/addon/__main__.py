@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long the add-on takes: playback, a redraw, node groups, reading a surface, enabling.
+"""How long the add-on takes: playback, a redraw, node groups, reading a surface, enabling, strokes.
 
 What is compared is measured in turns, so that a busy machine slows all of it alike.
 """
@@ -20,10 +20,12 @@ import numpy as np
 import addon
 from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
+from benchmarks.addon.following import CASES, measure_following
 from benchmarks.addon.playback import OWN, measure_playback
 from benchmarks.addon.redraw import measure_redraw
 
 PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
+_PARTS = ["playback", "redraw", "groups", "reading", "enabling", "following"]
 _MOST_CLASSES = 8
 _ENABLE = """
 import os, time, bpy
@@ -43,6 +45,7 @@ def main() -> None:
         "groups": _groups,
         "reading": _reading,
         "enabling": _enabling,
+        "following": _following,
     }
     for name, part in parts.items():
         if options.only in (None, name):
@@ -59,7 +62,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--sites", type=int, default=100_000)
     parser.add_argument("--faces", type=int, default=1_000_000, help="triangles that are read")
     parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
-    parser.add_argument("--only", choices=["playback", "redraw", "groups", "reading", "enabling"])
+    parser.add_argument("--only", choices=_PARTS)
     parser.add_argument("--moved", action="store_true", help="play on a turned surface elsewhere")
     parser.add_argument(
         "--against", type=Path, help="checkout with other node groups to play back in turns"
@@ -135,6 +138,20 @@ def _enabling(options: argparse.Namespace) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
         taken.append(float(done.stdout.split()[-1]))
     print(f"enabling the add-on: {_ms(float(np.median(taken)))}")
+
+
+def _following(options: argparse.Namespace) -> None:
+    """The pause without a change is in what is told."""
+    for sites, faces, goal in CASES:
+        if sites > options.sites:
+            continue
+        _empty_file()
+        taken = measure_following(sites, faces, options.rounds)
+        shown, done = taken.pop("points"), taken.pop("all")
+        print(f"a stroke with {sites} points on {faces} triangles: {_judged(shown, goal)}")
+        print(f"  new points after {_ms(shown)}, all measured after {_ms(done)}")
+        for name, seconds in taken.items():
+            print(f"    {name}: {_ms(seconds)}")
 
 
 def _timed(work: Callable[..., object], *arguments: object) -> float:

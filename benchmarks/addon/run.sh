@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up what is missing, then measures the add-on: playback, redraw, node groups, reading, enabling.
-#   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|redraw|groups|reading|enabling]
+# Sets up what is missing, then measures the add-on: playback, redraw, node groups, reading, enabling, strokes.
+#   benchmarks/addon/run.sh [--sites N] [--rounds N] [--only playback|redraw|groups|reading|enabling|following]
 #     [--moved] [--against CHECKOUT]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 

@@ -12,7 +12,8 @@ import pytest
 
 @pytest.mark.skipif(not bpy.app.binary_path, reason="bpy as a module of Python has no window")
 @pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual display: xvfb is missing")
-def test_add_bake_and_escape_in_a_window(tmp_path):
+@pytest.mark.parametrize("story", ["window.py", "window_live.py"])
+def test_what_an_artist_does_in_a_window(story, tmp_path):
     screen = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24 +extension GLX"]
     options = (
         "--window-geometry",
@@ -25,7 +26,7 @@ def test_add_bake_and_escape_in_a_window(tmp_path):
         "--enable-event-simulate",
     )
     done = subprocess.run(
-        [*screen, *child.blender(*options), "--python", str(child.HERE / "window.py")],
+        [*screen, *child.blender(*options), "--python", str(child.HERE / story)],
         env={**os.environ, "LIBGL_ALWAYS_SOFTWARE": "1", "BLENDER_USER_RESOURCES": str(tmp_path)},
         capture_output=True,
         text=True,

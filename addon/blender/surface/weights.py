@@ -37,7 +37,7 @@ def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> Floa
     """
     raw = raw_values(obj, mesh, name)
     if raw is None:
-        values = _all_group_weights(mesh, obj.vertex_groups[name].index)
+        values = all_group_weights(mesh, obj.vertex_groups[name].index)
     else:
         values = at_vertices(raw, len(mesh.vertices), corner_vertices(mesh), _totals(mesh, raw))
     return checked_density(obj.name, name, values)
@@ -63,11 +63,15 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: 
     if group is None:
         raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
     vertices, index = mesh.vertices, group.index
-    own = (  # one by one: Blender finds the beginning of a slice by walking there
-        next((one.weight for one in vertices[at].groups if one.group == index), 0.0)
-        for at in range(*part.indices(len(vertices)))
-    )
-    return np.fromiter(own, float)
+    own = []
+    for at in range(*part.indices(len(vertices))):  # Blender finds a slice's beginning by walking
+        for one in vertices[at].groups:
+            if one.group == index:
+                own.append(one.weight)
+                break
+        else:
+            own.append(0.0)
+    return np.array(own)
 
 
 def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[np.float32]:
@@ -91,7 +95,7 @@ def _totals(mesh: bpy.types.Mesh, raw: RawValues) -> Ints:
     return totals
 
 
-def _all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
+def all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:
     """Blender gives weights vertex by vertex only; bmesh does so in half the time of the mesh."""
     edited = bmesh.new()
     edited.from_mesh(mesh, face_normals=False, vertex_normals=False)
