@@ -31,11 +31,14 @@ def driven():
     watcher.enabled = True
     watcher._leaving()
     watcher._state.schedule._clock = clock = Clock()
+    pictures, glance = addon_host.part("blender.live.pictures"), 1.0
+    pictures._GLANCE = pictures._RARELY = 0.0  # look each time
     try:
         yield Driver(watcher, clock)
     finally:
         watcher._leaving()
         watcher.enabled = False
+        pictures._GLANCE, pictures._RARELY = glance, 20.0
         if bpy.app.timers.is_registered(watcher.tick):
             bpy.app.timers.unregister(watcher.tick)
 
@@ -90,5 +93,6 @@ class Driver:
         for _ in _patient():
             self.look()
             self.clock.rest()
-            if self.look() is None and not self.watcher.is_active():
+            self.look()
+            if not self.watcher.is_active():
                 return

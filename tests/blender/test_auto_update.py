@@ -116,6 +116,20 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
     followed(live, obj)
 
 
+def test_a_painted_picture_is_followed(live, obj):
+    image = bpy.data.images.new("Picture", 8, 8)
+    image.pixels.foreach_set(np.full(256, 0.5, dtype=np.float32))
+    obj.dapple.density.image = image
+    followed(live, obj)
+    assert live.settle() == 0
+    image.pixels.foreach_set(np.linspace(0.1, 1.0, 256, dtype=np.float32))
+    followed(live, obj)
+    assert live.look() is not None  # the next glance
+    obj.dapple.density.image = None
+    followed(live, obj)
+    assert live.look() is None
+
+
 def test_a_change_meanwhile_begins_again_and_the_old_points_stay(live, obj):
     live.settle()
     before = scenes.positions(obj)

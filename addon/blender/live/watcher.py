@@ -26,6 +26,7 @@ from ..base.sidebars import redraw
 from ..data.scatter import is_scatter
 from ..steps.updating import update_steps
 from ..viewport import preview
+from . import pictures
 from .holds import is_held
 from .watched import dependencies, follows, scatters
 
@@ -64,6 +65,8 @@ class _State:
     job: _Job | None = None
     touched: set[int] = field(default_factory=set)  # session_uids of changed data-blocks
     depends: dict[int, set[int]] = field(default_factory=dict)  # by the scatter's session_uid
+    images: set[int] = field(default_factory=set)  # session_uids of those that are watched
+    ticking: bool = False  # whether the timer runs
     relinked: bool = True  # whether that is to be looked up again
     doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
     all_doubtful: bool = False
@@ -111,15 +114,35 @@ def is_active() -> bool:
 
 def tick() -> float | None:
     """Go on with what is to be done; seconds until the next time, None to end."""
-    _spread()
+    _state.ticking = True
+    try:
+        wait = _look()
+    finally:
+        _state.ticking = False
+    return 0.0 if _state.touched else wait
+
+
+def _look() -> float | None:
     if is_held():
+        _spread()
         _step_aside()
-        return _HELD if is_active() else None
+        return _HELD if is_active() or _state.images else None
+    if enabled and _state.job is None and _state.images:
+        _state.touched |= pictures.changed(_pictures())
+    _spread()
     if _state.job is None:
         _begin()
     if _state.job is not None:
         _go_on(_state.job)
-    return _POLL if _state.job is not None else _state.schedule.wait()
+    if _state.job is not None:
+        return _POLL
+    waits = [_state.schedule.wait(), pictures.wait() if _state.images else None]
+    return min((one for one in waits if one is not None), default=None)
+
+
+def _pictures() -> list[bpy.types.Image]:
+    """Those that densities are made of."""
+    return [image for image in bpy.data.images if image.session_uid in _state.images]
 
 
 def _spread() -> None:
@@ -149,6 +172,8 @@ def _depends() -> dict[int, set[int]]:
         _state.relinked = False
         before = _state.depends
         _state.depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
+        densities = [obj.dapple.density for obj in scatters() if follows(obj)]
+        _state.images = {one.image.session_uid for one in densities if one.image is not None}
         _state.doubtful |= {
             uid for uid, now in _state.depends.items() if now != before.get(uid, now)
         }
@@ -212,8 +237,12 @@ def _show(job: _Job) -> None:
 
 
 def _wake() -> None:
-    if not bpy.app.timers.is_registered(tick):
-        bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
+    """Have the timer look now, which may sleep until the next glance at pictures."""
+    if _state.ticking:
+        return
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
 
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -244,6 +273,7 @@ def _undone(*_arguments: Any) -> None:
 
 def _leaving(*_arguments: Any) -> None:
     _give_up()
+    pictures.forget()
     vars(_state).update(vars(_State()))
 
 
