@@ -129,13 +129,19 @@ RasterDomain::RasterDomain(Image density)
       mass_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
       frame_(rectangle(size_)) {}
 
-// Only the first of coincident sites has a cell.
 RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) const {
+  RestrictedVoronoi result;
+  update_cells(sites, context, result);
+  return result;
+}
+
+// Only the first of coincident sites has a cell.
+void RasterDomain::update_cells(const Sites& sites, Context* context,
+                                RestrictedVoronoi& result) const {
   const FlatSites places =
       in_stage(context, Stage::kNeighbors, [&] { return FlatSites(sites.positions, false); });
-  RestrictedVoronoi result;
-  result.cells.resize(sites.size());
-  result.rows.resize(sites.size());
+  result.cells.assign(sites.size(), {});
+  result.rows.assign(sites.size(), {});
   std::vector<Chunk> chunks((places.size() + kGrain - 1) / kGrain);
   Tally tally(context, places.size());
   std::optional<SharedLoop> loop(std::in_place, context, Stage::kNeighbors);
@@ -148,7 +154,6 @@ RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) cons
   });
   loop.reset();
   join_boundaries(places, chunks, result);
-  return result;
 }
 
 Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>,

@@ -17,6 +17,7 @@ class RasterDomain final : public Domain {
   explicit RasterDomain(Image density);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
+  void update_cells(const Sites& sites, Context* context, RestrictedVoronoi& result) const override;
   /// The nearest points in pixels with density.
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;

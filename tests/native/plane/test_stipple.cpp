@@ -140,6 +140,23 @@ TEST(StippleCells, ShareOutThePictureEvenIfSitesCoincideOrLieOnLinesOfPixels) {
   EXPECT_EQ(diagram.cells[11].area, 0.0);
 }
 
+/// Sites that have no cell leave nothing of what was there before.
+TEST(StippleCells, OverwriteOthers) {
+  const Image image = waves(20, 30);
+  const RasterDomain domain(image);
+  Sites sites = random_sites(domain, image, 20);
+  RestrictedVoronoi kept = domain.cells(sites, nullptr);
+  sites.positions[3] = sites.positions[7] = sites.positions[11];
+  domain.update_cells(sites, nullptr, kept);
+  const RestrictedVoronoi fresh = domain.cells(sites, nullptr);
+  ASSERT_EQ(kept.boundaries.size(), fresh.boundaries.size());
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    EXPECT_EQ(kept.cells[k].capacity, fresh.cells[k].capacity) << k;
+    EXPECT_EQ(kept.rows[k].first, fresh.rows[k].first) << k;
+    EXPECT_EQ(kept.rows[k].count, fresh.rows[k].count) << k;
+  }
+}
+
 TEST(StippleCells, ProjectionEndsAtTheNearestInk) {
   Image image = filled(10, 10, 0.0);
   image.values[2 * 10 + 3] = 1.0;
