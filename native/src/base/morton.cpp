@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/morton.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr int kBits = 21;  // per axis, 63 in all
+constexpr std::size_t kGrain = 4096;
 
 /// Put two zero bits between the 21 bits of v.
 std::uint64_t spread(std::uint64_t v) {
@@ -29,6 +33,14 @@ std::uint64_t code(const Vec3& unit) {
          spread(static_cast<std::uint64_t>(cell.z())) << 2;
 }
 
+using Key = std::pair<std::uint64_t, std::int32_t>;
+
+/// No two are equal, so that there is one order for any number of threads.
+void sort(std::vector<Key>& keys, Context* context) {
+  if (context) return sort_watched(keys, context);
+  tbb::parallel_sort(keys.begin(), keys.end());
+}
+
 }  // namespace
 
 std::vector<std::int32_t> morton_order(std::span<const Vec3> points, Context* context) {
@@ -40,13 +52,16 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> points, Context* co
     high = high.cwiseMax(p);
   }
   const double extent = std::max((high - low).maxCoeff(), 1e-300);
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys(points.size());
+  std::vector<Key> keys(points.size());
   Stretch coding(context, 0.0, 0.3), sorting(context, 0.3, 1.0);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    report_at(coding.context(), k, points.size());
-    keys[k] = {code((points[k] - low) / extent), static_cast<std::int32_t>(k)};
-  }
-  sort_watched(keys, sorting.context());
+  Tally tally(coding.context(), points.size());
+  parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    tally.check();
+    for (std::size_t k = begin; k < end; ++k)
+      keys[k] = {code((points[k] - low) / extent), static_cast<std::int32_t>(k)};
+    tally.add(end - begin);
+  });
+  sort(keys, sorting.context());
   std::vector<std::int32_t> order(points.size());
   std::transform(keys.begin(), keys.end(), order.begin(),
                  [](const auto& key) { return key.second; });

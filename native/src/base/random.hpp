@@ -19,6 +19,12 @@ class Random {
     return z ^ (z >> 31);
   }
 
+  /// As it will be after so many numbers.
+  [[nodiscard]] Random after(std::uint64_t numbers) const {
+    return Random(state_ + numbers * 0x9e3779b97f4a7c15u);
+  }
+  bool operator==(const Random&) const = default;
+
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
 

@@ -2,6 +2,7 @@
 #include "start/class_start.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -217,10 +218,26 @@ class Throwing {
 
   void draw(const ClassDarts& members, std::size_t count) {
     drawn_.resize(count);
+    if (members.start->surface->uniform() && draw_at_once(members)) return;
     for (Drawn& drawn : drawn_) {
       drawn.before = random_;
       drawn.draw = members.board.draw(random_);
     }
+  }
+
+  /// Where no draw is rejected, it is known with which numbers each begins. False if one was.
+  bool draw_at_once(const ClassDarts& members) {
+    constexpr std::uint64_t kNumbers = DartBoard::kNumbers;
+    std::atomic<bool> rejected = false;
+    parallel_chunks(drawn_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        Random random = drawn_[k].before = random_.after(kNumbers * k);
+        drawn_[k].draw = members.board.draw(random);
+        if (random != drawn_[k].before.after(kNumbers)) rejected = true;
+      }
+    });
+    if (!rejected) random_ = random_.after(kNumbers * drawn_.size());
+    return !rejected;
   }
 
   void test(const ClassDarts& members, double fraction) {

@@ -18,6 +18,7 @@ class DartBoard {
     OrderedFace face;
     Vec3 weights;
   };
+  static constexpr std::uint64_t kNumbers = 4;  ///< that a draw takes if nothing is rejected
   /// \pre a place is left
   [[nodiscard]] Draw draw(Random& random) const;
   /// One place of the dart's component is taken. True if it was the last one: what was drawn

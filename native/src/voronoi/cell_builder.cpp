@@ -56,8 +56,10 @@ void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* con
   sites_.assign(surface_, sites);
   index_.update(graph);
   for (Worker& worker : workers_) worker.flood.restart();
+  const std::span<const std::int32_t> order = index_.by_neighborhood();
   all_.resize(count());
   std::iota(all_.begin(), all_.end(), 0);
+  std::copy(order.begin(), order.end(), all_.begin());
   shares_.clear();
   divided_.clear();
   boundary_count_ = 0;
@@ -147,7 +149,8 @@ void CellBuilder::integrate(std::span<const std::int32_t> sites, Context* contex
       tally.add(chunks_[k].sites.size());
     });
     place(std::span(chunks_).first(works));
-    const double done = std::min(1.0, static_cast<double>(first + works) / static_cast<double>(chunks));
+    const double done =
+        std::min(1.0, static_cast<double>(first + works) / static_cast<double>(chunks));
     make_room(result_->boundaries, known, boundary_count_, done);
     make_room(pieces_, 0, piece_count_, done);
   }

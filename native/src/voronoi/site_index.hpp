@@ -66,6 +66,11 @@ class SiteIndex {
     Box box;
   };
   [[nodiscard]] Neighborhood neighborhood(std::int32_t site) const;
+  /// All sites in an order in which those of one neighborhood follow each other, as far as there is
+  /// one; empty if their own is such an order.
+  [[nodiscard]] std::span<const std::int32_t> by_neighborhood() const {
+    return leaders_.empty() ? kept_ : std::span<const std::int32_t>();
+  }
   /// How many there are to be found.
   [[nodiscard]] std::size_t population() const {
     return kept_.empty() ? sites_->size() : kept_.size();
