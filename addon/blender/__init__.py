@@ -11,7 +11,14 @@ from . import copies, ui
 from .base import renders, translation
 from .data import older_files
 from .live import watcher
-from .ops import bake_operators, live_operators, operators, tools, viewport_operators
+from .ops import (
+    bake_operators,
+    live_operators,
+    operators,
+    paint_operators,
+    tools,
+    viewport_operators,
+)
 from .panels import asset_library, pictures, preferences, preset_operators, shown
 from .settings import properties
 from .status import freshness, workfiles
@@ -19,8 +26,8 @@ from .steps import remembered
 from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
-    *(operators, bake_operators, live_operators, viewport_operators, tools, preset_operators),
-    *(ui, asset_library, preferences),
+    *(operators, bake_operators, live_operators, viewport_operators, tools, paint_operators),
+    *(preset_operators, ui, asset_library, preferences),
 )
 _CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)
 Step = tuple[Callable[[], None], Callable[[], None]]  # what it adds, and what takes that back

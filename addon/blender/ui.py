@@ -14,7 +14,8 @@ from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
 from .panels.details import DAPPLE_PT_details
-from .panels.preset_operators import DAPPLE_MT_presets
+from .panels.painting import draw_painting
+from .panels.preset_operators import draw_presets
 from .panels.results import draw_result
 
 
@@ -28,10 +29,10 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
             lines_of(layout, missing(), "ERROR")
         elif is_scatter(context.object):
             _draw_scatter(layout, context)
-        else:
+        elif not draw_painting(layout, context):
             row = layout.row()
             row.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
-            _draw_presets(row)
+            draw_presets(row)
             _draw_mismatch(layout, context, "INFO")
 
 
@@ -39,7 +40,7 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     settings = context.object.dapple
     row = layout.row()
     row.prop(settings, "surface")
-    _draw_presets(row)
+    draw_presets(row)
     layout.prop(settings, "amount")
     layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
     layout.prop(settings, "seed")
@@ -56,17 +57,12 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     column = layout.column(heading="Update")
     column.prop(settings, "auto_update")
     column.prop(settings, "keep_points")
-    draw_result(layout, context)
+    draw_result(layout, context, context.object)
     if settings.report.details:
         shown.DETAILS.of(context.object)  # likewise for the popover
         layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
     _draw_locked(layout, context.object)
     layout.operator(DAPPLE_OT_rebind.bl_idname)
-
-
-def _draw_presets(row: bpy.types.UILayout) -> None:
-    shown.PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
-    row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
 
 
 def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

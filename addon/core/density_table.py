@@ -2,6 +2,7 @@
 """Settings of the density: terms that are multiplied, and what points avoid."""
 
 import math
+from dataclasses import dataclass
 
 from .descriptors import Kind, Setting
 
@@ -159,3 +160,17 @@ DENSITY = (
         under="obstacles",
     ),
 )
+
+
+@dataclass(frozen=True)
+class Painted:
+    """A setting whose vertex group can be painted."""
+
+    setting: str
+    suffix: str  # of the name of a new group, after that of the scatter
+    full: bool  # whether a new group has the weight 1 everywhere, otherwise 0
+
+
+PAINTED = {
+    "DENSITY": Painted("attribute", "Density", True),
+}

@@ -103,6 +103,12 @@ class DAPPLE_MT_presets(bpy.types.Menu):
         draw_removal(self.layout)
 
 
+def draw_presets(row: bpy.types.UILayout) -> None:
+    """The button that opens the menu."""
+    shown.PRESETS.of()  # a menu is drawn once only, when it is opened: by then they are known
+    row.menu(DAPPLE_MT_presets.__name__, text="", icon="PRESET")
+
+
 def draw_removal(layout: bpy.types.UILayout) -> None:
     """A button for each preset that removes it."""
     for name in shown.PRESETS.of():

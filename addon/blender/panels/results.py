@@ -51,11 +51,13 @@ def _end(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, s
     return [(told("Auto Update: {why}", why=why), "ERROR"), fit] if why else [fit]
 
 
-def draw_result(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+def draw_result(
+    layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object
+) -> None:
     """What is to be said, and how far an update is, with a cross to cancel it."""
-    for text, icon in result_lines(context.object, context):
+    for text, icon in result_lines(obj, context):
         lines_of(layout, text, icon)
-    share = watcher.progress(context.object)
+    share = watcher.progress(obj)
     if share is None:
         return
     row = layout.row(align=True)

@@ -128,9 +128,16 @@ def register() -> None:
     bpy.types.Object.dapple = PointerProperty(
         name=GROUP_NAME, type=DAPPLE_PG_scatter, override=_OVERRIDE
     )
+    bpy.types.Scene.dapple_painted = StringProperty(
+        name="Painted Scatter",
+        description="Scatter whose surface is painted, until Done",
+        options={"HIDDEN"},
+    )
 
 
 def unregister() -> None:
+    if hasattr(bpy.types.Scene, "dapple_painted"):
+        del bpy.types.Scene.dapple_painted
     if hasattr(bpy.types.Object, "dapple"):
         del bpy.types.Object.dapple
     for cls in filter(is_registered, reversed(CLASSES)):

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the main panel shows of a scatter while its surface is painted."""
+
+import bpy
+
+from ..base.labels import lines_of
+from ..base.translation import told
+from ..ops.paint_operators import DAPPLE_OT_paint_done
+from ..steps.painting import painted_group, painted_scatter
+from .results import draw_result
+
+
+def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool:
+    """The scatter that is painted, what strokes change, the result, the way back; False: none."""
+    obj = painted_scatter(context)
+    if obj is None:
+        return False
+    lines_of(layout, *_what(context, obj))
+    row = layout.row()
+    row.scale_y = 1.5
+    row.operator(DAPPLE_OT_paint_done.bl_idname, icon="CHECKMARK")
+    settings = obj.dapple
+    layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
+    column = layout.column(heading="Update")
+    column.prop(settings, "auto_update")
+    column.prop(settings, "keep_points")
+    draw_result(layout, context, obj)
+    return True
+
+
+def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
+    """What strokes change now, which another vertex group makes something else: (text, icon)."""
+    group, painted = painted_group(context)
+    if painted is None:
+        return told("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
+    text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
+    return text, "WPAINT_HLT"

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Painting on the surface of a scatter: there with one click, back with another."""
+
+import addon_host
+import bpy
+import following
+import pytest
+import scenes
+import test_panels
+from test_failures import everything
+from test_undo import state
+
+OPERATORS = ("paint_density",)
+
+
+@pytest.fixture
+def obj():
+    return scenes.scattered(scenes.sphere())
+
+
+def paint(name, **options):
+    return getattr(bpy.ops.dapple, name)("EXEC_DEFAULT", True, **options)
+
+
+def weights(surface, name):
+    group = surface.vertex_groups[name].index
+    return [
+        next((one.weight for one in vertex.groups if one.group == group), 0.0)
+        for vertex in surface.data.vertices
+    ]
+
+
+def upper_half(surface, weight):
+    """What a stroke over the upper half does."""
+    upper = [vertex.index for vertex in surface.data.vertices if vertex.co.z > 0.0]
+    surface.vertex_groups.active.add(upper, weight, "REPLACE")
+    surface.data.update()
+
+
+def above(obj):
+    return int((scenes.positions(obj)[:, 2] > 0.1).sum())
+
+
+def situation():
+    """What a panel and an undo must agree on."""
+    found = state()
+    surface = bpy.data.objects["Sphere"]
+    found["mode"] = (bpy.context.mode, bpy.context.object.name)
+    found["groups"] = {one.name: weights(surface, one.name) for one in surface.vertex_groups}
+    found["painted"] = bpy.context.scene.dapple_painted
+    return found
+
+
+def test_one_click_is_there_and_another_is_back(obj):
+    surface = obj.dapple.surface
+    assert "dapple.paint_density" in test_panels.drawn()
+    assert paint("paint_density") == {"FINISHED"}
+    assert (bpy.context.mode, bpy.context.object) == ("PAINT_WEIGHT", surface)
+    assert bpy.context.selected_objects == [surface]
+    name = obj.dapple.density.attribute
+    assert surface.vertex_groups.active.name == name == f"{obj.name} Density"
+    assert set(weights(surface, name)) == {1.0}
+    assert paint("paint_done") == {"FINISHED"}
+    assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
+    assert bpy.context.selected_objects == [obj]
+    assert not bpy.ops.dapple.paint_done.poll()
+
+
+def test_the_group_in_use_is_taken_as_it_is(obj):
+    surface = obj.dapple.surface
+    for name in ("Other", "Grass", "Last"):
+        surface.vertex_groups.new(name=name).add([3, 4], 0.5, "REPLACE")
+    obj.dapple.density.attribute = "Grass"
+    for _ in range(2):
+        paint("paint_density")
+        assert surface.vertex_groups.active.name == obj.dapple.density.attribute == "Grass"
+        paint("paint_done")
+    assert len(surface.vertex_groups) == 3
+    assert sum(weights(surface, "Grass")) == 1.0
+
+
+def test_the_group_of_another_scatter_is_left_alone(obj):
+    surface = obj.dapple.surface
+    paint("paint_density")
+    paint("paint_done")
+    second = scenes.scattered(surface)
+    paint("paint_density")
+    assert second.dapple.density.attribute != obj.dapple.density.attribute
+    assert len(surface.vertex_groups) == 2
+
+
+def test_points_follow_a_stroke_while_one_paints(obj):
+    obj.dapple.auto_update_choice = "ON"
+    with following.driven() as live:
+        paint("paint_density")
+        live.settle()
+        assert above(obj) > 10
+        upper_half(obj.dapple.surface, 0.0)
+        assert live.settle() == 1
+        assert above(obj) == 0
+        assert bpy.context.mode == "PAINT_WEIGHT"
+        assert "Up to date" in test_panels.drawn()
+
+
+def test_the_panel_goes_on_showing_the_scatter(obj):
+    paint("paint_density")
+    shown = test_panels.drawn()
+    assert {"dapple.paint_done", "count", "auto_update"} <= set(shown)
+    assert "dapple.add" not in shown
+    assert any(f"Painting the density of '{obj.name}'" in line for line in shown)
+    obj.dapple.surface.vertex_groups.new(name="Else")
+    obj.dapple.surface.vertex_groups.active_index = 1
+    assert f"'{obj.name}' does not use the active vertex group" in " ".join(test_panels.drawn())
+
+
+def test_the_panel_does_not_lie_after_leaving_by_hand(obj):
+    surface = obj.dapple.surface
+    paint("paint_density")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert test_panels.drawn() == ["dapple.add"]
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert "dapple.paint_done" in test_panels.drawn()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    other = scenes.sphere()
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert bpy.context.object == other != surface
+    assert "dapple.paint_done" not in test_panels.drawn()
+
+
+@pytest.mark.parametrize("gone", ["scatter", "surface", "unlinked"])
+def test_what_is_deleted_meanwhile_is_missed_by_nobody(obj, gone):
+    surface = obj.dapple.surface
+    paint("paint_density")
+    if gone == "unlinked":
+        bpy.context.collection.objects.unlink(obj)
+    else:
+        bpy.data.objects.remove(obj if gone == "scatter" else surface)
+    assert not bpy.ops.dapple.paint_done.poll()
+    test_panels.drawn()
+    if gone == "surface":
+        scenes._activate(obj)
+        with pytest.raises(RuntimeError, match="has no surface"):
+            paint("paint_density")
+
+
+def test_a_hidden_scatter_is_come_back_to(obj):
+    paint("paint_density")
+    obj.hide_set(True)
+    assert paint("paint_done") == {"FINISHED"}
+    assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_undo_of_entering_and_of_leaving(obj, name):
+    bpy.ops.ed.undo_push(message="Before")
+    before = situation()
+    paint(name)
+    painting = situation()
+    assert painting["mode"] == ("PAINT_WEIGHT", "Sphere")
+    paint("paint_done")
+    after = situation()
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert situation() == painting
+        assert "dapple.paint_done" in test_panels.drawn()
+        bpy.ops.ed.undo()
+        assert situation() == before
+        bpy.ops.ed.redo()
+        assert situation() == painting
+        bpy.ops.ed.redo()
+        assert situation() == after
+
+
+def test_a_file_saved_while_painting_knows_the_scatter(obj, tmp_path):
+    path, name = str(tmp_path / "painting.blend"), obj.name
+    paint("paint_density")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert bpy.context.mode == "PAINT_WEIGHT"
+    assert paint("paint_done") == {"FINISHED"}
+    assert bpy.context.object.name == name
+
+
+def shared(obj, surface):
+    bpy.context.collection.objects.link(bpy.data.objects.new("Twin", surface.data))
+
+
+def hidden(obj, surface):
+    surface.hide_set(True)
+
+
+def away(obj, surface):
+    bpy.context.collection.objects.unlink(surface)
+
+
+def faceless(obj, surface):
+    surface.data.clear_geometry()
+
+
+def edited(obj, surface):
+    scenes._activate(surface)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.view_layer.objects.active = obj
+
+
+def lost(obj, surface):
+    obj.dapple.surface = None
+
+
+def curved(obj, surface):
+    curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
+    bpy.context.collection.objects.link(curve)
+    obj.dapple.surface = curve
+
+
+def colored(obj, surface):
+    surface.data.attributes.new("Color", "FLOAT", "POINT")
+    obj.dapple.density.attribute = "Color"
+
+
+TROUBLES = [
+    (shared, "shares its mesh with other objects: make it single-user first"),
+    (hidden, "Surface 'Sphere' is hidden: show it first"),
+    (away, "Surface 'Sphere' is not in the view layer"),
+    (faceless, "Surface 'Sphere' has no faces to paint on"),
+    (edited, "Surface 'Sphere' is not in Object Mode: leave its mode first"),
+    (lost, "has no surface: choose a mesh object"),
+    (curved, "Surface 'Curve' is a curve: only meshes have vertex groups"),
+    (colored, "uses 'Color', which is not a vertex group of surface 'Sphere'"),
+]
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+@pytest.mark.parametrize(("spoil", "message"), TROUBLES)
+def test_what_cannot_be_painted_is_told_and_nothing_changes(obj, spoil, message, name):
+    spoil(obj, obj.dapple.surface)
+    before = everything()
+    with pytest.raises(RuntimeError, match=message):
+        paint(name)
+    assert everything() == before
+    assert bpy.context.mode == "OBJECT"
+    assert all(not one.vertex_groups for one in bpy.data.objects)
+    assert bpy.context.scene.dapple_painted == ""
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+@pytest.mark.parametrize("kind", ["objects", "meshes"])
+def test_a_surface_of_another_file_cannot_be_painted(tmp_path, name, kind):
+    path = str(tmp_path / "library.blend")
+    scenes.sphere()
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (source, wanted):
+        setattr(wanted, kind, getattr(source, kind))
+    (found,) = getattr(wanted, kind)
+    surface = found if kind == "objects" else bpy.data.objects.new("Sphere", found)
+    bpy.context.collection.objects.link(surface)
+    obj = scenes.scattered(surface)
+    with pytest.raises(RuntimeError, match="linked from"):
+        paint(name)
+    assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
+
+
+def test_what_a_new_group_is_called_is_said_once():
+    table = addon_host.part("core.density_table")
+    settings = {setting.name for setting in table.DENSITY}
+    assert {one.setting for one in table.PAINTED.values()} <= settings
