@@ -212,6 +212,8 @@ class Window:
             monkeypatch.setattr(module, "bpy", bpy_there)
         started = lambda operator, *_: self._start("MODAL", True)  # noqa: E731
         monkeypatch.setattr(self.operators.StepsOperator, "invoke", started)
+        asked = SimpleNamespace(ask=lambda _: self._start("BACKGROUND", True))
+        monkeypatch.setattr(self.operators, "watcher", asked)
 
     def press(self, kind, **properties):
         operator = SimpleNamespace(**properties)
@@ -253,8 +255,8 @@ def test_a_button_that_drops_baked_keys_asks(monkeypatch, name, answer):
     assert window.started == ([("INVOKE_DEFAULT", True)] if answer else [])
 
 
-@pytest.mark.parametrize("name", ["optimize", "rebind"])
-def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name):
+@pytest.mark.parametrize(("name", "how"), [("optimize", "BACKGROUND"), ("rebind", "MODAL")])
+def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name, how):
     obj = baked()
     window = Window(monkeypatch)
     kind = getattr(window.operators, f"DAPPLE_OT_{name}")
@@ -262,7 +264,7 @@ def test_nothing_is_asked_without_keys_or_once_it_is_answered(monkeypatch, name)
     obj.dapple.baked_keys = 0
     window.press(kind, drop_keys=False)
     assert window.asked == []
-    assert window.started == [("MODAL", True), ("MODAL", True)]
+    assert window.started == [(how, True), (how, True)]
 
 
 @pytest.mark.parametrize("answer", [True, False])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modal operators in a real window. test_window.py runs this; exit status 0 is success.
+"""Operators that take long in a real window. test_window.py runs this; exit status 0 is success.
 
 Each step of `events` yields until Blender's event loop has gone on.
 """
@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import addon_host
 import scenes
 import story
 
@@ -19,7 +20,9 @@ PATIENCE = 600  # ticks
 
 def events():
     """Add, bake, cancel a bake and an optimization, as an artist would."""
+    bpy.context.preferences.edit.use_global_undo = True
     surface = scenes.tail()
+    surface_name = surface.name
     obj = yield from added(surface)
     assert len(scenes.positions(obj)) == 200
     yield from until_idle(bpy.ops.dapple.bake)
@@ -32,12 +35,13 @@ def events():
     assert scenes.snapshot() == before
     assert obj.dapple.baked_keys == 0
     obj.dapple.tolerance, obj.dapple.max_evaluations, obj.dapple.count = 1e-9, 100_000, 50_000
-    yield from until_idle(bpy.ops.dapple.optimize, escape_after=3)
+    yield from until_optimized(escape_after=3)
     assert scenes.snapshot() == before
     obj.dapple.count, obj.dapple.max_evaluations = 120, 200
-    yield from until_idle(bpy.ops.dapple.optimize)
+    yield from until_optimized()
     assert len(scenes.positions(obj)) == 120
-    yield from refused(surface)
+    yield from undone(obj.name)
+    yield from refused(bpy.data.objects[surface_name])
 
 
 def added(surface):
@@ -45,6 +49,36 @@ def added(surface):
     yield from until_idle(bpy.ops.dapple.add, count=200)
     assert bpy.context.object is not surface
     return bpy.context.object
+
+
+def until_optimized(escape_after=None):
+    """Press Optimize, which holds nothing, and wait until it is done in the background."""
+    live, window = addon_host.part("blender.live.watcher"), bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window):
+        assert bpy.ops.dapple.optimize("INVOKE_DEFAULT") == {"CANCELLED"}
+    area = next(one for one in window.screen.areas if one.type == "VIEW_3D")
+    place = {"x": area.x + 300, "y": area.y + 200}
+    for tick in range(PATIENCE):
+        assert not window.modal_operators
+        if not live.is_active():
+            return
+        if tick == escape_after:
+            window.event_simulate("MOUSEMOVE", "NOTHING", **place)
+            yield
+            for value in ("PRESS", "RELEASE"):
+                window.event_simulate("ESC", value, **place)
+        yield
+    raise TimeoutError("Optimize is still running")
+
+
+def undone(name):
+    """What was written is one step."""
+    window = bpy.context.window_manager.windows[0]
+    for undo, count in ((bpy.ops.ed.undo, 200), (bpy.ops.ed.redo, 120)):
+        with bpy.context.temp_override(window=window):
+            undo()
+        yield
+        assert len(bpy.data.objects[name].data.vertices) == count
 
 
 def refused(surface):

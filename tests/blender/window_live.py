@@ -39,6 +39,7 @@ def events():
     bpy.context.object.dapple.auto_update_choice = "ON"
     yield from slider()
     yield from stroke(surface)
+    yield from optimized_while_moving()
     yield from escape()
 
 
@@ -83,6 +84,47 @@ def stroke(surface):
     with window():
         bpy.ops.object.mode_set(mode="OBJECT")
     yield
+
+
+def optimized_while_moving():
+    """Optimize is pressed and an object moved: the points come once that has ended."""
+    live = addon_host.part("blender.live.watcher")
+    scatter().dapple.auto_update_choice = "OFF"
+    scatter().dapple.count = 350
+    bpy.context.view_layer.objects.active = scatter()
+    undo_push("Count")
+    bpy.ops.object.empty_add(location=(5.0, 0.0, 0.0))
+    empty = bpy.context.object.name
+    undo_push("Empty")
+    with window():
+        bpy.context.view_layer.objects.active = scatter()
+        assert bpy.ops.dapple.optimize("INVOKE_DEFAULT") == {"CANCELLED"}
+        assert bpy.ops.transform.translate("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    for _ in range(40):
+        yield
+    assert live.is_asked(scatter())
+    assert len(scatter().data.vertices) == 400
+    click("RET")
+    yield from waited(lambda: not the_window().modal_operators)
+    yield from waited(lambda: fits(350))
+    yield from shot("live-optimized")
+    with window():
+        bpy.ops.ed.undo()
+    assert len(scatter().data.vertices) == 400
+    assert empty in bpy.data.objects
+    with window():
+        bpy.ops.ed.redo()
+    assert fits(350)
+    scatter().dapple.count = 400
+    scatter().dapple.auto_update_choice = "ON"
+    yield from waited(lambda: fits(400))
+
+
+def click(key):
+    """Press a key over the 3D View."""
+    area = next(one for one in the_window().screen.areas if one.type == "VIEW_3D")
+    for value in ("PRESS", "RELEASE"):
+        the_window().event_simulate(key, value, x=area.x + 300, y=area.y + 200)
 
 
 def escape():

@@ -72,3 +72,15 @@ def test_what_is_forgotten_is_not_taken(schedule, clock) -> None:
     schedule.clear()
     clock.now += PAUSE + 0.01
     assert schedule.take() is None
+
+
+def test_what_has_no_time_is_the_next_one(schedule, clock) -> None:
+    schedule.change(1)
+    schedule.change(2)
+    schedule.hurry(2)
+    assert schedule.wait() == 0.0
+    assert schedule.take() == 2
+    assert schedule.take() is None
+    schedule.hurry(1)
+    schedule.change(1)  # which it waits for then
+    assert schedule.take() is None

@@ -15,6 +15,18 @@ def is_held() -> bool:
     return renders.busy() or job.is_under_way() or any(_windows())
 
 
+def is_operated() -> bool:
+    """Whether an operator that will be an undo step has begun, as one that moves an object: a step
+    that is made meanwhile would hold half of it.
+    """
+    return any(
+        "UNDO" in one.bl_options
+        for manager in bpy.data.window_managers
+        for window in manager.windows
+        for one in window.modal_operators
+    )
+
+
 def _windows() -> Iterator[bool]:
     for manager in bpy.data.window_managers:
         for window in manager.windows:

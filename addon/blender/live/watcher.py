@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Auto Update: scatters are solved again once what they are solved from has rested for a moment.
+Optimize is one of these updates, from the seed, that is asked for.
 
 Handlers and property updates only note what changed. An app timer reads what is there part by
 part, a worker solves, and the timer writes; until then the old points stay. A change meanwhile
 gives that up and begins the pause anew. No undo step is made: an undo of the artist's change brings
-back settings or points that do not fit, which is a change as any other.
+back settings or points that do not fit, which is a change as any other. What was asked for is an
+undo step, made once the points are there.
 
 In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
 """
@@ -24,11 +26,11 @@ from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
 from ..data.scatter import is_scatter
-from ..steps.updating import update_steps
-from ..viewport import preview
+from ..steps.asking import steps_of
 from . import pictures
-from .holds import is_held
+from .holds import is_held, is_operated
 from .watched import dependencies, follows, scatters
+from .written import follow_up
 
 _POLL = 0.005  # seconds between two looks at a worker
 _PART = 0.01  # seconds of a look in which the artist waits
@@ -46,6 +48,7 @@ class _Job:
     scatter: Held
     stepper: Stepper
     cause: frozenset[int]  # itself and the scatters because of which it is, see _spread
+    asked: bool  # by Optimize
     shown: int = -1  # hundredths that the panel shows
 
     def writes(self) -> dict[int, frozenset[int]]:
@@ -74,6 +77,7 @@ class _State:
     caused: dict[int, frozenset[int]] = field(default_factory=dict)  # by which updates, see _spread
     wrote: dict[int, frozenset[int]] = field(default_factory=dict)  # the same of what was written
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
+    asked: dict[int, bool] = field(default_factory=dict)  # for Optimize; whether it may drop keys
 
 
 _state = _State()
@@ -100,8 +104,36 @@ def touch(obj: bpy.types.Object) -> None:
         _wake()
 
 
+def ask(obj: bpy.types.Object) -> None:
+    """Solve a scatter from its seed, as Optimize does, in place of what is done for it now.
+
+    Its keys may go only if it has some by now.
+    """
+    forget(obj)
+    _change(obj.session_uid)
+    _state.asked[obj.session_uid] = obj.dapple.baked_keys > 0
+    _state.schedule.hurry(obj.session_uid)
+    _state.relinked = True
+    _wake()
+    redraw()
+
+
+def is_asked(obj: bpy.types.Object) -> bool:
+    """Whether Optimize is done for a scatter, or waits for that."""
+    return obj.session_uid in _state.asked
+
+
+def forget(obj: bpy.types.Object) -> None:
+    """Give up what is done for a scatter: it was solved otherwise."""
+    _state.asked.pop(obj.session_uid, None)
+    _state.schedule.forget(obj.session_uid)
+    if _state.job is not None and _state.job.scatter.uid == obj.session_uid:
+        _give_up()
+
+
 def cancel() -> None:
     """Give up all updates, until something is changed again."""
+    _state.asked.clear()
     _state.schedule.clear()
     _give_up()
     redraw()
@@ -172,6 +204,8 @@ def _depends() -> dict[int, set[int]]:
         _state.relinked = False
         before = _state.depends
         _state.depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
+        for uid in _state.asked.keys() - _state.depends.keys():  # an undo may have removed them
+            del _state.asked[uid]
         densities = [obj.dapple.density for obj in scatters() if follows(obj)]
         _state.images = {one.image.session_uid for one in densities if one.image is not None}
         _state.doubtful |= {
@@ -194,32 +228,39 @@ def _begin() -> None:
     obj = next((one for one in scatters() if one.session_uid == uid), None)
     if obj is None:
         return
-    if follows(obj):
-        held = Held(obj)
+    held = Held(obj)
+    asked = held.uid in _state.asked
+    if asked or follows(obj):
         cause = _state.caused.pop(held.uid, _NOBODY) | {held.uid}
-        _state.job = _Job(held, Stepper(update_steps(held)), cause)
+        _state.job = _Job(held, Stepper(steps_of(held, _state.asked.get(held.uid))), cause, asked)
     else:
-        _state.passed_over.add(obj.session_uid)
+        _state.passed_over.add(held.uid)
 
 
 def _go_on(job: _Job) -> None:
     try:
-        if job.stepper.run_for(_PART):
+        if not (job.asked and is_operated()) and job.stepper.run_for(_PART):
             _done(job)
     except (ScatterError, StoppedError) as error:
+        _fail(job)
         _state.troubles[job.scatter.uid] = str(error)
-        _give_up()
     except BaseException:
-        _give_up()
+        _fail(job)
         raise
     _show(job)
 
 
 def _done(job: _Job) -> None:
     _state.job = None
+    _state.asked.pop(job.scatter.uid, None)
     if job.stepper.result:
         _state.wrote |= job.writes()
-        preview.solved_anew(job.scatter.get())
+        follow_up(job.scatter.get(), job.asked)
+
+
+def _fail(job: _Job) -> None:
+    _state.asked.pop(job.scatter.uid, None)
+    _give_up()
 
 
 def _give_up() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Giving up an update: a cross in the panel, and Esc in the 3D View."""
+"""Giving up what is solved in the background: a cross in the panel, and Esc in the 3D View."""
 
 import bpy
 

@@ -12,6 +12,7 @@ from ...core.tables import SCATTER
 from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import operator_label, reported, told
 from ..data.scatter import rest_note
+from ..live import watcher
 from ..settings.making import with_arguments
 from ..steps.adding import add_steps
 from ..steps.tiling import tile_steps
@@ -52,8 +53,16 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
             self.report({"INFO"}, rest_note(result.obj, reported))
 
 
+def _asks(operator: Any, context: bpy.types.Context) -> bool:
+    """Whether the artist, who has pressed a button, is asked before a bake is taken away."""
+    if not context.object.dapple.baked_keys or operator.drop_keys or bpy.app.background:
+        return False
+    bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=operator._action)
+    return True  # it starts again once the user has confirmed
+
+
 class _DropsKeys(StepsOperator):
-    """Asks before it takes a bake away, when a button was pressed."""
+    """Takes a bake away."""
 
     _action: ClassVar[str]
     drop_keys: BoolProperty(
@@ -61,12 +70,6 @@ class _DropsKeys(StepsOperator):
         description="Delete baked keyframes without asking",
         options={"HIDDEN", "SKIP_SAVE"},
     )
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        if not context.object.dapple.baked_keys or self.drop_keys or bpy.app.background:
-            return StepsOperator.invoke(self, context, event)
-        bpy.ops.dapple.drop_keys("INVOKE_DEFAULT", action=self._action)
-        return {"CANCELLED"}  # it starts again once the user has confirmed
 
 
 class DAPPLE_OT_drop_keys(bpy.types.Operator):
@@ -123,6 +126,18 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
 
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Leave it to the background, which makes the undo step once the points are there."""
+        if bpy.app.background:
+            return self.execute(context)
+        if not _asks(self, context):
+            watcher.ask(context.object)
+        return {"CANCELLED"}
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        watcher.forget(context.object)
+        return StepsOperator.execute(self, context)
+
     def steps(self, context: bpy.types.Context) -> Steps:
         return optimize_steps(context)
 
@@ -142,6 +157,11 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        if _asks(self, context):
+            return {"CANCELLED"}
+        return StepsOperator.invoke(self, context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         return rebind_steps(context)

@@ -48,7 +48,7 @@ def _end(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, s
         return []
     fit = _fit(freshness.findings(obj, context))
     why = watcher.trouble(obj)
-    return [(told("Auto Update: {why}", why=why), "ERROR"), fit] if why else [fit]
+    return [(told("Not updated: {why}", why=why), "ERROR"), fit] if why else [fit]
 
 
 def draw_result(
@@ -61,7 +61,11 @@ def draw_result(
     if share is None:
         return
     row = layout.row(align=True)
-    row.progress(factor=share, text=told("Updating: {share:.0%}", share=share))
+    if watcher.is_asked(context.object):
+        text = told("Optimizing: {share:.0%}", share=share)
+    else:
+        text = told("Updating: {share:.0%}", share=share)
+    row.progress(factor=share, text=text)
     row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
 
 

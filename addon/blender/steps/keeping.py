@@ -2,6 +2,7 @@
 """Solving a surface that was read, as steps: anew, or from the points that are there."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ...core import keep
 from ...core.locked import Locked
@@ -39,8 +40,13 @@ class Update:
 
 def anew_steps(update: Update) -> Steps:
     """From the seed, as Optimize does."""
+    update.write((yield from solved_anew(update)))
+
+
+def solved_anew(update: Update) -> Any:
+    """The same, without writing it."""
     arrays, settings, locked = update.arrays, update.settings, update.locked
-    update.write((yield Task(lambda worker: scatter(arrays, settings, worker, locked))))
+    return (yield Task(lambda worker: scatter(arrays, settings, worker, locked)))
 
 
 def keep_steps(update: Update) -> Steps:

@@ -5,9 +5,11 @@ Nothing waits for these steps: whoever runs them gives them up where something c
 """
 
 from dataclasses import replace
+from typing import Any
 
 import bpy
 
+from ...core.settings import Settings
 from ...core.sources import sources_of
 from ...core.steps import Steps, Task
 from ...core.surface import SurfaceArrays
@@ -28,17 +30,26 @@ def update_steps(held: Held) -> Steps:
     Points that were edited by hand are left alone.
     """
     surface, settings = Held(surface_of(held.get())), settings_of(held.get())
-    read = yield from read_parts(settings, surface, held)
-    time = time_of(bpy.context.scene)
-    arrays = yield Task(lambda _: replace(read.arrays(), time=time))
+    arrays = yield from read_steps(held, surface, settings)
     now = yield Task(lambda _: sources_of(arrays, settings))
-    obj = held.get()
-    if is_edited(obj) or not needs_solving(obj, now):
+    if is_edited(held.get()) or not needs_solving(held.get(), now):
         return False
-    kind = _kind(obj, surface.get(), arrays)
-    update = Update(held, surface, arrays, settings, kind, locked_points(obj))
+    update = update_of(held, surface, settings, arrays)
     yield from (keep_steps if keeps(update) else anew_steps)(update)
     return True
+
+
+def read_steps(held: Held, surface: Held, settings: Settings) -> Any:
+    """The surface of a scatter and what is beside it, with the time of that."""
+    read = yield from read_parts(settings, surface, held)
+    time = time_of(bpy.context.scene)
+    return (yield Task(lambda _: replace(read.arrays(), time=time)))
+
+
+def update_of(held: Held, surface: Held, settings: Settings, arrays: SurfaceArrays) -> Update:
+    """A scatter that is solved from what was read."""
+    kind = _kind(held.get(), surface.get(), arrays)
+    return Update(held, surface, arrays, settings, kind, locked_points(held.get()))
 
 
 def _kind(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> str:

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scatter is solved by beside the artist's work, as steps: Optimize once it was asked for,
+else Auto Update.
+"""
+
+import bpy
+
+from ...core.errors import ScatterError
+from ...core.sources import digest_of
+from ...core.steps import Steps
+from ..base.held import Held
+from ..base.meshio import read_points
+from ..data.scatter import settings_of, surface_of
+from .keeping import solved_anew
+from .updating import read_steps, update_of, update_steps
+
+
+def steps_of(held: Held, drops_keys: bool | None) -> Steps:
+    """Steps that return whether they have solved; drops_keys None: nobody asked for them."""
+    return update_steps(held) if drops_keys is None else _asked_steps(held, drops_keys)
+
+
+def _asked_steps(held: Held, drops_keys: bool) -> Steps:
+    """Solve a scatter from its seed, as Optimize does; True.
+
+    Points that the artist moves, locks or bakes meanwhile are left alone.
+    """
+    before = _points(held.get())
+    _check_free(held.get(), drops_keys)
+    surface, settings = Held(surface_of(held.get())), settings_of(held.get())
+    arrays = yield from read_steps(held, surface, settings)
+    update = update_of(held, surface, settings, arrays)
+    solved = yield from solved_anew(update)
+    obj = held.get()
+    _check_free(obj, drops_keys)
+    if _points(obj) != before:
+        raise ScatterError(f"Scatter '{obj.name}' changed while it was solved: nothing was written")
+    update.write(solved)
+    return True
+
+
+def _check_free(obj: bpy.types.Object, drops_keys: bool) -> None:
+    if bpy.context.view_layer.objects.get(obj.name) != obj:
+        raise ScatterError(f"Scatter '{obj.name}' is not in the view layer that is shown")
+    if obj.mode != "OBJECT":
+        raise ScatterError(f"Scatter '{obj.name}' is not in Object Mode: nothing was written")
+    if obj.dapple.baked_keys and not drops_keys:
+        raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
+
+
+def _points(obj: bpy.types.Object) -> tuple[str, int, int]:
+    """What tells whether the artist has done something to them."""
+    return digest_of([read_points(obj.data)]), obj.dapple.locked_count, obj.dapple.baked_keys
