@@ -13,7 +13,8 @@ _FLOOR = 0.02  # of the largest density, where curvature alone thins
 
 def names_of(settings: Settings) -> list[str]:
     """Values of the vertices that the settings ask for, by the name of their attribute."""
-    named = [settings.density.attribute, *(kind.density for kind in settings.classes)]
+    density = settings.density
+    named = [density.attribute, density.blocked, *(kind.density for kind in settings.classes)]
     return sorted({name for name in named if name})
 
 
@@ -22,6 +23,8 @@ def vertex_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | N
     terms = []
     if settings.attribute:
         terms.append(arrays.weights[settings.attribute])
+    if settings.blocked:
+        terms.append(1.0 - np.clip(arrays.weights[settings.blocked], 0.0, 1.0))
     if settings.curvature > 0.0:
         terms.append(_by_curvature(arrays, settings.curvature))
     if settings.use_slope:

@@ -17,6 +17,14 @@ DENSITY = (
         "by their brightness",
     ),
     Setting(
+        "blocked",
+        Kind.VALUES,
+        "",
+        "Blocked Areas",
+        "Attribute or vertex group of the evaluated surface that multiplies the density by 1 minus "
+        "its value: there are no points where it is 1, and half as many where it is 0.5",
+    ),
+    Setting(
         "image",
         Kind.IMAGE,
         "",
@@ -173,4 +181,5 @@ class Painted:
 
 PAINTED = {
     "DENSITY": Painted("attribute", "Density", True),
+    "BLOCKED": Painted("blocked", "Blocked", False),
 }

@@ -150,12 +150,12 @@ def on_other_faces(before: Sources, arrays: SurfaceArrays) -> Sources:
 
 def is_of_faces(role: str) -> bool:
     """Whether a role can be compared only on the same faces."""
-    return role in ("shape", "density", "uv") or role.startswith("class ")
+    return role in ("shape", "density", "blocked", "uv") or role.startswith("class ")
 
 
 def value_roles(settings: Settings) -> dict[str, str]:
     """Names of the surface's values by their roles."""
-    named = {"density": settings.density.attribute}
+    named = {"density": settings.density.attribute, "blocked": settings.density.blocked}
     named |= {f"class {k}": kind.density for k, kind in enumerate(settings.classes)}
     return {role: name for role, name in named.items() if name}
 

@@ -67,6 +67,26 @@ def test_a_vertex_group_a_color_and_a_truth_value_are_densities():
     assert share_above(optimized(obj, attribute="Top"), -0.01) == 1.0
 
 
+def test_blocked_areas_thin_by_what_is_left():
+    blocked, next_ring = 0.75, 0.26  # the density falls from one ring of vertices to the next
+    surface = scenes.sphere()
+    upper = np.where(heights(surface) > 0.5, 1.0, 0.0)
+    with_attribute(surface, "Top", upper, "FLOAT")
+    with_attribute(surface, "Some", blocked * upper, "FLOAT")
+    with_attribute(surface, "Over", 3.0 * upper, "FLOAT")
+    with_attribute(surface, "Below", upper - 0.5, "FLOAT")
+    obj = scenes.scattered(surface, count=300)
+    full = share_above(optimized(obj), 0.2)
+    kept = share_above(optimized(obj, blocked="Some"), 0.2)
+    left = (1.0 - blocked) * full
+    assert kept == pytest.approx(left / (1.0 - blocked * full), abs=0.06)
+    for name in ("Top", "Over"):
+        assert share_above(optimized(obj, blocked=name), next_ring) == 0.0
+    assert share_above(optimized(obj, attribute="Top", blocked="Some"), -0.01) == 1.0
+    with pytest.raises(RuntimeError, match=r"'Below' is -0\.5 at vertex"):
+        optimized(obj, blocked="Below")
+
+
 def test_an_attribute_that_geometry_nodes_make_is_a_density():
     builder = addon_host.part("nodes.builder")
     surface = scenes.sphere()

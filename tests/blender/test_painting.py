@@ -10,7 +10,7 @@ import test_panels
 from test_failures import everything
 from test_undo import state
 
-OPERATORS = ("paint_density",)
+OPERATORS = ("paint_density", "paint_blocked")
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def upper_half(surface, weight):
 
 
 def above(obj):
-    return int((scenes.positions(obj)[:, 2] > 0.1).sum())
+    return int((scenes.positions(obj)[:, 2] > 0.27).sum())
 
 
 def situation():
@@ -102,12 +102,32 @@ def test_points_follow_a_stroke_while_one_paints(obj):
         assert "Up to date" in test_panels.drawn()
 
 
+def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
+    obj.dapple.auto_update_choice = "ON"
+    surface = obj.dapple.surface
+    with following.driven() as live:
+        paint("paint_density")
+        paint("paint_done")
+        paint("paint_blocked")
+        name = obj.dapple.density.blocked
+        assert surface.vertex_groups.active.name == name == f"{obj.name} Blocked"
+        assert set(weights(surface, name)) == {0.0}
+        live.settle()
+        assert above(obj) > 10
+        assert "has no points" in " ".join(test_panels.drawn())
+        upper_half(surface, 1.0)
+        assert live.settle() == 1
+        assert above(obj) == 0
+        surface.vertex_groups.active_index = 0
+        assert "Painting the density" in " ".join(test_panels.drawn())
+
+
 def test_the_panel_goes_on_showing_the_scatter(obj):
     paint("paint_density")
     shown = test_panels.drawn()
-    assert {"dapple.paint_done", "count", "auto_update"} <= set(shown)
+    assert {"dapple.paint_done", "count", "auto_update", "weight"} <= set(shown)
     assert "dapple.add" not in shown
-    assert any(f"Painting the density of '{obj.name}'" in line for line in shown)
+    assert f"Painting the density of '{obj.name}'" in " ".join(shown)
     obj.dapple.surface.vertex_groups.new(name="Else")
     obj.dapple.surface.vertex_groups.active_index = 1
     assert f"'{obj.name}' does not use the active vertex group" in " ".join(test_panels.drawn())
@@ -215,7 +235,7 @@ def curved(obj, surface):
 
 def colored(obj, surface):
     surface.data.attributes.new("Color", "FLOAT", "POINT")
-    obj.dapple.density.attribute = "Color"
+    obj.dapple.density.attribute = obj.dapple.density.blocked = "Color"
 
 
 TROUBLES = [

@@ -36,6 +36,22 @@ class DAPPLE_OT_paint_density(bpy.types.Operator):
         return _begin(self, context, "DENSITY")
 
 
+class DAPPLE_OT_paint_blocked(bpy.types.Operator):
+    """Paint on the surface where there are to be no points. Takes the vertex group of Blocked
+    Areas, or adds an empty one: no points where the weight is 1, whatever the density is"""
+
+    bl_idname = "dapple.paint_blocked"
+    bl_label = "Paint Blocked Areas"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return ready(cls, context, scatter=True)
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        return _begin(self, context, "BLOCKED")
+
+
 class DAPPLE_OT_paint_done(bpy.types.Operator):
     """Leave Weight Paint mode and go back to the scatter"""
 
@@ -55,4 +71,4 @@ class DAPPLE_OT_paint_done(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (DAPPLE_OT_paint_density, DAPPLE_OT_paint_done)
+CLASSES = (DAPPLE_OT_paint_density, DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_done)

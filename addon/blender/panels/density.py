@@ -9,7 +9,7 @@ import bpy
 from ...core.density_table import DENSITY
 from ...core.descriptors import Kind, Setting
 from ..base.labels import lines_of
-from ..ops.paint_operators import DAPPLE_OT_paint_density
+from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
 from ..ops.viewport_operators import DAPPLE_OT_show_density
 from ..viewport import overlay
 from .base import ScatterPanel
@@ -22,7 +22,9 @@ class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         layout, density = self.layout, context.object.dapple.density
         layout.use_property_split, layout.use_property_decorate = True, False
-        layout.operator(DAPPLE_OT_paint_density.bl_idname, icon="WPAINT_HLT")
+        column = layout.column(align=True)
+        column.operator(DAPPLE_OT_paint_density.bl_idname, icon="WPAINT_HLT")
+        column.operator(DAPPLE_OT_paint_blocked.bl_idname, icon="WPAINT_HLT")
         for switch, settings in groupby(DENSITY, key=lambda setting: setting.under):
             if switch and not getattr(density, switch):
                 continue

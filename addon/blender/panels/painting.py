@@ -16,6 +16,7 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     if obj is None:
         return False
     lines_of(layout, *_what(context, obj))
+    _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_paint_done.bl_idname, icon="CHECKMARK")
@@ -33,5 +34,19 @@ def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
     group, painted = painted_group(context)
     if painted is None:
         return told("'{name}' does not use the active vertex group", name=obj.name), "ERROR"
+    if painted.setting == "blocked":
+        text = told("Painting where '{name}' has no points: '{group}'", name=obj.name, group=group)
+        return text, "WPAINT_HLT"
     text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
     return text, "WPAINT_HLT"
+
+
+def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:
+    """The weight that strokes leave, of the brush or of all brushes; Blender 5 moved the latter."""
+    brush, kept = tools.weight_paint.brush, tools.weight_paint
+    if not hasattr(kept, "unified_paint_settings"):
+        kept = tools
+    shared = kept.unified_paint_settings
+    owner = shared if shared.use_unified_weight else brush
+    if owner is not None:  # another kind of tool has no brush
+        layout.prop(owner, "weight", slider=True)

@@ -73,6 +73,7 @@ def _met(
     density = dict(values.get("density", {}))
     asked: dict[str, Callable[[bpy.types.Mesh], Any]] = {
         "attribute": lambda mesh: read_weights(surface, mesh, density["attribute"]),
+        "blocked": lambda mesh: read_weights(surface, mesh, density["blocked"]),
         "use_camera": lambda _: check_camera(context.scene),
         "uv_map": lambda mesh: uv_layer(surface, mesh, density["uv_map"]),
     }
