@@ -176,7 +176,7 @@ class Painted:
 
     setting: str
     suffix: str  # of the name of a new group, after that of the scatter
-    full: bool  # whether a new group has the weight 1 everywhere, otherwise 0
+    full: bool  # whether a new group allows points everywhere, otherwise it is empty
 
 
 PAINTED = {

@@ -59,11 +59,28 @@ def test_one_click_is_there_and_another_is_back(obj):
     assert bpy.context.selected_objects == [surface]
     name = obj.dapple.density.attribute
     assert surface.vertex_groups.active.name == name == f"{obj.name} Density"
-    assert set(weights(surface, name)) == {1.0}
+    assert set(weights(surface, name)) == {0.5}
     assert paint("paint_done") == {"FINISHED"}
     assert (bpy.context.mode, bpy.context.object) == ("OBJECT", obj)
     assert bpy.context.selected_objects == [obj]
     assert not bpy.ops.dapple.paint_done.poll()
+
+
+def test_a_new_group_takes_nothing_from_an_amount_by_area(obj):
+    obj.dapple.amount = "PER_AREA"
+    paint("paint_density")
+    assert set(weights(obj.dapple.surface, obj.dapple.density.attribute)) == {1.0}
+
+
+def test_the_first_stroke_can_gather_points(obj):
+    obj.dapple.auto_update_choice = "ON"
+    with following.driven() as live:
+        paint("paint_density")
+        live.settle()
+        before = above(obj)
+        upper_half(obj.dapple.surface, 1.0)
+        live.settle()
+        assert above(obj) > 1.2 * before
 
 
 def test_the_group_in_use_is_taken_as_it_is(obj):

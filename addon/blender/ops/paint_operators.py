@@ -22,7 +22,7 @@ def _begin(operator: bpy.types.Operator, context: bpy.types.Context, what: str) 
 
 class DAPPLE_OT_paint_density(bpy.types.Operator):
     """Paint on the surface how dense the points are. Takes the vertex group that the density uses,
-    or adds one with the weight 1 everywhere: no points where the weight is 0"""
+    or adds one with the same weight everywhere: no points where the weight is 0"""
 
     bl_idname = "dapple.paint_density"
     bl_label = "Paint Density"

@@ -48,7 +48,7 @@ def begin_painting(context: bpy.types.Context, painted: Painted) -> None:
     if group is None:
         group = surface.vertex_groups.new(name=f"{scatter.name} {painted.suffix}")
         if painted.full:
-            group.add(range(len(surface.data.vertices)), 1.0, "REPLACE")
+            group.add(range(len(surface.data.vertices)), _even(scatter), "REPLACE")
     surface.vertex_groups.active_index = group.index
     setattr(scatter.dapple.density, painted.setting, group.name)
     context.scene.dapple_painted = scatter.name
@@ -61,6 +61,13 @@ def end_painting(context: bpy.types.Context) -> None:
     context.scene.dapple_painted = ""
     if scatter is not None:
         _activate(context, scatter)
+
+
+def _even(scatter: bpy.types.Object) -> float:
+    """A weight to begin with. Of a count only the ratios of weights matter: from the middle,
+    strokes can add points as well as take some away.
+    """
+    return 0.5 if scatter.dapple.amount == "COUNT" else 1.0
 
 
 def _check(surface: bpy.types.Object, context: bpy.types.Context) -> None:
