@@ -285,13 +285,13 @@ def test_a_stopped_bake_leaves_rest_position_off():
 
 def test_a_failed_add_leaves_no_scatter_and_no_node_group(monkeypatch):
     scenes.sphere()
-    adding, errors = addon_host.part("blender.steps.adding"), addon_host.part("core.errors")
+    writing, errors = addon_host.part("blender.steps.remembered"), addon_host.part("core.errors")
     before = scenes.snapshot()
 
     def fails(*_):
         raise errors.ScatterError("It cannot be written")
 
-    monkeypatch.setattr(adding, "write_scattered", fails)
+    monkeypatch.setattr(writing, "write_scattered", fails)
     with pytest.raises(RuntimeError, match="cannot be written"):
         bpy.ops.dapple.add(count=30)
     assert scenes.snapshot() == before
