@@ -97,11 +97,11 @@ class Minimizer {
   void iterate() {
     const Vectors direction = descent_direction();
     const double slope = std::min(dot(direction, state_.gradient), 0.0);
-    Step step = backtrack(objective_, state_, direction,
-                          {.most = restoring() ? kFewBacktracks : kBacktracks,
-                           .holds_back = in_trust_region(),
-                           .gives_up = in_trust_region() && !restoring()},
-                          [this](const Vectors& moves) { return evaluate_at(moves); });
+    const Step step = backtrack(objective_, state_, direction,
+                                {.most = restoring() ? kFewBacktracks : kBacktracks,
+                                 .holds_back = in_trust_region(),
+                                 .gives_up = in_trust_region() && !restoring()},
+                                [this](const Vectors& moves) { return evaluate_at(moves); });
     region_.update_radius(step.found, step.shortened);
     update_stopping(step, slope);
     if (step.found)
