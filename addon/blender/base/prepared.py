@@ -14,6 +14,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from . import job
+from .handlers import Handlers, unwatch, watch
 from .held import Held
 from .renders import busy
 from .sidebars import redraw
@@ -94,10 +95,12 @@ def _forget(*_arguments: Any) -> None:
         del _notes[key]
 
 
+_HANDLERS: Handlers = {"load_pre": _forget}
+
+
 def register() -> None:
     """Forget what was found of objects when another file is opened."""
-    bpy.app.handlers.persistent(_forget)
-    bpy.app.handlers.load_pre.append(_forget)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
@@ -105,5 +108,4 @@ def unregister() -> None:
     _notes.clear()
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
-    if _forget in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_forget)
+    unwatch(_HANDLERS)

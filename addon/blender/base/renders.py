@@ -7,6 +7,8 @@ from typing import Any
 
 import bpy
 
+from .handlers import Handlers, unwatch, watch
+
 
 @dataclass
 class _State:
@@ -39,7 +41,7 @@ def _ends(*_arguments: Any) -> None:
     _state.rendering = False
 
 
-_HANDLERS: dict[str, Callable[..., None]] = {
+_HANDLERS: Handlers = {
     "render_init": _begins,
     "render_complete": _ends,
     "render_cancel": _ends,
@@ -49,15 +51,10 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 
 def register() -> None:
     """Watch renders."""
-    for name, handler in _HANDLERS.items():
-        bpy.app.handlers.persistent(handler)
-        getattr(bpy.app.handlers, name).append(handler)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
     """Stop watching."""
     _state.rendering = False
-    for name, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
+    unwatch(_HANDLERS)

@@ -6,6 +6,7 @@ from typing import Any
 import bpy
 
 from ...core.older_names import RENAMED, rename
+from ..base.handlers import Handlers, unwatch, watch
 from .scatter import is_scatter
 
 
@@ -26,15 +27,12 @@ def _begin() -> None:
     _renew()
 
 
-def _handlers() -> list[Any]:
-    return [bpy.app.handlers.load_post, bpy.app.handlers.blend_import_post]
+_HANDLERS: Handlers = {"load_post": _renew, "blend_import_post": _renew}
 
 
 def register() -> None:
     """Watch files being opened, and data-blocks being linked and appended."""
-    for handlers in _handlers():
-        bpy.app.handlers.persistent(_renew)
-        handlers.append(_renew)
+    watch(_HANDLERS)
     bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)  # no file is there yet
 
 
@@ -42,6 +40,4 @@ def unregister() -> None:
     """Stop watching."""
     if bpy.app.timers.is_registered(_begin):
         bpy.app.timers.unregister(_begin)
-    for handlers in _handlers():
-        if _renew in handlers:
-            handlers.remove(_renew)
+    unwatch(_HANDLERS)

@@ -16,6 +16,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ..base import job
+from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.sidebars import is_shown, redraw
 from ..surface.surroundings import picture_digest
@@ -229,7 +230,7 @@ def _render_ends(*_arguments: Any) -> None:
     _all_doubtful()
 
 
-_HANDLERS = {
+_HANDLERS: Handlers = {
     "depsgraph_update_post": _updated,
     "frame_change_post": _frame_changed,
     "render_init": _render_begins,
@@ -244,9 +245,7 @@ _HANDLERS = {
 
 def register() -> None:
     """Watch what happens to the file."""
-    for name, handler in _HANDLERS.items():
-        bpy.app.handlers.persistent(handler)
-        getattr(bpy.app.handlers, name).append(handler)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
@@ -254,6 +253,4 @@ def unregister() -> None:
     _forget()
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
-    for name, handler in _HANDLERS.items():
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    unwatch(_HANDLERS)

@@ -20,6 +20,7 @@ from ...core.errors import ScatterError
 from ...core.native import missing
 from ...core.records import ROW_ATTRIBUTES
 from ...core.sidecar import Sidecar, start_digest
+from ..base.handlers import Handlers, unwatch, watch
 from ..base.translation import told
 from ..data.points import own_columns
 from ..data.scatter import is_scatter, settings_of
@@ -259,23 +260,19 @@ def _edited(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _known.edits[uid] = _known.edits.get(uid, 0) + 1
 
 
-def _handlers() -> list[tuple[Any, Any]]:
-    handlers = bpy.app.handlers
-    return [
-        (handlers.save_post, _saved),
-        (handlers.load_post, _loaded),
-        (handlers.undo_post, _forget),
-        (handlers.redo_post, _forget),
-        (handlers.depsgraph_update_post, _edited),
-    ]
+_HANDLERS: Handlers = {
+    "save_post": _saved,
+    "load_post": _loaded,
+    "undo_post": _forget,
+    "redo_post": _forget,
+    "depsgraph_update_post": _edited,
+}
 
 
 def register() -> None:
     """Watch files being saved and opened."""
     _forget()
-    for handlers, handler in _handlers():
-        bpy.app.handlers.persistent(handler)
-        handlers.append(handler)
+    watch(_HANDLERS)
     # No file is there yet at start-up. Persistent: one that is dropped by opening a file keeps
     # Python's bpy module from closing.
     bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)
@@ -289,6 +286,4 @@ def unregister() -> None:
     """Stop watching."""
     if bpy.app.timers.is_registered(_begin):
         bpy.app.timers.unregister(_begin)
-    for handlers, handler in _handlers():
-        if handler in handlers:
-            handlers.remove(handler)
+    unwatch(_HANDLERS)

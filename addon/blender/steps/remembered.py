@@ -15,6 +15,7 @@ from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, binding_from
 from ...core.rest import AtRest
 from ...core.solve import Scattered, Solved
 from ...core.surface import SurfaceArrays
+from ..base.handlers import Handlers, unwatch, watch
 from ..data.points import own_columns, points_digest
 from ..data.store import write_scattered
 
@@ -46,14 +47,15 @@ def _forget(*_arguments: Any) -> None:
     _known.clear()
 
 
+_HANDLERS: Handlers = {"load_pre": _forget}
+
+
 def register() -> None:
     """Forget what another file has."""
-    bpy.app.handlers.persistent(_forget)
-    bpy.app.handlers.load_pre.append(_forget)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
     """Remember nothing."""
     _forget()
-    if _forget in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_forget)
+    unwatch(_HANDLERS)

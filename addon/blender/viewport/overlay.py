@@ -19,6 +19,7 @@ from ...core.density_colors import Singles, computed
 from ...core.errors import ScatterError, StoppedError
 from ...core.settings import Settings
 from ...core.steps import Stepper, Steps, Task
+from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.renders import busy, when_one_begins
 from ..base.translation import told
@@ -263,30 +264,24 @@ def _leaving(*_arguments: Any) -> None:
     _shown.said = ""
 
 
+_HANDLERS: Handlers = {
+    "depsgraph_update_post": _updated,
+    "frame_change_post": _updated,
+    "undo_post": _undone,
+    "redo_post": _undone,
+    "load_pre": _leaving,
+}
+
+
 def register() -> None:
     """Watch what colors depend on, and files being opened."""
     when_one_begins(_render_begins)
-    for handlers, handler in _handlers():
-        bpy.app.handlers.persistent(handler)
-        handlers.append(handler)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
     """Show nothing and watch nothing."""
-    for handlers, handler in _handlers():
-        if handler in handlers:
-            handlers.remove(handler)
+    unwatch(_HANDLERS)
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
     stop()
-
-
-def _handlers() -> list[tuple[Any, Any]]:
-    handlers = bpy.app.handlers
-    return [
-        (handlers.depsgraph_update_post, _updated),
-        (handlers.frame_change_post, _updated),
-        (handlers.undo_post, _undone),
-        (handlers.redo_post, _undone),
-        (handlers.load_pre, _leaving),
-    ]

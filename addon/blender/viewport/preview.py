@@ -15,6 +15,7 @@ import bpy
 
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper
+from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.renders import busy, when_one_begins
 from ..base.translation import told
@@ -215,7 +216,7 @@ def _saving(*_arguments: Any) -> None:
     clear_bindings()
 
 
-_HANDLERS: dict[str, Callable[..., None]] = {
+_HANDLERS: Handlers = {
     "depsgraph_update_post": _touched,
     "frame_change_post": _touched,
     "render_complete": _touched,
@@ -231,17 +232,12 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 def register() -> None:
     """Watch what happens to the file."""
     when_one_begins(_render_begins)
-    for name, handler in _HANDLERS.items():
-        bpy.app.handlers.persistent(handler)
-        getattr(bpy.app.handlers, name).append(handler)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
     """Stop all previews and watching."""
-    for name, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
+    unwatch(_HANDLERS)
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
     _give_all_up()
