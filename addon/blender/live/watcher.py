@@ -11,6 +11,7 @@ undo step, made once the points are there.
 In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +20,6 @@ import bpy
 from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
-from ..base import handlers
 from ..base.held import Held
 from ..base.job import is_under_way
 from ..base.quiet import is_quiet
@@ -331,7 +331,7 @@ def _step_aside() -> None:
         _render_begins()
 
 
-_HANDLERS: handlers.Handlers = {
+_HANDLERS: dict[str, Callable[..., None]] = {
     "depsgraph_update_post": _updated,
     "undo_post": _undone,
     "redo_post": _undone,
@@ -342,12 +342,17 @@ _HANDLERS: handlers.Handlers = {
 def register() -> None:
     """Watch what happens to the file."""
     when_one_begins(_render_begins)
-    handlers.watch(_HANDLERS)
+    for name, handler in _HANDLERS.items():
+        bpy.app.handlers.persistent(handler)
+        getattr(bpy.app.handlers, name).append(handler)
 
 
 def unregister() -> None:
     """Update nothing and watch nothing."""
-    handlers.unwatch(_HANDLERS)
+    for name, handler in _HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
     _leaving()
