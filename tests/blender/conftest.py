@@ -22,6 +22,7 @@ import bpy  # noqa: E402 - after the environment is set, before Blender's own mo
 
 sys.path.insert(0, str(HERE))
 import addon_host  # noqa: E402
+import following  # noqa: E402
 
 _status = [1]  # until the tests were run
 _TAKEN = os.environ.get("DAPPLE_TAKEN")
@@ -64,6 +65,13 @@ def fresh_file(addon):
     shutil.rmtree(Path(bpy.app.tempdir, "dapple"), ignore_errors=True)
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
+
+
+@pytest.fixture
+def live():
+    """Scatters that follow changes, driven by hand."""
+    with following.driven() as driver:
+        yield driver
 
 
 def pytest_sessionfinish(session, exitstatus):

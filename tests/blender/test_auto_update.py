@@ -3,16 +3,10 @@
 
 import addon_host
 import bpy
-import following
 import numpy as np
 import pytest
 import scenes
-
-
-@pytest.fixture
-def live():
-    with following.driven() as driver:
-        yield driver
+from contents import reason
 
 
 @pytest.fixture
@@ -20,10 +14,6 @@ def obj():
     made = scenes.scattered(scenes.sphere(), count=60)
     made.dapple.auto_update_choice = "ON"  # however slow the machine is
     return made
-
-
-def reason(obj):
-    return addon_host.part("blender.status.staleness").stale_reason(obj, bpy.context)
 
 
 def followed(live, obj):

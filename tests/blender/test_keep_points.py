@@ -3,17 +3,11 @@
 
 import addon_host
 import bpy
-import following
 import numpy as np
 import pytest
 import scenes
-from test_auto_update import grown, reason
-
-
-@pytest.fixture
-def live():
-    with following.driven() as driver:
-        yield driver
+from contents import reason
+from test_auto_update import grown
 
 
 @pytest.fixture

@@ -9,19 +9,12 @@ import random
 
 import addon_host
 import bpy
-import following
 import numpy as np
 import pytest
 import scenes
 
 ROUNDS = int(os.environ.get("DAPPLE_ROUNDS", "12"))
 NAME = "Sphere Scatter"
-
-
-@pytest.fixture
-def live():
-    with following.driven() as driver:
-        yield driver
 
 
 def scatter():

@@ -91,6 +91,15 @@ def check(found: Scattered, surface: SurfaceArrays) -> None:
     assert figures.alpha_mean > 0.7
 
 
+def check_far(solved: Scattered, found: Scattered, surface: SurfaceArrays, reach: float) -> None:
+    """Within a reach of the middle, and three spacings beyond, points move; all others stay."""
+    places, alike = same(solved, found)
+    far = away(places, surface) > reach + 3 * solved.report.spacing
+    assert far.sum() > 500
+    assert alike[far].mean() >= 0.99
+    assert not alike[~far].all()
+
+
 CHANGES = {
     "less where it was painted": lambda surface: painted(surface, 0.3),
     "nothing where it was painted": lambda surface: painted(surface, 0.0),
@@ -108,11 +117,7 @@ def test_far_from_a_local_change_points_keep_their_bytes(change) -> None:
     after = change(surface)
     found = updated(solved, after, settings)
     check(found, after)
-    places, alike = same(solved, found)
-    far = away(places, surface) > 0.45 + 3 * solved.report.spacing
-    assert far.sum() > 500
-    assert alike[far].mean() >= 0.99
-    assert not alike[~far].all()
+    check_far(solved, found, surface, 0.45)
 
 
 def test_an_obstacle_that_is_moved_moves_what_is_around_it() -> None:
@@ -121,10 +126,7 @@ def test_an_obstacle_that_is_moved_moves_what_is_around_it() -> None:
     solved = scatter(before, settings, dapple.Context())
     found = updated(solved, after, settings)
     check(found, after)
-    places, alike = same(solved, found)
-    far = away(places, before) > 0.55 + 3 * solved.report.spacing
-    assert far.sum() > 500
-    assert alike[far].mean() >= 0.99
+    check_far(solved, found, before, 0.55)
 
 
 def test_a_surface_that_was_moved_as_a_whole_is_the_same_one() -> None:
@@ -212,6 +214,4 @@ def test_quads_that_are_cut_along_the_other_diagonal_are_the_same_faces() -> Non
     first, second = np.intersect1d(faces[0], faces[beside])
     faces[0], faces[beside] = (own, first, other), (own, other, second)
     found = updated(solved, replace(painted(surface, 0.3), faces=faces), settings)
-    places, alike = same(solved, found)
-    far = away(places, surface) > 0.45 + 3 * solved.report.spacing
-    assert alike[far].mean() >= 0.99
+    check_far(solved, found, surface, 0.45)
