@@ -91,7 +91,7 @@ def build(count: int, seed: int) -> bpy.types.Object:
     bpy.context.scene.frame_set(1)
     thing = scale()
     made = scatter(body, count, seed)
-    bpy.ops.dapple.set_quality(quality="REGULAR")
+    made.dapple.quality = "REGULAR"
     made.dapple.forward, made.dapple.turn_randomness = "-X", 0.06
     made.dapple.instance, made.dapple.scale = thing, 0.78 * made.dapple.report.spacing
     bpy.ops.dapple.optimize()

@@ -24,7 +24,7 @@ addon_host = importlib.import_module("addon_host")
 told = importlib.import_module("story")
 
 TICK = 0.2
-PANELS = ("density", "evenness", "instances", "tiles", "animation")
+PANELS = ("instances", "amount", "density", "placement", "animation", "tiles", "advanced")
 Story = Iterator[None]
 
 
@@ -57,7 +57,7 @@ def in_density(obj: bpy.types.Object) -> Story:
     bpy.ops.dapple.show_density()
     optimize()
     yield from until_idle()
-    only(("evenness",))
+    only(("advanced",))
     yield from until_shown()
     yield from shot("4-optimized")
     yield from details()

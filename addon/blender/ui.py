@@ -6,14 +6,12 @@ import bpy
 from ..core.native import missing
 from . import panels
 from .base.labels import lines_of
-from .base.translation import counted, told
+from .base.translation import told
 from .data.scatter import active_surface, is_scatter, rest_note
-from .ops.operators import DAPPLE_OT_add, DAPPLE_OT_optimize, DAPPLE_OT_rebind
-from .ops.tools import DAPPLE_OT_lock
+from .ops.operators import DAPPLE_OT_add, DAPPLE_OT_optimize
 from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
-from .panels.details import DAPPLE_PT_details
 from .panels.painting import draw_painting
 from .panels.preset_operators import draw_presets
 from .panels.results import draw_result
@@ -41,39 +39,14 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row = layout.row()
     row.prop(settings, "surface")
     draw_presets(row)
-    layout.prop(settings, "amount")
-    layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
-    layout.prop(settings, "seed")
-    layout.prop(settings, "bind_to")
-    if rest_note(context.object):
-        lines_of(layout, rest_note(context.object), "INFO")
-        if shown.DIFFERENCES.of(settings.surface):
-            layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
-    elif settings.bound_to == "FACES":
-        _draw_mismatch(layout, context, "ERROR")
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_optimize.bl_idname, icon="PLAY")
-    column = layout.column(heading="Update")
-    column.prop(settings, "auto_update")
-    column.prop(settings, "keep_points")
+    layout.prop(settings, "quality")
+    layout.prop(settings, "auto_update")
     draw_result(layout, context, context.object)
-    if settings.report.details:
-        shown.DETAILS.of(context.object)  # likewise for the popover
-        layout.popover(DAPPLE_PT_details.__name__, text="Details", icon="GRAPH")
-    _draw_locked(layout, context.object)
-    layout.operator(DAPPLE_OT_rebind.bl_idname)
-
-
-def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    row = layout.row(align=True)
-    row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
-    row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
-    if obj.dapple.locked_count:
-        text = counted(
-            obj.dapple.locked_count, "{count} point is locked", "{count:,} points are locked"
-        )
-        layout.label(text=text, icon="LOCKED")
+    if settings.bound_to == "FACES" and not rest_note(context.object):
+        _draw_mismatch(layout, context, "ERROR")
 
 
 def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon: str) -> None:

@@ -75,7 +75,7 @@ def test_qualities_go_from_natural_to_honeycomb():
     obj = scenes.scattered(plane(2.0), count=400)
     orders = {}
     for name in ("NATURAL", "REGULAR", "HONEYCOMB"):
-        assert bpy.ops.dapple.set_quality(quality=name) == {"FINISHED"}
+        obj.dapple.quality = name
         bpy.ops.dapple.optimize()
         orders[name] = order_of_neighbors(scenes.positions(obj))
     assert orders["NATURAL"] + 0.1 < orders["REGULAR"] < orders["HONEYCOMB"]
@@ -85,10 +85,24 @@ def test_natural_is_the_default_and_draft_takes_fewer_steps():
     obj = scenes.scattered(plane(2.0), count=400)
     natural = obj.dapple.report.evaluations
     reason = addon_host.part("blender.data.scatter").settings_reason
-    bpy.ops.dapple.set_quality(quality="NATURAL")
+    obj.dapple.quality = "NATURAL"
     assert reason(obj) == ""
-    bpy.ops.dapple.set_quality(quality="DRAFT")
+    obj.dapple.quality = "DRAFT"
     assert "Tolerance" in reason(obj)
     bpy.ops.dapple.optimize()
     assert obj.dapple.report.evaluations < natural
     assert math.isclose(obj.dapple.tolerance, 5e-4, rel_tol=1e-5)
+
+
+def test_quality_shows_which_one_the_settings_are():
+    obj = scenes.scattered(plane(2.0), count=40)
+    assert obj.dapple.quality == "NATURAL"
+    for name in ("DRAFT", "FINE", "REGULAR", "HONEYCOMB", "NATURAL"):
+        obj.dapple.quality = name
+        assert obj.dapple.quality == name
+    obj.dapple.tolerance = 3e-5
+    assert obj.dapple.quality == "CUSTOM"
+    obj.dapple.quality = "CUSTOM"
+    assert math.isclose(obj.dapple.tolerance, 3e-5, rel_tol=1e-5), "it stays as it is"
+    obj.dapple.quality = "REGULAR"
+    assert obj.dapple.max_evaluations == 400

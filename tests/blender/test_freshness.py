@@ -11,7 +11,7 @@ import pytest
 import scenes
 import test_panels
 
-UNKNOWN, FITS = "Not compared with the scene yet", "Up to date"
+UNKNOWN, FITS = "not compared with the scene yet", "up to date"
 
 
 def part():

@@ -16,7 +16,6 @@ WRITING = (
     "clear_bake",
     "preview",
     "edit_classes",
-    "set_quality",
     "lock",
     "load_preset",
 )

@@ -116,7 +116,7 @@ def test_points_follow_a_stroke_while_one_paints(obj):
         assert live.settle() == 1
         assert above(obj) == 0
         assert bpy.context.mode == "PAINT_WEIGHT"
-        assert "Up to date" in test_panels.drawn()
+        assert "% of ideal, up to date" in " ".join(test_panels.drawn())
 
 
 def test_what_is_blocked_stays_free_whatever_the_density_is(obj):

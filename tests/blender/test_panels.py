@@ -23,7 +23,7 @@ class Layout:
 
     column = row
 
-    def label(self, text="", icon="NONE"):
+    def label(self, text="", icon="NONE", translate=True):
         assert icon in ICONS
         self.shown.append(text)
 
@@ -94,10 +94,20 @@ def test_a_scatter_shows_its_settings_and_its_result():
     shown = drawn()
     for name in ("count", "seed", "instance", "collection", "align", "attribute", "curvature"):
         assert name in shown
-    for name in ("dapple.optimize", "dapple.tile", "dapple.bake", "dapple.set_quality"):
+    for name in ("dapple.optimize", "dapple.tile", "dapple.bake", "quality"):
         assert name in shown
     assert "points_per_area" not in shown
-    assert "Up to date" in shown
+    assert "% of ideal, up to date" in " ".join(shown)
+
+
+def test_what_is_instanced_comes_before_the_solver():
+    scenes.scattered(scenes.sphere())
+    kinds = addon_host.part("blender.panels").CLASSES
+    titles = [kind.bl_label for kind in kinds if hasattr(kind, "bl_parent_id")]
+    assert titles[:4] == ["Instances", "Amount", "Density", "Placement"]
+    assert titles[-3:] == ["Animation", "Tiles", "Advanced"]
+    shown = drawn()
+    assert shown.index("instance") < shown.index("count") < shown.index("capacity_weight")
 
 
 def test_pictures_tell_of_the_result_and_of_the_settings():

@@ -62,7 +62,7 @@ def translating(lookup):
     """A layout that looks up its texts as Blender's does."""
 
     class Layout(test_panels.Layout):
-        def label(self, text="", icon="NONE"):
+        def label(self, text="", icon="NONE", translate=True):
             super().label(lookup(text), icon)
 
         def popover(self, panel, text="", icon="NONE"):
@@ -110,7 +110,7 @@ def test_what_is_shown_is_found():
         ("Operator", "Lock Selected"),  # a text of a button
         ("*", "Area Uniformity"),
         ("*", "Separation"),
-        ("*", "{count} point"),
+        ("*", "{count} instance"),
         ("*", "Exact Count"),  # a heading
         ("Dapple", "Rest Position"),  # Blender's German for it is that of Resolution
         ("*", "Even without any pattern, like grass or pebbles"),
@@ -134,7 +134,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):
-        def label(self, text="", icon="NONE"):
+        def label(self, text="", icon="NONE", translate=True):
             lines.append(text)
 
     test_panels.drawn(Layout)
@@ -154,8 +154,8 @@ def test_the_panel_is_german(german):
         "Klebrigkeit",
     ):
         assert text in shown
-    assert "Aktuell" in shown
-    assert any(text.startswith("120 Punkte, Flächenabweichung ") for text in shown)
+    assert any(text.startswith("120 Instanzen, Abstand ") for text in shown)
+    assert "vom idealen, aktuell" in " ".join(shown)
     obj.dapple.seed, obj.dapple.repulsion_weight = 3, 1.0
     shown = "|".join(test_panels.drawn(translating(german)))
     reason = "Einstellungen wurden geändert (Startwert, Abstoßung): neu optimieren"
@@ -164,9 +164,9 @@ def test_the_panel_is_german(german):
 
 def test_one_is_no_plural(german):
     counted = part().counted
-    assert counted(1, "{count} point", "{count:,} points") == "1 Punkt"
-    assert counted(0, "{count} point", "{count:,} points") == "0 Punkte"
-    assert counted(2000, "{count} point", "{count:,} points") == "2,000 Punkte"
+    assert counted(1, "{count} instance", "{count:,} instances") == "1 Instanz"
+    assert counted(0, "{count} instance", "{count:,} instances") == "0 Instanzen"
+    assert counted(2000, "{count} instance", "{count:,} instances") == "2,000 Instanzen"
 
 
 def test_a_file_keeps_english(german):

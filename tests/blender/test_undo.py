@@ -142,7 +142,6 @@ CASES = [
     ("edit_classes", scatter, {"action": "ADD"}),
     ("edit_classes", several, {"action": "REMOVE"}),
     ("edit_classes", several, {"action": "UP"}),
-    ("set_quality", scatter, {"quality": "REGULAR"}),
     ("lock", scatter, {"every": True}),
     ("load_preset", changed_after_saving, {"name": "Undone"}),
     ("match_subdivision", unequal, {}),

@@ -64,5 +64,5 @@ def test_whole_counts_on_separate_parts_are_said(addon):
     bpy.context.view_layer.objects.active = obj
     scatter = scattered(120)
     assert scatter.dapple.report.whole_count_variation > 0.1
-    lines = [text for text, _ in addon.blender.panels.results.result_lines(scatter, bpy.context)]
+    lines = [text for text, _ in addon.blender.panels.results.figure_lines(scatter)]
     assert any("whole numbers" in line for line in lines)

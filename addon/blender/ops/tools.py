@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that are done at once: the list of classes, locks, quality, the worst overlap."""
+"""Operators that are done at once: the list of classes, locks, the worst overlap."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import ScatterError
-from ...core.quality import QUALITIES, quality_settings
 from ..base.job import OPTIONS, Status
-from ..base.translation import OWN, reported, told
+from ..base.translation import reported, told
 from ..data.locking import lock_points
 from ..steps.classes import change_classes, select_overlap
 from .polls import writable
@@ -78,27 +77,6 @@ class DAPPLE_OT_lock(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DAPPLE_OT_set_quality(bpy.types.Operator):
-    """Set how even and how regular the points become; optimize again to apply"""
-
-    bl_idname = "dapple.set_quality"
-    bl_label = "Quality"
-    bl_options = OPTIONS
-
-    quality: EnumProperty(
-        name="Quality", items=QUALITIES, translation_context=OWN, default="NATURAL"
-    )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return writable(cls, context)
-
-    def execute(self, context: bpy.types.Context) -> Status:
-        for name, value in quality_settings(self.quality).items():
-            setattr(context.object.dapple, name, value)
-        return {"FINISHED"}
-
-
 class DAPPLE_OT_select_overlap(bpy.types.Operator):
     """Select the two points whose instances overlap most and place the 3D cursor between them; if
     baked, go to the frame with the largest overlap"""
@@ -124,6 +102,5 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
 CLASSES = (
     DAPPLE_OT_edit_classes,
     DAPPLE_OT_lock,
-    DAPPLE_OT_set_quality,
     DAPPLE_OT_select_overlap,
 )

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sub-panel for moving surfaces: the bake, the frames that it has left, and the preview."""
 
+from typing import ClassVar
+
 import bpy
 
 from ...core.solver_options import MOTION
@@ -17,6 +19,7 @@ from .results import baked_line
 
 class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
     bl_label = "Animation"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.object.dapple

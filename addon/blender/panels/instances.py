@@ -9,7 +9,6 @@ from . import shown
 from .base import ScatterPanel
 
 _SIZE = ("scale", "scale_randomness", "density_scale")
-_DIRECTION = ("align", "turn_randomness", "tilt")
 
 
 class DAPPLE_UL_classes(bpy.types.UIList):
@@ -43,20 +42,23 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         layout, settings = self.layout, context.object.dapple
         layout.use_property_split, layout.use_property_decorate = True, False
         _draw_class_list(layout, settings)
-        kinds, at = settings.classes, settings.class_index
-        shown = kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
-        if kinds:
-            _draw_class(layout, shown)
-        for names in (("instance", "collection"), _SIZE, _DIRECTION):
+        owner = active_type(settings)
+        if owner != settings:
+            _draw_class(layout, owner)
+        for names in (("instance", "collection"), _SIZE):
             column = layout.column(align=True)
             for name in names:
-                column.prop(shown, name)
-        layout.prop(settings, "forward")
-        layout.prop(settings, "viewport_share")
+                column.prop(owner, name)
         if settings.report.worst_overlap > 0:
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
+    """The object type that the panels show; the scatter's own settings where it has none."""
+    kinds, at = settings.classes, settings.class_index
+    return kinds[min(max(at, 0), len(kinds) - 1)] if kinds else settings
 
 
 def _overlap(settings: bpy.types.AnyType) -> str:

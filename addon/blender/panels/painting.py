@@ -7,6 +7,7 @@ from ..base.labels import lines_of
 from ..base.translation import told
 from ..ops.paint_operators import DAPPLE_OT_paint_done
 from ..steps.painting import painted_group, painted_scatter
+from .amount import draw_amount
 from .results import draw_result
 
 
@@ -20,11 +21,8 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     row = layout.row()
     row.scale_y = 1.5
     row.operator(DAPPLE_OT_paint_done.bl_idname, icon="CHECKMARK")
-    settings = obj.dapple
-    layout.prop(settings, "count" if settings.amount == "COUNT" else "points_per_area")
-    column = layout.column(heading="Update")
-    column.prop(settings, "auto_update")
-    column.prop(settings, "keep_points")
+    draw_amount(layout, obj.dapple)
+    layout.prop(obj.dapple, "auto_update")
     draw_result(layout, context, obj)
     return True
 

@@ -14,41 +14,42 @@ _SHARE = 0.3  # ... if it is that much of the whole
 
 
 def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
-    """What is to be said about the last result: (text, icon)."""
+    """The last result in a line, and what keeps it from being right: (text, icon)."""
+    if watcher.progress(obj) is not None:  # a bar says the rest
+        return [(_result(obj), "NONE")]
+    why = watcher.trouble(obj)
+    trouble = [(told("Not updated: {why}", why=why), "ERROR")] if why else []
+    return [*_fit(_result(obj), freshness.findings(obj, context)), *trouble]
+
+
+def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
+    """What else is known of the last result: (text, icon)."""
     report = obj.dapple.report
-    points = counted(report.count, "{count} point", "{count:,} points")
-    spread = 100 * report.capacity_variation
-    mean, least = 100 * report.alpha_mean, 100 * report.alpha_min
-    if not report.measured and watcher.progress(obj) is None:
-        return [
-            (told("{points}, not measured: optimize again", points=points), "INFO"),
-            *_end(obj, context),
-        ]
+    if not report.measured:
+        return [(_effort(obj), "NONE")]
+    variation, least = 100 * report.capacity_variation, 100 * report.alpha_min
     lines = [
-        (told("{points}, area variation {spread:.2g} %", points=points, spread=spread), "NONE"),
-        (told("Spacing {mean:.0f} % of ideal (min {least:.0f} %)", mean=mean, least=least), "NONE"),
+        (told("Area variation {spread:.2g} %", spread=variation), "NONE"),
+        (told("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"),
         (_effort(obj), "NONE"),
     ]
     if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
         whole = 100 * report.whole_count_variation
-        lines.append(
-            (
-                told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole),
-                "INFO",
-            )
-        )
+        text = told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
+        lines.append((text, "INFO"))
     if not report.converged and not obj.dapple.baked_keys:
         lines.append((_shortfall(obj), "INFO"))
-    return [*lines, *_end(obj, context)]
+    return lines
 
 
-def _end(obj: bpy.types.Object, context: bpy.types.Context) -> list[tuple[str, str]]:
-    """Whether the result fits; a bar takes that place while it is updated."""
-    if watcher.progress(obj) is not None:
-        return []
-    fit = _fit(freshness.findings(obj, context))
-    why = watcher.trouble(obj)
-    return [(told("Not updated: {why}", why=why), "ERROR"), fit] if why else [fit]
+def _result(obj: bpy.types.Object) -> str:
+    """How many instances there are, and how evenly they are spread."""
+    report = obj.dapple.report
+    instances = counted(report.count, "{count} instance", "{count:,} instances")
+    if not report.measured and watcher.progress(obj) is None:
+        return told("{instances}, not measured: optimize again", instances=instances)
+    mean = 100 * report.alpha_mean
+    return told("{instances}, spacing {mean:.0f} % of ideal", instances=instances, mean=mean)
 
 
 def draw_result(
@@ -61,7 +62,7 @@ def draw_result(
     if share is None:
         return
     row = layout.row(align=True)
-    if watcher.is_asked(context.object):
+    if watcher.is_asked(obj):
         text = told("Optimizing: {share:.0%}", share=share)
     else:
         text = told("Updating: {share:.0%}", share=share)
@@ -69,15 +70,17 @@ def draw_result(
     row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
 
 
-def _fit(found: freshness.Findings | None) -> tuple[str, str]:
-    """Whether a result fits, as far as that is known."""
+def _fit(result: str, found: freshness.Findings | None) -> list[tuple[str, str]]:
+    """A result, and whether it fits, as far as that is known."""
     if found is None:
-        return told("Not compared with the scene yet"), "TIME"
-    if found.verdict.reason:
-        return told("Out of date: {reason}", reason=found.verdict.reason), "ERROR"
-    if found.verdict.note:
-        return found.verdict.note, "INFO"
-    return told("Up to date"), "CHECKMARK"
+        return [(told("{result}, not compared with the scene yet", result=result), "TIME")]
+    verdict = found.verdict
+    if verdict.reason:
+        out = told("Out of date: {reason}", reason=verdict.reason)
+        return [(result, "NONE"), (out, "ERROR")]
+    if verdict.note:
+        return [(result, "NONE"), (verdict.note, "INFO")]
+    return [(told("{result}, up to date", result=result), "CHECKMARK")]
 
 
 def _shortfall(obj: bpy.types.Object) -> str:

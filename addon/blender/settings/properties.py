@@ -11,6 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ...core.quality import CUSTOM, QUALITIES
 from ...core.tables import BOUND_TO, GROUPS
 from ...nodes import GROUP_NAME
 from ..base.translation import OWN
@@ -21,7 +22,7 @@ from .property_groups import (
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
 )
-from .updates import follow_by_itself, follows_by_itself
+from .updates import follow_by_itself, follows_by_itself, quality_chosen, quality_shown
 
 _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 
@@ -37,6 +38,15 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         options=STILL,
         get=follows_by_itself,
         set=follow_by_itself,
+    )
+    quality: EnumProperty(
+        name="Quality",
+        description="How even and how regular the points become",
+        items=[(*one, number) for number, one in enumerate((*QUALITIES, CUSTOM))],
+        options=STILL,
+        translation_context=OWN,
+        get=quality_shown,
+        set=quality_chosen,
     )
     classes: CollectionProperty(name="Object Types", type=DAPPLE_PG_class)
     class_index: IntProperty(

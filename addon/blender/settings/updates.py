@@ -3,6 +3,8 @@
 
 import bpy
 
+from ...core.quality import CUSTOM, QUALITIES, quality_of, quality_settings
+from ...core.solver_options import EVENNESS
 from ..data.modifier import write_instance_inputs, write_warning
 from ..data.scatter import is_automatic
 from ..live import watcher
@@ -32,3 +34,16 @@ def follow_by_itself(settings: bpy.types.PropertyGroup, value: bool) -> None:
     """Auto Update is what the artist says from now on."""
     settings.auto_update_choice = "ON" if value else "OFF"
     watcher.touch(settings.id_data)
+
+
+def quality_shown(settings: bpy.types.PropertyGroup) -> int:
+    """What Quality shows: the preset that the settings are those of."""
+    names = [name for name, *_ in (*QUALITIES, CUSTOM)]
+    return names.index(quality_of({one.name: getattr(settings, one.name) for one in EVENNESS}))
+
+
+def quality_chosen(settings: bpy.types.PropertyGroup, number: int) -> None:
+    """The settings become those of the preset; those of no preset stay as they are."""
+    if number < len(QUALITIES):
+        for name, value in quality_settings(QUALITIES[number][0]).items():
+            setattr(settings, name, value)

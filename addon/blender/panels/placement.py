@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sub-panel for how instances stand on the surface, and for points that stay where they are."""
+
+from typing import ClassVar
+
+import bpy
+
+from ..base.translation import counted
+from ..ops.tools import DAPPLE_OT_lock
+from .base import ScatterPanel
+from .instances import active_type
+
+_DIRECTION = ("align", "turn_randomness", "tilt")
+
+
+class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):
+    bl_label = "Placement"
+    bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.object.dapple
+        layout.use_property_split, layout.use_property_decorate = True, False
+        owner = active_type(settings)
+        if owner != settings:
+            layout.label(text=owner.name, icon="OBJECT_DATA", translate=False)
+        column = layout.column(align=True)
+        for name in _DIRECTION:
+            column.prop(owner, name)
+        layout.prop(settings, "forward")
+        _draw_locked(layout, context.object)
+
+
+def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    row = layout.row(align=True)
+    row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
+    row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
+    if obj.dapple.locked_count:
+        text = counted(
+            obj.dapple.locked_count, "{count} point is locked", "{count:,} points are locked"
+        )
+        layout.label(text=text, icon="LOCKED")
