@@ -16,6 +16,7 @@ from .ops import (
     live_operators,
     operators,
     paint_operators,
+    scatter_operators,
     tools,
     viewport_operators,
 )
@@ -26,7 +27,15 @@ from .steps import remembered
 from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
-    *(operators, bake_operators, live_operators, viewport_operators, tools, paint_operators),
+    *(
+        operators,
+        bake_operators,
+        live_operators,
+        viewport_operators,
+        tools,
+        paint_operators,
+        scatter_operators,
+    ),
     *(preset_operators, ui, asset_library, preferences),
 )
 _CLASSES = tuple(one for module in _WITH_CLASSES for one in module.CLASSES)

@@ -9,12 +9,14 @@ from .base.labels import lines_of
 from .base.translation import told
 from .data.scatter import active_surface, is_scatter, rest_note
 from .ops.operators import DAPPLE_OT_add, DAPPLE_OT_optimize
+from .ops.scatter_operators import DAPPLE_OT_select_surface
 from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
 from .panels.painting import draw_painting
 from .panels.preset_operators import draw_presets
 from .panels.results import draw_result
+from .panels.surface import draw_surface
 
 
 class DAPPLE_PT_main(Panel, bpy.types.Panel):
@@ -28,16 +30,16 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
         elif is_scatter(context.object):
             _draw_scatter(layout, context)
         elif not draw_painting(layout, context):
-            row = layout.row()
-            row.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
-            draw_presets(row)
+            draw_surface(layout, context.object)
             _draw_mismatch(layout, context, "INFO")
 
 
 def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     settings = context.object.dapple
     row = layout.row()
-    row.prop(settings, "surface")
+    part = row.row(align=True)
+    part.prop(settings, "surface")
+    part.operator(DAPPLE_OT_select_surface.bl_idname, text="", icon="RESTRICT_SELECT_OFF")
     draw_presets(row)
     row = layout.row()
     row.scale_y = 1.5

@@ -13,6 +13,7 @@ from ..base.translation import told
 from ..data.scatter import settings_of
 from ..steps.classes import count_labels
 from ..steps.presets import folder
+from ..steps.scatters import is_solo, scatters_of
 from ..surface.topology import differences
 from . import pictures
 from .asset_library import library, missing_assets
@@ -33,6 +34,20 @@ class Assets:
 
     there: bool = False
     trouble: str = ""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A scatter in the list of its surface."""
+
+    name: str
+    count: int
+    solo: bool  # whether the viewport shows no other one of the surface
+
+
+def _scatters(surface: bpy.types.Object) -> tuple[Listed, ...]:
+    found = scatters_of(surface)
+    return tuple(Listed(one.name, one.dapple.report.count, is_solo(one, found)) for one in found)
 
 
 def _differences(surface: bpy.types.Object) -> tuple[str, ...]:
@@ -62,6 +77,7 @@ def _assets(_: None) -> Assets:
 
 # Of a surface: by what the viewport and renders differ.
 DIFFERENCES = Prepared(_differences, ())
+SCATTERS = Prepared(_scatters, ())  # of a surface
 DETAILS = Prepared(_pictured, Pictured())
 PATTERN = Prepared(_pattern, 0)  # icon
 CLASS_COUNTS = Prepared(_class_counts, ())

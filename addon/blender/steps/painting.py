@@ -12,6 +12,7 @@ from ...core.errors import ScatterError
 from ..base.translation import english
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
+from .scatters import activate
 
 
 def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:
@@ -60,7 +61,7 @@ def end_painting(context: bpy.types.Context) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
     context.scene.dapple_painted = ""
     if scatter is not None:
-        _activate(context, scatter)
+        activate(context, scatter)
 
 
 def _even(scatter: bpy.types.Object) -> float:
@@ -110,19 +111,11 @@ def _view(context: bpy.types.Context) -> bpy.types.SpaceView3D | None:
 
 def _to_weight_paint(context: bpy.types.Context, surface: bpy.types.Object) -> None:
     active, selected = context.object, list(context.selected_objects)
-    _activate(context, surface)
+    activate(context, surface)
     try:
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     except RuntimeError as error:
-        _activate(context, active)
+        activate(context, active)
         for obj in selected:
             obj.select_set(True)
         raise ScatterError(f"Surface '{surface.name}' cannot be painted: {error}") from error
-
-
-def _activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:
-    """Have it be the only selected object, and the active one."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    context.view_layer.objects.active = obj

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the main panel shows of a surface: its scatters, and a button to add one."""
+
+import bpy
+
+from ..data.scatter import is_surface
+from ..ops.operators import DAPPLE_OT_add
+from ..ops.scatter_operators import (
+    DAPPLE_OT_copy_scatter,
+    DAPPLE_OT_remove_scatter,
+    DAPPLE_OT_select_scatter,
+    DAPPLE_OT_solo_scatter,
+)
+from . import shown
+from .preset_operators import draw_presets
+
+
+def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
+    """The scatters of the active object, and what adds another one."""
+    listed = shown.SCATTERS.of(obj) if is_surface(obj) else ()
+    column = layout.column(align=True)
+    for one in listed:
+        _draw_listed(column.row(align=True), one, len(listed) > 1)
+    row = layout.row()
+    row.scale_y = 1.0 if listed else 1.5
+    row.operator(DAPPLE_OT_add.bl_idname, text="Add Scatter", icon="ADD")
+    draw_presets(row)
+
+
+def _draw_listed(row: bpy.types.UILayout, one: shown.Listed, several: bool) -> None:
+    obj = bpy.context.view_layer.objects.get(one.name)
+    if obj is None:  # it was renamed or removed since it was listed
+        return
+    select = row.operator(
+        DAPPLE_OT_select_scatter.bl_idname,
+        text=one.name,
+        translate=False,
+        icon="OUTLINER_OB_POINTCLOUD",
+    )
+    select.name = one.name
+    row.label(text=f"{one.count:,}", translate=False)
+    row.prop(obj, "hide_viewport", text="")
+    row.prop(obj, "hide_render", text="")
+    if several:
+        solo = DAPPLE_OT_solo_scatter.bl_idname
+        row.operator(solo, text="", icon="SOLO_ON", depress=one.solo).name = one.name
+    row.operator(DAPPLE_OT_copy_scatter.bl_idname, text="", icon="DUPLICATE").name = one.name
+    row.operator(DAPPLE_OT_remove_scatter.bl_idname, text="", icon="X").name = one.name
