@@ -144,6 +144,8 @@ CASES = [
     ("edit_classes", several, {"action": "UP"}),
     ("lock", scatter, {"every": True}),
     ("load_preset", changed_after_saving, {"name": "Undone"}),
+    ("copy_scatter", baked_scatter, {}),
+    ("remove_scatter", baked_scatter, {}),
     ("match_subdivision", unequal, {}),
 ]
 
