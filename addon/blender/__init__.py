@@ -10,7 +10,7 @@ import bpy
 from . import copies, ui
 from .base import renders, translation
 from .data import older_files
-from .live import watcher
+from .live import modifier_tab, watcher
 from .ops import (
     bake_operators,
     live_operators,
@@ -75,7 +75,7 @@ def _register() -> None:
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
     later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview)
-    last: Any = (overlay, remembered, watcher, live_operators)
+    last: Any = (overlay, remembered, watcher, modifier_tab, live_operators)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is edited in the modifier tab stays, and the panel shows it."""
+
+import addon_host
+import bpy
+import pytest
+import scenes
+
+
+def edit(obj, name, value):
+    """As the modifier tab does."""
+    modifier = addon_host.part("blender.data.modifier").scatter_modifier(obj)
+    bpy.context.view_layer.update()
+    addon_host.part("nodes").set_input(modifier, name, value)
+    obj.update_tag()
+    bpy.context.view_layer.update()
+
+
+def shown(obj, name):
+    modifier = addon_host.part("blender.data.modifier").scatter_modifier(obj)
+    return addon_host.part("nodes").get_input(modifier, name)
+
+
+@pytest.fixture
+def obj():
+    return scenes.scattered(scenes.sphere(), count=40)
+
+
+def test_a_number_is_taken_over_and_not_overwritten(obj):
+    edit(obj, "Scale", 0.25)
+    assert obj.dapple.scale == pytest.approx(0.25)
+    obj.dapple.tilt = 0.5
+    bpy.context.view_layer.update()
+    assert shown(obj, "Scale") == pytest.approx(0.25)
+    assert shown(obj, "Tilt") == pytest.approx(0.5)
+    bpy.ops.dapple.optimize()
+    assert shown(obj, "Scale") == pytest.approx(0.25)
+
+
+def test_an_object_is_taken_over(obj):
+    thing = bpy.data.objects.new("Thing", bpy.data.meshes.new("Thing"))
+    edit(obj, "Instance", thing)
+    assert obj.dapple.instance == thing
+    edit(obj, "Instance", None)
+    assert obj.dapple.instance is None
+
+
+def test_of_several_types_each_has_its_own(obj):
+    for _ in range(2):
+        bpy.ops.dapple.edit_classes(action="ADD")
+    edit(obj, "Scale 2", 3.0)
+    assert [kind.scale for kind in obj.dapple.classes] == pytest.approx([1.0, 3.0])
+
+
+def test_the_panel_goes_before_what_was_not_edited(obj):
+    bpy.context.view_layer.update()
+    stored = addon_host.part("blender.data.older_files").stored_values
+    stored(obj.dapple)["scale"] = 2.0  # without telling anyone
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    assert obj.dapple.scale == pytest.approx(2.0)
+    obj.dapple.tilt = 0.1
+    assert shown(obj, "Scale") == pytest.approx(2.0)
