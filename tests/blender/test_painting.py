@@ -119,6 +119,12 @@ def test_points_follow_a_stroke_while_one_paints(obj):
         assert "% of ideal, up to date" in " ".join(test_panels.drawn())
 
 
+def test_what_was_asked_for_is_called_so_while_one_paints(live, obj):
+    paint("paint_density")
+    live.watcher.ask(obj)
+    assert "Optimizing: 0%" in test_panels.drawn()
+
+
 def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
     obj.dapple.auto_update_choice = "ON"
     surface = obj.dapple.surface

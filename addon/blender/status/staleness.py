@@ -123,7 +123,7 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
     on_faces = obj.dapple.bound_to == "FACES" and bool(known)
     other_faces = on_faces and now.exact["faces"] not in known
     other_binding = obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to)
-    undone = points_digest(obj) != (obj.dapple.solved_points or points_digest(obj))
+    undone = bool(obj.dapple.solved_points) and points_digest(obj) != obj.dapple.solved_points
     return other_faces or other_binding or undone or bool(solution_reason(obj, now))
 
 

@@ -64,9 +64,9 @@ def keep_steps(update: Update) -> Steps:
         local = found
         found = yield Task(lambda worker: keep.evened(local, worker, locked), _RELAXED, _EVEN)
     update.write(found)
-    even = found
-    even = yield Task(lambda worker: keep.measured(even, worker), _EVEN)
-    write_figures(update.scatter.get(), even)
+    written = found
+    measured = yield Task(lambda worker: keep.measured(written, worker), _EVEN)
+    write_figures(update.scatter.get(), measured)
 
 
 def keeps(update: Update) -> bool:
