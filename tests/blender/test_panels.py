@@ -32,7 +32,7 @@ class Layout:
         assert icon in ICONS
         self.shown.append(name)
 
-    def operator(self, name, text="", icon="NONE", depress=False, translate=True):
+    def operator(self, name, text="", icon="NONE", depress=False, translate=True, emboss=True):
         assert icon in ICONS
         group, verb = name.split(".")
         kind = getattr(getattr(bpy.ops, group), verb).get_rna_type()
@@ -80,7 +80,10 @@ def drawn(layout=Layout):
     ui, shown = addon_host.part("blender.ui"), []
     for kind in ui.CLASSES:
         if issubclass(kind, bpy.types.Panel) and getattr(kind, "poll", lambda _: True)(bpy.context):
-            kind.draw(types.SimpleNamespace(layout=layout(shown)), bpy.context)
+            panel = types.SimpleNamespace(layout=layout(shown))
+            if hasattr(kind, "draw_header_preset"):
+                kind.draw_header_preset(panel, bpy.context)
+            kind.draw(panel, bpy.context)
     return shown
 
 

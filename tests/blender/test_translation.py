@@ -73,8 +73,8 @@ def translating(lookup):
             prop = data.bl_rna.properties[name]
             self.shown.append(lookup(text or prop.name, prop.translation_context))
 
-        def operator(self, name, text="", icon="NONE", depress=False, translate=True):
-            given = super().operator(name, text, icon, depress)
+        def operator(self, name, text="", translate=True, **options):
+            given = super().operator(name, text, **options)
             group, verb = name.split(".")
             label = text or getattr(getattr(bpy.ops, group), verb).get_rna_type().name
             self.shown.append(lookup(label, "Operator") if translate else label)

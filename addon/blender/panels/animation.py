@@ -13,13 +13,16 @@ from ..ops.viewport_operators import DAPPLE_OT_preview
 from ..status import freshness
 from ..status.workfiles import unsaved_note
 from ..viewport import preview
-from .base import ScatterPanel
+from .base import ScatterPanel, draw_in_header
 from .results import baked_line
 
 
 class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
     bl_label = "Animation"
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        draw_in_header(self.layout, DAPPLE_OT_bake.bl_idname, "REC")
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.object.dapple

@@ -23,3 +23,9 @@ class ScatterPanel(Panel):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_scatter(context.object) and not missing()
+
+
+def draw_in_header(layout: bpy.types.UILayout, operator: str, icon: str) -> None:
+    """What is done most often in a panel, at hand while that is closed."""
+    layout.operator(operator, text="", icon=icon, emboss=False)
+    layout.separator()

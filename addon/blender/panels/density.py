@@ -12,12 +12,15 @@ from ..base.labels import lines_of
 from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
 from ..ops.viewport_operators import DAPPLE_OT_show_density
 from ..viewport import overlay
-from .base import ScatterPanel
+from .base import ScatterPanel, draw_in_header
 
 
 class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
     bl_label = "Density"
     bl_options: ClassVar = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
+        draw_in_header(self.layout, DAPPLE_OT_paint_density.bl_idname, "WPAINT_HLT")
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, density = self.layout, context.object.dapple.density
