@@ -208,18 +208,23 @@ def until_idle() -> Story:
     live = addon_host.part("blender.live.watcher")
     for _ in range(2000):
         yield
-        if not (the_window().modal_operators or live.is_active()):
+        if not (works() or live.is_active()):
             break
     else:
         raise TimeoutError("an operator is still running")
     yield from until_shown()
 
 
+def works() -> bool:
+    """Whether long work goes on."""
+    return addon_host.part("blender.base.under_way").current() is not None
+
+
 def shot(name: str) -> Story:
-    """The viewport, and the status bar while an operator says there how far it is."""
+    """The viewport, and the status bar while it says how far something is."""
     yield from until_shown(3)
     area, height = view()[0], the_window().height
-    bottom = 0 if the_window().modal_operators else area.y
+    bottom = 0 if works() else area.y
     top = height - area.y - area.height
     crop = f"{area.width}x{height - top - bottom}+{area.x}+{top}"
     picture = str(OUT / f"{name}.png")

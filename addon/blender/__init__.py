@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 
 from . import copies, ui
-from .base import renders, translation
+from .base import renders, translation, under_way
 from .data import older_files
 from .live import modifier_tab, watcher
 from .ops import (
@@ -74,7 +74,7 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, preview)
+    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way, preview)
     last: Any = (overlay, remembered, watcher, modifier_tab, live_operators)
     return [
         *((module.register, module.unregister) for module in first),

@@ -17,6 +17,7 @@ from .panels.painting import draw_painting
 from .panels.preset_operators import draw_presets
 from .panels.results import draw_result
 from .panels.surface import draw_surface
+from .panels.working import draw_work
 
 
 class DAPPLE_PT_main(Panel, bpy.types.Panel):
@@ -27,7 +28,9 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
         layout.use_property_split, layout.use_property_decorate = True, False
         if missing():
             lines_of(layout, missing(), "ERROR")
-        elif is_scatter(context.object):
+            return
+        draw_work(layout, context)
+        if is_scatter(context.object):
             _draw_scatter(layout, context)
         elif not draw_painting(layout, context):
             draw_surface(layout, context.object)

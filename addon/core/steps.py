@@ -75,6 +75,16 @@ class Stepper:
             return 0.0
         return self._task.begin + (self._task.end - self._task.begin) * self._context.progress
 
+    @property
+    def waits(self) -> bool:
+        """Whether the worker is at a task."""
+        return self._thread is not None and self._thread.is_alive()
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it is to end without a result."""
+        return self._stopped
+
     def cancel(self) -> None:
         """Ask the worker to stop; poll then raises StoppedError."""
         self._stopped = True

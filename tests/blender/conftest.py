@@ -23,6 +23,7 @@ import bpy  # noqa: E402 - after the environment is set, before Blender's own mo
 sys.path.insert(0, str(HERE))
 import addon_host  # noqa: E402
 import following  # noqa: E402
+import pressing  # noqa: E402
 
 _status = [1]  # until the tests were run
 _TAKEN = os.environ.get("DAPPLE_TAKEN")
@@ -72,6 +73,13 @@ def live():
     """Scatters that follow changes, driven by hand."""
     with following.driven() as driver:
         yield driver
+
+
+@pytest.fixture
+def artist():
+    """Buttons of long work as in a Blender with windows, driven by hand."""
+    with pressing.windowed() as pressed:
+        yield pressed
 
 
 def pytest_sessionfinish(session, exitstatus):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modal operators in a real window, on a virtual display."""
+"""What takes long in a real window, on a virtual display."""
 
 import os
 import shutil

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that take long in a real window. test_window.py runs this; exit status 0 is success.
+"""What takes long in a real window, which stays usable. test_window.py runs this; exit status 0 is
+success.
 
 Each step of `events` yields until Blender's event loop has gone on.
 """
@@ -53,22 +54,35 @@ def added(surface):
 
 def until_optimized(escape_after=None):
     """Press Optimize, which holds nothing, and wait until it is done in the background."""
-    live, window = addon_host.part("blender.live.watcher"), bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window):
-        assert bpy.ops.dapple.optimize("INVOKE_DEFAULT") == {"CANCELLED"}
+    live = addon_host.part("blender.live.watcher")
+    yield from until(bpy.ops.dapple.optimize, live.is_active, escape_after)
+
+
+def until_idle(operator, escape_after=None, **options):
+    """Press a button of long work, which holds nothing either, and wait until it is done."""
+    work = addon_host.part("blender.base.under_way")
+    yield from until(operator, lambda: work.current() is not None, escape_after, **options)
+
+
+def until(operator, goes_on, escape_after, **options):
+    window = bpy.context.window_manager.windows[0]
     area = next(one for one in window.screen.areas if one.type == "VIEW_3D")
+    region = next(one for one in area.regions if one.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        assert operator("INVOKE_DEFAULT", **options) == {"CANCELLED"}
     place = {"x": area.x + 300, "y": area.y + 200}
     for tick in range(PATIENCE):
         assert not window.modal_operators
-        if not live.is_active():
+        if not goes_on():
             return
         if tick == escape_after:
             window.event_simulate("MOUSEMOVE", "NOTHING", **place)
             yield
             for value in ("PRESS", "RELEASE"):
                 window.event_simulate("ESC", value, **place)
+        area.spaces.active.region_3d.view_distance += 0.01  # orbiting and zooming go on
         yield
-    raise TimeoutError("Optimize is still running")
+    raise TimeoutError(f"{operator} is still running")
 
 
 def undone(name):
@@ -82,7 +96,7 @@ def undone(name):
 
 
 def refused(surface):
-    """An error while the modal runs: the frame range changes the topology."""
+    """An error while it goes on is said in the panel: the frame range changes the topology."""
     bpy.context.scene.frame_end = 6
     modifier = surface.modifiers["Subdivision"]
     for level, frame in ((1, 3), (2, 4)):
@@ -93,20 +107,9 @@ def refused(surface):
     before = scenes.snapshot()
     yield from until_idle(bpy.ops.dapple.bake)
     assert scenes.snapshot() == before
-
-
-def until_idle(operator, escape_after=None, **options):
-    """Invoke an operator in the window and wait until no modal runs."""
-    window = bpy.context.window_manager.windows[0]
-    with bpy.context.temp_override(window=window):
-        assert operator("INVOKE_DEFAULT", **options) == {"RUNNING_MODAL"}
-    for tick in range(PATIENCE):
-        if not window.modal_operators:
-            return
-        if tick == escape_after:
-            story.press_escape()
-        yield
-    raise TimeoutError(f"{operator} is still running")
+    ((kind, text),) = addon_host.part("blender.base.under_way").notes(bpy.context.object)
+    assert kind == "ERROR"
+    assert "changes its topology" in text
 
 
 story.begin(events, TICK)

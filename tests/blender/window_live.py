@@ -34,8 +34,8 @@ def events():
     surface.name = "Ground"
     bpy.context.view_layer.objects.active = surface
     with window():
-        assert bpy.ops.dapple.add("INVOKE_DEFAULT", count=300) == {"RUNNING_MODAL"}
-    yield from waited(lambda: not the_window().modal_operators and has_points(300))
+        assert bpy.ops.dapple.add("INVOKE_DEFAULT", count=300) == {"CANCELLED"}
+    yield from waited(lambda: has_points(300))
     bpy.context.object.dapple.auto_update_choice = "ON"
     yield from slider()
     yield from stroke(surface)

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that work in steps: at once in background mode, else under a timer with Esc."""
+"""Operators that work in steps: at once for scripts and in background mode, else beside what the
+artist does.
+"""
 
-import time
 from collections.abc import Callable
-from typing import ClassVar
+from typing import Any
 
 import bpy
 
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper, Steps, run_now
-from .translation import operator_label, told
+from . import under_way
+from .held import Held
+from .under_way import Outcome, Work
 
-_TICK = 0.01  # seconds between two ticks
-_BUDGET = 0.04  # seconds of a tick
 Status = set[str]  # that operators return
 OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
 def is_under_way() -> bool:
-    """Whether some work goes on under a timer."""
-    return bool(StepsOperator.under_way)
+    """Whether some work goes on from a timer."""
+    return under_way.current() is not None
 
 
 class StepsOperator:
@@ -27,82 +28,43 @@ class StepsOperator:
 
     bl_label: str
     report: Callable[[set[str], str], None]
-    _stepper: Stepper
-    _timer: bpy.types.Timer
-    under_way: ClassVar[set[int]] = set()  # ids of operators that have begun
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The work."""
         raise NotImplementedError
 
-    def done(self, context: bpy.types.Context, result: object) -> None:
-        """Called once when the work is done."""
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        """Called once when the work on an object is done, when the operator may be no more."""
+        return Outcome(obj)
+
+    def watched(self, context: bpy.types.Context) -> dict[int, str]:
+        """What has to stay as it is meanwhile: names by session_uid."""
+        return {}
 
     def execute(self, context: bpy.types.Context) -> Status:
         """Do all the work now."""
         try:
-            self.done(context, run_now(self.steps(context)))
+            about = Held(context.object)
+            result = run_now(self.steps(context))
+            outcome = self.done(context, result, about.get())
         except (ScatterError, StoppedError) as error:
             return self._failed(error)
+        for kind, text in outcome.said:
+            self.report({kind}, text)
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """Start the work; modal goes on with it."""
-        if bpy.app.background:
+        """Begin the work, whose undo step is made once it is done."""
+        if under_way.at_once:
             return self.execute(context)
-        self._stepper = Stepper(self.steps(context))
-        StepsOperator.under_way.add(id(self._stepper))
-        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
-        context.window_manager.progress_begin(0.0, 1.0)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        """One tick; other events wait, so that the file stays as it was read."""
-        if event.type == "ESC" and event.value == "PRESS":
-            self._stepper.cancel()
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
+        stepper, about = Stepper(self.steps(context)), Held(context.object)
+        work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
         try:
-            if not self._advance():
-                self._show(context)
-                return {"RUNNING_MODAL"}
-            self.done(context, self._stepper.result)
+            under_way.begin(context, work)
         except (ScatterError, StoppedError) as error:
-            self.cancel(context)
             return self._failed(error)
-        except BaseException:
-            self.cancel(context)
-            raise
-        self.cancel(context)
-        return {"FINISHED"}
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Clean up; Blender calls it too, when a file is opened meanwhile."""
-        StepsOperator.under_way.discard(id(self._stepper))
-        self._stepper.close()
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        if context.workspace:
-            context.workspace.status_text_set(None)
-
-    def _advance(self) -> bool:
-        """As many steps as a tick has time for; True when all are done."""
-        end = time.monotonic() + _BUDGET
-        while (left := end - time.monotonic()) > 0.0:
-            if self._stepper.poll(wait=left):
-                return True
-        return False
-
-    def _show(self, context: bpy.types.Context) -> None:
-        progress = self._stepper.progress
-        context.window_manager.progress_update(progress)
-        text = told(
-            "{work}: {progress:.0%}    Esc cancels",
-            work=operator_label(self.bl_label),
-            progress=progress,
-        )
-        context.workspace.status_text_set(text)
+        return {"CANCELLED"}
 
     def _failed(self, error: Exception) -> Status:
         kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"

@@ -23,6 +23,13 @@ def read_only(obj: bpy.types.Object, say: Say = told) -> str:
     return ""
 
 
+def is_in_view_layer(obj: bpy.types.Object) -> bool:
+    """Whether the view layer that is shown has an object; files may have others of its name."""
+    shown = bpy.context.view_layer.objects
+    found = shown.get(obj.name)
+    return found == obj or (found is not None and obj in list(shown))
+
+
 def own_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     """The mesh to write an object's points to: one that neither a linked duplicate nor the file
     that an override comes from has too, copied if need be.

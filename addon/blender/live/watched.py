@@ -4,7 +4,7 @@
 import bpy
 
 from ...core.native import missing
-from ..data.library import read_only
+from ..data.library import is_in_view_layer, read_only
 from ..data.scatter import is_automatic, is_scatter
 from ..status.present import AROUND, SURFACE, VALUES, depends_on
 
@@ -18,7 +18,7 @@ def follows(obj: bpy.types.Object) -> bool:
     settings = obj.dapple
     if not settings.solved_settings or settings.baked_keys or not is_automatic(obj):
         return False
-    there = bpy.context.view_layer.objects.get(obj.name) == obj and settings.surface is not None
+    there = is_in_view_layer(obj) and settings.surface is not None
     return there and obj.mode == "OBJECT" and not read_only(obj) and not missing()
 
 

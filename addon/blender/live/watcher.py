@@ -20,6 +20,7 @@ import bpy
 from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
+from ..base.artist import is_operated
 from ..base.held import Held
 from ..base.job import is_under_way
 from ..base.quiet import is_quiet
@@ -28,7 +29,7 @@ from ..base.sidebars import redraw
 from ..data.scatter import is_scatter
 from ..steps.asking import steps_of
 from . import pictures
-from .holds import is_held, is_operated
+from .holds import is_held
 from .watched import dependencies, follows, scatters
 from .written import follow_up
 

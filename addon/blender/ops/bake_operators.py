@@ -7,8 +7,9 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.steps import Steps
-from ..base.job import OPTIONS, Status, StepsOperator
+from ..base.job import OPTIONS, Status, StepsOperator, is_under_way
 from ..base.translation import counted, operator_label, reported, told
+from ..base.under_way import Outcome
 from ..data.key_writing import clear_keys
 from ..data.scatter import is_scatter
 from ..status import freshness
@@ -34,20 +35,28 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         scene = context.scene
         return bake_steps(context, scene.frame_start, scene.frame_end)
 
-    def done(self, context: bpy.types.Context, result: Any) -> None:
+    def watched(self, context: bpy.types.Context) -> dict[int, str]:
+        surface = context.object.dapple.surface
+        blocks = [surface, surface.data] if surface is not None else []
+        return {block.session_uid: surface.name for block in blocks}
+
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        said = []
         if result.anew:
-            preview.solved_anew(context.object)
+            preview.solved_anew(obj)
             text = reported("The points were optimized again first: {reason}", reason=result.anew)
-            self.report({"INFO"}, text)
+            said.append(("INFO", text))
         if result.trouble:
-            self.report({"WARNING"}, result.trouble)
+            said.append(("WARNING", result.trouble))
         if result.taken:
             text = reported(
                 "{taken} of {done} frames were already solved by a stopped bake",
                 taken=result.taken,
                 done=result.done,
             )
-            self.report({"INFO"}, text)
+            said.append(("INFO", text))
+        return Outcome(obj, said)
 
 
 class DAPPLE_OT_clear_bake(bpy.types.Operator):
@@ -82,7 +91,9 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return is_scatter(context.object) and freshness.has_work_files(context.object, context)
+        if is_under_way() or not is_scatter(context.object):
+            return False
+        return freshness.has_work_files(context.object, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         if bpy.app.background:

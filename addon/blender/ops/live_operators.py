@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Giving up what is solved in the background: a cross in the panel, and Esc in the 3D View."""
+"""Giving up what goes on in the background: a cross in the panel, and Esc in the 3D View; what
+is said of how it has ended.
+"""
+
+from typing import ClassVar
 
 import bpy
 
+from ..base import under_way
 from ..base.job import Status
 from ..base.translation import told
 from ..live import watcher
@@ -11,23 +16,43 @@ _keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 
 
 class DAPPLE_OT_cancel_update(bpy.types.Operator):
-    """Stop the update; the points stay as they are until something is changed again"""
+    """Stop what is going on; the points stay as they are"""
 
     bl_idname = "dapple.cancel_update"
     bl_label = "Cancel Update"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not watcher.is_active():  # then Esc means what it means without the add-on
+        goes_on = watcher.is_active() or under_way.current() is not None
+        if not goes_on:  # then Esc means what it means without the add-on
             cls.poll_message_set(told("No points are being updated"))
-        return watcher.is_active()
+        return goes_on
 
     def execute(self, context: bpy.types.Context) -> Status:
-        watcher.cancel()
+        if under_way.current() is not None:
+            under_way.cancel()
+        else:
+            watcher.cancel()
         return {"FINISHED"}
 
 
-CLASSES = (DAPPLE_OT_cancel_update,)
+class DAPPLE_OT_dismiss(bpy.types.Operator):
+    """Hide this message"""
+
+    bl_idname = "dapple.dismiss"
+    bl_label = "Hide Message"
+    bl_options: ClassVar = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        under_way.dismiss(context.object)
+        return {"FINISHED"}
+
+
+CLASSES = (DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss)
 
 
 def register() -> None:

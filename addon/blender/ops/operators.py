@@ -11,6 +11,7 @@ from ...core.steps import Steps
 from ...core.tables import SCATTER
 from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import operator_label, reported, told
+from ..base.under_way import Outcome
 from ..data.scatter import rest_note
 from ..live import watcher
 from ..settings.making import with_arguments
@@ -42,15 +43,17 @@ class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
         }
         return add_steps(context, **given)
 
-    def done(self, context: bpy.types.Context, result: Any) -> None:
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        result.obj.select_set(True)
-        context.view_layer.objects.active = result.obj
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        if context.object == obj and context.mode == "OBJECT":  # the artist waits for it
+            for other in context.selected_objects:
+                other.select_set(False)
+            result.obj.select_set(True)
+            context.view_layer.objects.active = result.obj
         if result.note:
-            self.report({"WARNING"}, result.note)
-        elif rest_note(result.obj):
-            self.report({"INFO"}, rest_note(result.obj, reported))
+            return Outcome(result.obj, [("WARNING", result.note)])
+        note = rest_note(result.obj, reported)
+        return Outcome(result.obj, [("INFO", note)] if note else [])
 
 
 def _asks(operator: Any, context: bpy.types.Context) -> bool:
@@ -141,8 +144,10 @@ class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         return optimize_steps(context)
 
-    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
-        preview.solved_anew(result)
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        preview.solved_anew(obj)
+        return Outcome(obj)
 
 
 class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
@@ -166,8 +171,10 @@ class DAPPLE_OT_rebind(_DropsKeys, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         return rebind_steps(context)
 
-    def done(self, context: bpy.types.Context, result: bpy.types.Object) -> None:
-        preview.solved_anew(result)
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
+        preview.solved_anew(obj)
+        return Outcome(obj)
 
 
 class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
@@ -186,7 +193,8 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         return tile_steps(context)
 
-    def done(self, context: bpy.types.Context, result: Any) -> None:
+    @staticmethod
+    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
         made, tiles = result
         count = len(np.unique(tiles.cells))
         text = reported("'{name}': {count:,} tiles", name=made.name, count=count)
@@ -194,7 +202,7 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
             text = reported(
                 "{tiles}, {lost:,} were narrower than the grout", tiles=text, lost=tiles.lost
             )
-        self.report({"WARNING" if tiles.lost else "INFO"}, text)
+        return Outcome(obj, [("WARNING" if tiles.lost else "INFO", text)])
 
 
 CLASSES = (

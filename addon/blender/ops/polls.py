@@ -4,7 +4,8 @@
 import bpy
 
 from ...core.native import missing
-from ..base.translation import told
+from ..base import under_way
+from ..base.translation import operator_label, told
 from ..data.library import read_only
 from ..data.scatter import is_scatter, is_surface
 
@@ -12,8 +13,12 @@ from ..data.scatter import is_scatter, is_surface
 def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
     """Whether the active object fits: a scatter that is writable, or a surface."""
     obj = context.object
+    work = under_way.current()
     if missing():
         cls.poll_message_set(missing())
+    elif work is not None:
+        name = operator_label(work.label)
+        cls.poll_message_set(told("'{work}' is still going on: cancel it, or wait", work=name))
     elif context.mode != "OBJECT" or obj is None:
         cls.poll_message_set(told("Needs an active object in Object Mode"))
     elif scatter:

@@ -13,14 +13,14 @@ from ...core.presets import Values, settings_with
 from ...core.rest import AtRest
 from ...core.solve import Scattered, scatter
 from ...core.steps import Steps, Task
-from ...core.surface import SurfaceArrays, check_unchanged
+from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..base.translation import reported
 from ..data.library import open_collections
 from ..data.store import new_scatter
 from ..status.workfiles import new_key
 from ..surface.bound import rest_of
-from ..surface.reading import read
+from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position, rest_position_kept
 from .preset_fit import first_values, left_out_note
 from .presets import apply
@@ -103,8 +103,7 @@ def _solved(surface: Held, values: Values) -> Any:
     kind = kind_of_binding(surface.get(), bpy.context, values[""].get("bind_to", "AUTO"))
     arrays = read(surface.get(), settings)
     found = yield Task(lambda worker: scatter(arrays, settings, worker))
-    check_unchanged(arrays, read(surface.get(), settings))
-    with rest_position(surface, kind):
+    with as_read(arrays, surface, settings), rest_position(surface, kind):
         rest = rest_of(surface.get(), arrays, found.binding, kind)
     return _Solved(values, arrays, found, rest)
 

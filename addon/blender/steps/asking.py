@@ -6,12 +6,11 @@ else Auto Update.
 import bpy
 
 from ...core.errors import ScatterError
-from ...core.sources import digest_of
 from ...core.steps import Steps
 from ..base.held import Held
-from ..base.meshio import read_points
 from ..data.scatter import settings_of, surface_of
 from .keeping import solved_anew
+from .meanwhile import check_points_kept, check_writable, points_now
 from .updating import read_steps, update_of, update_steps
 
 
@@ -25,7 +24,7 @@ def _asked_steps(held: Held, drops_keys: bool) -> Steps:
 
     Points that the artist moves, locks or bakes meanwhile are left alone.
     """
-    before = _points(held.get())
+    before = points_now(held.get())
     _check_free(held.get(), drops_keys)
     surface, settings = Held(surface_of(held.get())), settings_of(held.get())
     arrays = yield from read_steps(held, surface, settings)
@@ -33,21 +32,12 @@ def _asked_steps(held: Held, drops_keys: bool) -> Steps:
     solved = yield from solved_anew(update)
     obj = held.get()
     _check_free(obj, drops_keys)
-    if _points(obj) != before:
-        raise ScatterError(f"Scatter '{obj.name}' changed while it was solved: nothing was written")
+    check_points_kept(obj, before)
     update.write(solved)
     return True
 
 
 def _check_free(obj: bpy.types.Object, drops_keys: bool) -> None:
-    if bpy.context.view_layer.objects.get(obj.name) != obj:
-        raise ScatterError(f"Scatter '{obj.name}' is not in the view layer that is shown")
-    if obj.mode != "OBJECT":
-        raise ScatterError(f"Scatter '{obj.name}' is not in Object Mode: nothing was written")
+    check_writable(obj)
     if obj.dapple.baked_keys and not drops_keys:
         raise ScatterError(f"Scatter '{obj.name}' was baked meanwhile: nothing was written")
-
-
-def _points(obj: bpy.types.Object) -> tuple[str, int, int]:
-    """What tells whether the artist has done something to them."""
-    return digest_of([read_points(obj.data)]), obj.dapple.locked_count, obj.dapple.baked_keys

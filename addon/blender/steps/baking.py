@@ -13,7 +13,6 @@ from ...core.together import TogetherBaker
 from ..base.held import Held
 from ..base.times import times_of
 from ..base.translation import reported
-from ..data.points import own_points
 from ..data.scatter import settings_of, surface_of
 from ..surface.reading import at_frame, frame_kept
 from ..surface.resting import kind_of_binding, rest_position
@@ -21,6 +20,7 @@ from .bake_start import begin_bake, note_moving
 from .bake_writing import write_bake
 from .bakers import new_baker
 from .crossing import crossed
+from .meanwhile import Meanwhile
 
 _READING = 0.2  # of the progress of a bake that solves all frames together
 
@@ -31,18 +31,20 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
     first, last = times_of(context.scene, first, last)
     if last < first:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
-    count = own_points(context.object).sum()
+    meanwhile = Meanwhile(held)
     with frame_kept(context.scene, show=first):
         kind = kind_of_binding(surface.get(), bpy.context, context.object.dapple.bind_to)
     with rest_position(surface, kind):
         with frame_kept(context.scene):
-            begun, baker = yield from _carry(held, surface, first, last, kind)
-        _check_points_kept(held.get(), count)
+            begun, baker = yield from _carry(held, surface, first, last, kind, meanwhile)
+        meanwhile.check()
         write_bake(held.get(), begun, baker, kind)
     return baker
 
 
-def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:
+def _carry(
+    held: Held, surface: Held, first: int, last: int, kind: str, meanwhile: Meanwhile
+) -> Any:
     count = last - first + 1
     settings = settings_of(held.get())
     arrays = at_frame(surface, first, settings=settings, own=held, kind=kind)
@@ -52,6 +54,7 @@ def _carry(held: Held, surface: Held, first: int, last: int, kind: str) -> Any:
     begin = begun.progress
     end = _READING if isinstance(baker, TogetherBaker) else 1.0
     for step in range(count):
+        meanwhile.check()
         if step:
             arrays = at_frame(surface, first + step, kind=kind)
         if step in (count // 2, count - 1):
@@ -88,8 +91,3 @@ def _stopped(baker: Baker) -> str:
         count=baker.done,
         folder=baker.sidecar.folder,
     )
-
-
-def _check_points_kept(obj: bpy.types.Object, count: int) -> None:
-    if own_points(obj).sum() != count:
-        raise ScatterError(f"Scatter '{obj.name}' changed while it was baked: nothing was written")

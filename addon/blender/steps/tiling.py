@@ -4,12 +4,12 @@
 import bpy
 
 from ...core.steps import Steps, Task
-from ...core.surface import check_unchanged
 from ...core.tiles import tiled
 from ..base.held import Held
 from ..data.scatter import surface_of, tile_settings_of
 from ..surface.bound import current_binding
-from ..surface.reading import read
+from ..surface.reading import as_read, read
+from .meanwhile import check_points_kept, points_now
 from .tiles import check_tile_object, write_tiles
 
 
@@ -17,10 +17,12 @@ def tile_steps(context: bpy.types.Context) -> Steps:
     """The active scatter's cells on the surface of this frame; returns the object and the Tiles."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     check_tile_object(context.object)
-    arrays = read(surface.get())
+    before, arrays = points_now(context.object), read(surface.get())
     binding, columns = current_binding(context.object, surface.get(), arrays)
     settings, seed = tile_settings_of(context.object), context.object.dapple.seed
     tiles = yield Task(lambda worker: tiled(arrays, binding, columns, settings, seed, worker))
     obj = held.get()
-    check_unchanged(arrays, read(surface.get()))
-    return write_tiles(obj, tiles), tiles
+    check_points_kept(obj, before, "cut into tiles")
+    check_tile_object(obj)
+    with as_read(arrays, surface):
+        return write_tiles(obj, tiles), tiles

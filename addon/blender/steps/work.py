@@ -8,14 +8,14 @@ import bpy
 
 from ...core.solve import nearest_binding, scatter
 from ...core.steps import Steps, Task
-from ...core.surface import check_unchanged
 from ..base.held import Held
 from ..data.points import columns_with_own_ids, locked_points, places_of
 from ..data.scatter import settings_of, surface_of
 from ..data.store import write_binding, write_own_ids
 from ..surface.bound import rest_of
-from ..surface.reading import read
+from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position
+from .meanwhile import check_points_kept, points_now
 from .remembered import write_solved
 
 
@@ -28,8 +28,7 @@ def optimize_steps(context: bpy.types.Context) -> Steps:
     locked = locked_points(context.object)
     solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
     obj = held.get()
-    check_unchanged(arrays, read(surface.get(), settings, obj))
-    with rest_position(surface, kind):
+    with as_read(arrays, surface, settings, obj), rest_position(surface, kind):
         rest = rest_of(surface.get(), arrays, solved.binding, kind)
         write_solved(obj, arrays, solved, rest)
     return obj
@@ -39,12 +38,12 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
     held, surface = Held(context.object), Held(surface_of(context.object))
     kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
-    arrays = read(surface.get())
+    before, arrays = points_now(context.object), read(surface.get())
     points, columns = places_of(context.object), columns_with_own_ids(context.object)
     binding = yield Task(lambda _: nearest_binding(points, arrays))
     obj = held.get()
-    check_unchanged(arrays, read(surface.get()))
-    with rest_position(surface, kind):
+    check_points_kept(obj, before, "attached")
+    with as_read(arrays, surface), rest_position(surface, kind):
         write_binding(obj, arrays, binding, rest_of(surface.get(), arrays, binding, kind))
         write_own_ids(obj, columns)
     return obj

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 import bpy
 
 from ...core.settings import Settings
-from ...core.surface import SurfaceArrays
+from ...core.surface import SurfaceArrays, check_unchanged
 from ..base.held import Held
-from ..base.times import show_time
+from ..base.times import show_time, time_of
 from .bound import with_rest
 from .surface_mesh import read_surface
 from .surroundings import read_with
@@ -42,12 +42,34 @@ def at_frame(
 
 
 @contextmanager
+def as_read(
+    arrays: SurfaceArrays,
+    surface: Held,
+    settings: Settings | None = None,
+    own: bpy.types.Object | None = None,
+) -> Iterator[None]:
+    """Show inside the time at which a surface was read, as the artist may look at another frame;
+    ChangedError where it is not the one that was read.
+    """
+    scene = bpy.context.scene
+    if time_of(scene) == arrays.time:
+        check_unchanged(arrays, read(surface.get(), settings, own))
+        yield
+        return
+    with frame_kept(scene, show=arrays.time):
+        check_unchanged(arrays, read(surface.get(), settings, own))
+        yield
+
+
+@contextmanager
 def frame_kept(scene: bpy.types.Scene, show: float | None = None) -> Iterator[None]:
     """Have a scene show the same frame afterwards, and inside the given time, if there is one."""
-    frame, subframe = scene.frame_current, scene.frame_subframe
+    uid, frame, subframe = scene.session_uid, scene.frame_current, scene.frame_subframe
     try:
         if show is not None:
             show_time(scene, show)
         yield
     finally:
-        scene.frame_set(frame, subframe=subframe)
+        for same in bpy.data.scenes:  # an undo may have left a reference dangling
+            if same.session_uid == uid:
+                same.frame_set(frame, subframe=subframe)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the artist is doing now, which nothing that a timer does may interfere with."""
+
+from collections.abc import Iterator
+
+import bpy
+
+_STROKES = ("PAINT_OT_", "SCULPT_OT_", "GPENCIL_OT_")
+_SCRUBBING = "ANIM_OT_change_frame"
+
+
+def is_playing() -> bool:
+    """Whether some window plays the animation."""
+    return any(window.screen.is_animation_playing for window in _windows())
+
+
+def is_painting() -> bool:
+    """Whether a brush stroke has begun."""
+    return any(name.startswith(_STROKES) for name in _running())
+
+
+def is_scrubbing() -> bool:
+    """Whether the frame is dragged."""
+    return _SCRUBBING in _running()
+
+
+def is_operated() -> bool:
+    """Whether an operator that will be an undo step has begun, as one that moves an object: a step
+    that is made meanwhile would hold half of it.
+    """
+    return any("UNDO" in one.bl_options for window in _windows() for one in window.modal_operators)
+
+
+def _running() -> list[str]:
+    return [one.bl_idname for window in _windows() for one in window.modal_operators]
+
+
+def _windows() -> Iterator[bpy.types.Window]:
+    for manager in bpy.data.window_managers:
+        yield from manager.windows

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the main panel shows of long work: how far it is, with a cross, and how it has ended."""
+
+import bpy
+
+from ..base import under_way
+from ..base.labels import lines_of
+from ..ops.live_operators import DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss
+
+_ICONS = {"ERROR": "ERROR", "WARNING": "ERROR", "INFO": "INFO"}
+
+
+def draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A bar while something goes on; else what is to be said of the active object's last work."""
+    work, obj = under_way.current(), context.object
+    if work is not None:
+        row = layout.row(align=True)
+        row.progress(factor=work.stepper.progress, text=work.line())
+        row.operator(DAPPLE_OT_cancel_update.bl_idname, text="", icon="X")
+    said = under_way.notes(obj) if obj is not None else []
+    if not said:
+        return
+    row = layout.row()
+    column = row.column(align=True)
+    for kind, text in said:
+        lines_of(column, text, _ICONS[kind])
+    row.operator(DAPPLE_OT_dismiss.bl_idname, text="", icon="X")

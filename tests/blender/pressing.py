@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Buttons of long work pressed, and its timer driven by hand: a background Blender has neither."""
+
+import time
+from contextlib import contextmanager
+from functools import partial
+from types import SimpleNamespace
+
+import addon_host
+import bpy
+
+_PATIENCE = 120.0  # seconds after which work must have come to its end
+
+
+@contextmanager
+def windowed():
+    """Have buttons leave their work to the timer; what the tests call is yielded."""
+    under_way = addon_host.part("blender.base.under_way")
+    under_way.at_once = False
+    try:
+        yield Pressing(under_way)
+    finally:
+        under_way._leaving()
+        under_way.at_once = True
+        for timer in (under_way.tick, under_way._clear_status):
+            if bpy.app.timers.is_registered(timer):
+                bpy.app.timers.unregister(timer)
+
+
+class Pressing:
+    """The artist, and the timer."""
+
+    def __init__(self, under_way):
+        self.under_way = under_way
+        self.reported = []
+
+    def press(self, name, **properties):
+        """What pressing a button returns."""
+        module = "bake_operators" if name == "bake" else "operators"
+        kind = getattr(addon_host.part(f"blender.ops.{module}"), f"DAPPLE_OT_{name}")
+        given = SimpleNamespace(is_property_set=properties.__contains__)
+        button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
+        button.report = lambda kinds, text: self.reported.append((*kinds, text))
+        for method in ("steps", "watched", "execute", "_failed"):
+            setattr(button, method, partial(getattr(kind, method), button))
+        button.done = kind.done
+        job = addon_host.part("blender.base.job")
+        return job.StepsOperator.invoke(button, bpy.context, None)
+
+    @property
+    def work(self):
+        return self.under_way.current()
+
+    def until(self, done):
+        """Let the timer look until done() says so, or nothing goes on any more."""
+        end = time.monotonic() + _PATIENCE
+        while self.work is not None and not done():
+            assert time.monotonic() < end, "the work does not come to its end"
+            self.under_way.tick()
+
+    def finish(self):
+        self.until(lambda: False)
+
+    def said(self, obj):
+        return self.under_way.notes(obj)
