@@ -108,6 +108,20 @@ def test_an_image_is_kept_while_a_bake_goes_on():
     assert obj.dapple.report.capacity_variation < 0.06
 
 
+def test_a_scaled_camera_sees_what_it_would_without_its_scale():
+    """Renders and the viewport take no notice of it; of an orthographic one it would be seen."""
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.collection.objects.link(camera)
+    camera.location, camera.rotation_euler = (3, 0, 5), (0.1, 0.2, 0.3)
+    camera.data.type, bpy.context.scene.camera = "ORTHO", camera
+    found = []
+    for scale in (1.0, 2.0):
+        camera.scale = (scale, scale, scale)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        found.append(addon_host.part("blender.surface.surroundings").read_camera(depsgraph))
+    assert np.allclose(*found, atol=1e-6)
+
+
 def test_points_lie_where_the_camera_looks():
     surface = plane(20.0)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))

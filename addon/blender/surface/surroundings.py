@@ -129,6 +129,7 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
         scale_y=render.pixel_aspect_y,
     )
     there = np.array(camera.matrix_world, dtype=np.float64)
+    there[:3, :3] /= np.linalg.norm(there[:3, :3], axis=0)  # renders ignore a camera's scale
     found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
     return found
 
