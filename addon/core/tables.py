@@ -3,6 +3,7 @@
 
 from .density_table import DENSITY
 from .descriptors import Changes, Kind, Setting, Settings
+from .display_table import DISPLAY
 from .forward import AXES
 from .instance_table import CLASS, INSTANCES, TILES
 from .solver_options import MOTION, SAMPLE
@@ -78,7 +79,7 @@ _AMOUNT = (
         field="per_area",
     ),
 )
-_DISPLAY = (
+_DIRECTION = (
     Setting(
         "forward",
         Kind.CHOICE,
@@ -90,17 +91,6 @@ _DISPLAY = (
             ("NONE", "Any", "Instances point in any direction"),
             *((axis, axis, f"{axis} axis of the surface object") for axis in AXES),
         ),
-    ),
-    Setting(
-        "viewport_share",
-        Kind.NUMBER,
-        1.0,
-        "Viewport Amount",
-        "Fraction of the points shown in the viewport, evenly spread; renders show all points",
-        Changes.INSTANCES,
-        low=0.0,
-        high=1.0,
-        subtype="FACTOR",
     ),
 )
 _BAKE = (
@@ -229,7 +219,7 @@ _UPDATES = (
         Changes.NOTHING,
     ),
 )
-SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DISPLAY, *MOTION, *_BAKE, *_UPDATES)
+SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DIRECTION, *DISPLAY, *MOTION, *_BAKE, *_UPDATES)
 # By the name of the property that holds the group; "" is the scatter itself.
 GROUPS: dict[str, Settings] = {
     "": (*SCATTER, *INSTANCES),

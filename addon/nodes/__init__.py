@@ -4,6 +4,7 @@
 from .groups import VERSION, VERSION_KEY, version_of
 from .inputs import get_input, has_input, set_input
 from .scatter import (
+    DETAIL_INPUTS,
     GROUP_NAME,
     INPUTS,
     INSTANCE_INPUTS,
@@ -14,6 +15,7 @@ from .scatter import (
 )
 
 __all__ = [
+    "DETAIL_INPUTS",
     "GROUP_NAME",
     "INPUTS",
     "INSTANCE_INPUTS",

@@ -6,7 +6,7 @@ from types import ModuleType
 
 import bpy
 
-from . import bound_point, instances, points, rest_point, viewport
+from . import bound_point, detail, instances, points, rest_point, viewport
 from .groups import ensure
 from .scatter import GROUP_NAME, ensure_group
 
@@ -55,6 +55,12 @@ ASSETS = (
         "Hides a fraction of a scatter's points in the viewport; the others stay even",
         ("points", "viewport"),
         viewport,
+    ),
+    Asset(
+        "Shows fewer of a scatter's points far from the camera and outside its view; the others "
+        "stay even",
+        ("points", "camera", "level of detail"),
+        detail,
     ),
     Asset(
         "Position and rotation of a place in a triangle of a surface, as it is now",

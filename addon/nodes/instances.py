@@ -22,6 +22,7 @@ def build() -> bpy.types.NodeTree:
             ("Instance", "NodeSocketObject"),
             ("Collection", "NodeSocketCollection"),
             ("Spacing", "NodeSocketFloat"),
+            ("Bounds", "NodeSocketBool"),
         ],
         [("Instances", "NodeSocketGeometry")],
     )
@@ -33,7 +34,7 @@ def build() -> bpy.types.NodeTree:
         "GeometryNodeInstanceOnPoints",
         b.input("Points"),
         _chosen(b),
-        b.switch("GEOMETRY", some, _one(b), several),
+        _boxed(b, b.switch("GEOMETRY", some, _one(b), several)),
         some,
         b.switch("INT", some, 0, _picked(b, count)),
         b.attribute("rotation", "QUATERNION"),
@@ -50,6 +51,12 @@ def _chosen(b: Builder) -> Socket:
     kind = b.input("Class")
     mine = b.boolean("AND", there, b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind))
     return b.switch("BOOLEAN", b.compare("LESS_THAN", kind, 0), mine, there)
+
+
+def _boxed(b: Builder, source: Socket) -> Socket:
+    """Each object that is instanced, or its box: as few boxes as objects."""
+    box = b.out("GeometryNodeBoundBox", source)
+    return b.switch("GEOMETRY", b.input("Bounds"), source, box)
 
 
 def _one(b: Builder) -> Socket:

@@ -3,15 +3,23 @@
 
 import bpy
 
-from . import instances, of_class, points, viewport
+from . import detail, instances, of_class, points, viewport
 from .builder import Builder, Socket, new_group
 from .groups import VERSION, VERSION_KEY, inner, version_of
 
 GROUP_NAME = "Dapple Scatter"
 KEPT_SINCE = 4  # groups from this version on have the same INPUTS
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
+_INSTANCES, _BOUNDS, _POINTS = range(3)  # what the input Display asks for
+_DOT = 0.15  # radius of a point that is shown, in spacings
 
-INPUTS = [*points.INPUTS, ("Spacing", "NodeSocketFloat"), ("Hidden", "NodeSocketFloat")]
+INPUTS = [
+    *points.INPUTS,
+    ("Spacing", "NodeSocketFloat"),
+    ("Hidden", "NodeSocketFloat"),
+    ("Display", "NodeSocketInt"),
+]
+DETAIL_INPUTS = detail.INPUTS
 INSTANCE_INPUTS = [
     ("Instance", "NodeSocketObject"),
     ("Collection", "NodeSocketCollection"),
@@ -19,15 +27,19 @@ INSTANCE_INPUTS = [
 ]
 
 
-def ensure_group(classes: int = 0) -> bpy.types.NodeTree:
-    """The group of this version for so many classes in the open file, built if there is none."""
+def ensure_group(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
+    """The group of this version for so many classes in the open file, built if there is none.
+
+    Detailed, it has the level of detail. One that has not does not depend on the camera: it need
+    not be evaluated whenever that moves.
+    """
     for group in bpy.data.node_groups:
-        if is_current(group, classes) and group.library is None:
+        if is_current(group, classes, detailed) and group.library is None:
             return group
-    return build(classes)
+    return build(classes, detailed)
 
 
-def is_current(group: bpy.types.NodeTree | None, classes: int) -> bool:
+def is_current(group: bpy.types.NodeTree | None, classes: int, detailed: bool = False) -> bool:
     """Whether a group is of this version and for so many classes."""
     if group is None or version_of(group) != VERSION or group.get(_KINDS_KEY, 0) != classes:
         return False
@@ -36,7 +48,7 @@ def is_current(group: bpy.types.NodeTree | None, classes: int) -> bool:
         for item in group.interface.items_tree
         if item.item_type == "SOCKET" and item.in_out == "INPUT"
     }
-    return sockets >= set(_inputs(classes))
+    return sockets >= set(_inputs(classes)) and detailed == (sockets >= set(DETAIL_INPUTS))
 
 
 def input_name(name: str, kind: int | None) -> str:
@@ -54,19 +66,36 @@ def _inputs(classes: int) -> list[tuple[str, str]]:
     return INPUTS + own
 
 
-def build(classes: int = 0) -> bpy.types.NodeTree:
+def build(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
     """New group, marked with its version."""
     kinds = _kinds(classes)
     name = f"{GROUP_NAME} {classes} Classes" if classes else GROUP_NAME
-    tree = new_group(name, _inputs(classes), [("Geometry", "NodeSocketGeometry")])
+    name, more = (f"{name} Detail", DETAIL_INPUTS) if detailed else (name, [])
+    inputs = [*_inputs(classes), *more]
+    tree = new_group(name, inputs, [("Geometry", "NodeSocketGeometry")])
     tree.is_modifier = True
     tree[VERSION_KEY], tree[_KINDS_KEY] = VERSION, classes
     b = Builder(tree)
     feeds = (*(b.input(name) for name, _ in points.INPUTS), *_numbers(b, kinds))
-    shown = inner(b, viewport, inner(b, points, *feeds).outputs[0], b.input("Hidden"))
-    b.output("Geometry", _instances(b, shown.outputs[0], kinds))
+    hidden = b.input("Hidden")
+    shown = inner(b, viewport, inner(b, points, *feeds).outputs[0], hidden).outputs[0]
+    if detailed:
+        asked = (b.input(name) for name, _ in DETAIL_INPUTS)
+        shown = inner(b, detail, shown, *asked, hidden).outputs[0]
+    b.output("Geometry", _displayed(b, shown, kinds))
     b.arrange()
     return tree
+
+
+def _displayed(b: Builder, shown: Socket, kinds: list[int | None]) -> Socket:
+    """Points in a viewport that is to show them, else instances."""
+    asked = b.switch("INT", b.out("GeometryNodeIsViewport"), _INSTANCES, b.input("Display"))
+    boxes = b.compare("EQUAL", asked, _BOUNDS)
+    made = _instances(b, shown, kinds, boxes)
+    there = b.compare("GREATER_THAN", b.attribute("fade", "FLOAT"), 0.0, "FLOAT")
+    radius = b.number("MULTIPLY", b.input("Spacing"), _DOT)
+    dots = b.out("GeometryNodeMeshToPoints", shown, there, None, radius)
+    return b.switch("GEOMETRY", b.compare("EQUAL", asked, _POINTS), made, dots)
 
 
 def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
@@ -79,9 +108,9 @@ def _numbers(b: Builder, kinds: list[int | None]) -> list[Socket]:
     return numbers
 
 
-def _instances(b: Builder, placed: Socket, kinds: list[int | None]) -> Socket:
-    """What is chosen for each class on its points."""
-    made = [_instanced(b, placed, kind) for kind in kinds]
+def _instances(b: Builder, placed: Socket, kinds: list[int | None], boxes: Socket) -> Socket:
+    """What is chosen for each class on its points, or its boxes."""
+    made = [_instanced(b, placed, kind, boxes) for kind in kinds]
     if len(made) == 1:
         return made[0]
     joined = b.node("GeometryNodeJoinGeometry")
@@ -90,7 +119,7 @@ def _instances(b: Builder, placed: Socket, kinds: list[int | None]) -> Socket:
     return joined.outputs[0]
 
 
-def _instanced(b: Builder, placed: Socket, kind: int | None) -> Socket:
+def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> Socket:
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
     of = -1 if kind is None else kind
-    return inner(b, instances, placed, of, *chosen, b.input("Spacing")).outputs[0]
+    return inner(b, instances, placed, of, *chosen, b.input("Spacing"), boxes).outputs[0]

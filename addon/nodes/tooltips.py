@@ -6,6 +6,13 @@ _OF_CLASSES = "0123456789 "  # at the end of a name: "Scale 2" is described as "
 DEFAULTS = {
     "Align": 1.0,
     "Class": -1,
+    "Detail Distance": 20.0,
+    "Detail Fade": 0.1,
+    "Detail Margin": 1.0,
+    "Detail Minimum": 0.05,
+    "Detail Outside": 0.1,
+    "Detail in Renders": True,
+    "Detail in Viewport": True,
     "First Frame": 1,
     "Parts": 1,
     "Rest Parts": 1,
@@ -36,6 +43,20 @@ INPUTS = {
     "Spacing": "Distance between neighbors; the size of the cone where nothing is chosen",
     "Hidden": "Fraction of the points that the viewport hides; the others stay even, and renders "
     "show all points",
+    "Display": "What the viewport shows: 0 instances, 1 their bounding boxes, 2 points. "
+    "Renders show instances",
+    "Bounds": "Instance the bounding boxes of the objects",
+    "Detail in Viewport": "Show fewer points far from the scene's camera and outside its view, in "
+    "the viewport",
+    "Detail in Renders": "Show fewer points far from the scene's camera and outside its view, in "
+    "renders",
+    "Detail Distance": "Distance from the camera up to which all points are shown; at twice the "
+    "distance a quarter is left",
+    "Detail Minimum": "Fraction of the points that is left at any distance",
+    "Detail Outside": "Fraction of these points that is left outside the camera's view",
+    "Detail Margin": "Distance from the camera's view up to which points count as inside",
+    "Detail Fade": "Points shrink before they vanish, in this fraction of those that are left",
+    "Detail Enlarge": "Enlarge points that are left at a distance: with 1 they cover the same area",
     "Instance": "Object to instance on the points",
     "Collection": "Collection whose objects are instanced on the points, one picked at random for "
     "each",

@@ -21,7 +21,7 @@ import addon
 from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
 from benchmarks.addon.following import CASES, measure_following
-from benchmarks.addon.playback import OWN, measure_playback
+from benchmarks.addon.playback import DISPLAYED, OWN, measure_playback
 from benchmarks.addon.redraw import measure_redraw
 
 PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
@@ -89,6 +89,9 @@ def _playback(options: argparse.Namespace) -> None:
             f"  {name}: {_ms(more)} more, {_ms(found.wall - shaded.wall)} over the surface with "
             f"its normals, {_ms(found.cpu - shaded.cpu)} of all processors{judged}"
         )
+    plain = taken[OWN[0]].wall - shaded.wall
+    for name in DISPLAYED:
+        print(f"  {name}: {(taken[name].wall - shaded.wall) / plain:.2f} of {OWN[0]}")
 
 
 def _redraw(options: argparse.Namespace) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 from addon import nodes
 from addon.blender.surface.surface_mesh import read_surface
@@ -20,6 +21,13 @@ from addon.nodes.builder import Builder, Socket, new_group
 from benchmarks.bake.made_up import add_bake, add_scatter
 
 OWN = ("bound", "baked", "baked, between keys")  # cases that play back a scatter
+# Cases of the first one with other settings; a tenth is about what a landscape keeps.
+DISPLAYED: dict[str, dict[str, Any]] = {
+    "bound, as bounds": {"display_as": "BOUNDS"},
+    "bound, as points": {"display_as": "POINTS"},
+    "bound, all near the camera": {"detail_in_viewport": True, "detail_distance": 100.0},
+    "bound, most far": {"detail_in_viewport": True, "detail_distance": 1.0, "detail_minimum": 0.1},
+}
 _FRAMES = range(2, 10)
 _AREA = 4.0 * np.pi * 1.1**2  # of the sphere, half swollen
 
@@ -54,6 +62,7 @@ def measure_playback(
         surface.location, surface.rotation_euler = (1, 2, 3), (0.3, 0.2, 0.1)
     cases = {"alone": _Case(None, draws=False), "its normals": _Case(None)}
     cases |= _scatters(surface, sites, nodes, "")
+    cases |= _displayed(surface, sites)
     if against is not None:
         cases |= _scatters(surface, sites, _other_nodes(against), ", other groups")
     for method in ("RANDOM", "POISSON"):
@@ -99,6 +108,22 @@ def _scatters(
     return {name + mark: case for name, case in zip(OWN, found, strict=True)}
 
 
+def _displayed(surface: bpy.types.Object, sites: int) -> dict[str, _Case]:
+    """Shown in other ways, to a camera that sees all of the surface, ten lengths away."""
+    scene = bpy.context.scene
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    scene.camera.location = surface.location + Vector((0.0, 0.0, 10.0))
+    arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    found = {}
+    for name, settings in DISPLAYED.items():
+        scatter = add_scatter(surface, arrays, sites, in_order=True)
+        for setting, value in settings.items():
+            setattr(scatter.dapple, setting, value)
+        found[name] = _Case(scatter)
+    return found
+
+
 def _play_with(modifier: bpy.types.NodesModifier, groups: ModuleType) -> None:
     """Exchange the node group, its inputs kept."""
     inputs = [*nodes.INPUTS, *nodes.INSTANCE_INPUTS]
@@ -106,7 +131,8 @@ def _play_with(modifier: bpy.types.NodesModifier, groups: ModuleType) -> None:
     before = {name: nodes.get_input(modifier, name) for name in names}
     modifier.node_group = groups.ensure_group()
     for name, value in before.items():
-        groups.set_input(modifier, name, value)
+        if groups.has_input(modifier, name):
+            groups.set_input(modifier, name, value)
 
 
 def _other_nodes(checkout: Path) -> Any:

@@ -15,7 +15,7 @@ import scenes
 from test_panels import Layout
 
 ROOT = Path(__file__).resolve().parents[2]
-KINDS = ("Bound Point", "Instances", "Points", "Rest Point", "Scatter")
+KINDS = ("Bound Point", "Instances", "Level of Detail", "Points", "Rest Point", "Scatter")
 NAMES = [f"Dapple {name}" for name in KINDS]
 NAMES += ["Dapple Viewport"]
 
@@ -151,6 +151,17 @@ half = lambda node, attribute, cloud: node(
 )
 _, mesh = vertices("bound", half)
 print("Dapple Viewport", abs(len(mesh.vertices) - 0.5 * len(expected["bound_positions"])) / 100)
+scene = bpy.context.scene
+scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+scene.collection.objects.link(scene.camera)
+scene.camera.location.z = 100.0
+near = {"Detail_Distance": 1.0, "Detail_Minimum": 0.25, "Detail_Outside": 1.0, "Detail_Fade": 0.0}
+fewer = lambda node, attribute, cloud: node(
+    "Dapple Level of Detail", Points=bound("bound", cloud, node).outputs[0], **near
+)
+_, mesh = vertices("bound", fewer)
+off = abs(len(mesh.vertices) - 0.25 * len(expected["bound_positions"])) / 100
+print("Dapple Level of Detail", off)
 """
 
 
@@ -209,7 +220,9 @@ def told(obj):
     values = {name.replace(" ", "_"): nodes.get_input(obj.modifiers[0], name) for name in names}
     objects = {name: one.name for name, one in values.items() if isinstance(one, bpy.types.Object)}
     there = {name: one for name, one in values.items() if name not in objects and one is not None}
-    plain = {name: one for name, one in there.items() if name not in ("Spacing", "Hidden")}
+    plain = {
+        name: one for name, one in there.items() if name not in ("Spacing", "Hidden", "Display")
+    }
     return {"scatter": obj.name, "objects": objects, "plain": plain}
 
 

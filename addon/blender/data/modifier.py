@@ -5,7 +5,9 @@ from typing import Any
 
 import bpy
 
+from ...core.display_table import DISPLAY_AS, WHERE
 from ...nodes import (
+    DETAIL_INPUTS,
     GROUP_NAME,
     INPUTS,
     INSTANCE_INPUTS,
@@ -36,15 +38,25 @@ def ensure_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier:
     if modifier is None:
         modifier = obj.modifiers.new(GROUP_NAME, "NODES")
     # One that is linked may stay: an override keeps only what it changes in the linked modifier.
-    if not is_current(modifier.node_group, len(obj.dapple.classes)):
-        before = _inputs(modifier)
-        modifier.node_group = ensure_group(len(obj.dapple.classes))
-        for name, value in before.items():
-            if has_input(modifier, name):
-                set_input(modifier, name, value)
-        write_surface_inputs(obj, modifier)
+    if not is_current(modifier.node_group, len(obj.dapple.classes), _is_detailed(obj)):
+        _exchange_group(obj, modifier)
         write_instance_inputs(obj)
     return modifier
+
+
+def _exchange_group(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> None:
+    """Give a modifier the group that the scatter needs now; what both groups know stays."""
+    before = _inputs(modifier)
+    modifier.node_group = ensure_group(len(obj.dapple.classes), _is_detailed(obj))
+    for name, value in before.items():
+        if has_input(modifier, name):
+            set_input(modifier, name, value)
+    write_surface_inputs(obj, modifier)
+
+
+def _is_detailed(obj: bpy.types.Object) -> bool:
+    """Whether fewer points are shown at a distance somewhere."""
+    return any(getattr(obj.dapple, setting.name) for setting in WHERE)
 
 
 def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
@@ -86,13 +98,35 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    if has_input(modifier, "Hidden"):
-        set_input(modifier, "Hidden", 1.0 - obj.dapple.viewport_share)
+    if _lacks_display(obj, modifier):
+        _exchange_group(obj, modifier)
+    _write_display(modifier, obj.dapple)
     if not obj.dapple.classes:
         _write_kind(modifier, obj.dapple, None)
     for index, kind in enumerate(obj.dapple.classes):
         _write_kind(modifier, kind, index)
     obj.update_tag()
+
+
+def _lacks_display(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
+    """Whether another group is needed to show what is asked for; oldest ones wait for a result."""
+    if version_of(modifier.node_group) < KEPT_SINCE:
+        return False
+    detailed = _is_detailed(obj)
+    other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
+    return other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+
+
+def _write_display(modifier: bpy.types.NodesModifier, settings: bpy.types.PropertyGroup) -> None:
+    choices = [name for name, *_ in DISPLAY_AS]
+    values = {
+        "Hidden": 1.0 - settings.viewport_share,
+        "Display": choices.index(settings.display_as),
+    }
+    values |= {name: getattr(settings, property_name(name)) for name, _ in DETAIL_INPUTS}
+    for name, value in values.items():
+        if has_input(modifier, name):
+            set_input(modifier, name, value)
 
 
 def property_name(label: str) -> str:

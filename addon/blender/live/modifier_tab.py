@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 
-from ...nodes import INSTANCE_INPUTS, get_input, has_input, input_name
+from ...nodes import DETAIL_INPUTS, INSTANCE_INPUTS, get_input, has_input, input_name
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.quiet import is_quiet
 from ..data.library import read_only
@@ -50,6 +50,9 @@ def _inputs(obj: bpy.types.Object) -> Iterator[tuple[str, Any, str, Any]]:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
+    for name, _ in DETAIL_INPUTS:
+        if has_input(modifier, name):
+            yield name, obj.dapple, property_name(name), get_input(modifier, name)
     kinds: list[tuple[Any, int | None]] = [(kind, k) for k, kind in enumerate(obj.dapple.classes)]
     for owner, number in kinds or [(obj.dapple, None)]:
         for name, _ in INSTANCE_INPUTS:

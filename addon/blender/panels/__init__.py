@@ -6,6 +6,7 @@ from .amount import DAPPLE_PT_amount
 from .animation import DAPPLE_PT_animation
 from .density import DAPPLE_PT_density
 from .details import DAPPLE_PT_details
+from .display import DAPPLE_PT_display
 from .instances import DAPPLE_PT_instances, DAPPLE_UL_classes
 from .placement import DAPPLE_PT_placement
 from .tiles import DAPPLE_PT_tiles
@@ -17,6 +18,7 @@ CLASSES = (  # in the order in which the sidebar shows them
     DAPPLE_PT_amount,
     DAPPLE_PT_density,
     DAPPLE_PT_placement,
+    DAPPLE_PT_display,
     DAPPLE_PT_animation,
     DAPPLE_PT_tiles,
     DAPPLE_PT_advanced,

@@ -13,7 +13,6 @@ class DAPPLE_PT_amount(ScatterPanel, bpy.types.Panel):
         self.layout.use_property_split, self.layout.use_property_decorate = True, False
         draw_amount(self.layout, context.object.dapple)
         self.layout.prop(context.object.dapple, "seed")
-        self.layout.prop(context.object.dapple, "viewport_share")
 
 
 def draw_amount(layout: bpy.types.UILayout, settings: bpy.types.AnyType) -> None:
