@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Random rounds of strokes, settings, undo and redo with Auto Update on.
+"""Random rounds of strokes, settings, renders, undo and redo with Auto Update on.
 
 DAPPLE_ROUNDS says how many; a few by default.
 """
@@ -37,6 +37,7 @@ def setting(chance):
             ("points_per_area", chance.uniform(4.0, 10.0)),
             ("amount", chance.choice(["COUNT", "PER_AREA"])),
             ("seed", chance.randrange(3)),
+            ("quality", chance.choice(["DRAFT", "NATURAL", "FINE"])),
             ("forward", chance.choice(["NONE", "X"])),
             ("keep_points", chance.random() < 0.8),
         ]
@@ -79,7 +80,12 @@ def optimize(_chance):
     assert bpy.ops.dapple.optimize("EXEC_DEFAULT", True) == {"FINISHED"}
 
 
-CHANGES = (stroke, stroke, setting, setting, density, obstacle, shape, scale, optimize)
+def render(_chance):
+    """While an update may be under way."""
+    assert bpy.ops.render.render() == {"FINISHED"}
+
+
+CHANGES = (stroke, stroke, setting, setting, density, obstacle, shape, scale, optimize, render)
 
 
 def prepared():
@@ -91,8 +97,17 @@ def prepared():
     stone.name = "Stone"
     stones.objects.link(stone)
     obj = scenes.scattered(surface, count=80)
+    _small_renders()
     obj.dapple.auto_update_choice = "ON"
     obj.dapple.density.attribute, obj.dapple.density.obstacles = "Grass", stones
+
+
+def _small_renders():
+    scene = bpy.context.scene
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.render.resolution_x = scene.render.resolution_y = 16
 
 
 def check(live):

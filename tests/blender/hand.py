@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A hand in a real window: it finds buttons of the sidebar, clicks, drags and counts its clicks.
+
+Blender has no way to ask where a button is. But under the pointer it can copy what a button does,
+or where its value lies, so the pointer goes over the sidebar until the wanted one is found.
+"""
+
+import subprocess
+import time
+from collections.abc import Callable, Generator
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+Story = Generator[Any, None, Any]
+_ROW = 7  # pixels between two places that are looked at
+_COLUMNS = (0.62, 0.75, 0.9, 0.3, 0.97)  # parts of the sidebar's width
+_PATIENCE = 120.0  # seconds
+
+
+class Hand:
+    """What an artist does with the mouse in the 3D View and its sidebar."""
+
+    def __init__(self) -> None:
+        self.clicks = 0  # and keys
+        self.searched = 0.0  # seconds in which it looked for buttons
+
+    def move(self, x: float, y: float) -> Story:
+        window().event_simulate("MOUSEMOVE", "NOTHING", x=int(x), y=int(y))
+        yield
+        yield
+
+    def click(self, x: float, y: float) -> Story:
+        yield from self.move(x, y)
+        for value in ("PRESS", "RELEASE"):
+            window().event_simulate("LEFTMOUSE", value, x=int(x), y=int(y))
+            yield
+        self.clicks += 1
+
+    def drag(self, places: list[tuple[float, float]]) -> Story:
+        """Along these places with the button held: one click."""
+        yield from self.move(*places[0])
+        self._mouse("PRESS", places[0])
+        yield
+        for place in places:
+            yield from self.move(*place)
+        self._mouse("RELEASE", places[-1])
+        yield
+        self.clicks += 1
+
+    def _mouse(self, value: str, place: tuple[float, float]) -> None:
+        window().event_simulate("LEFTMOUSE", value, x=int(place[0]), y=int(place[1]))
+
+    def press(self, key: str, x: float, y: float) -> Story:
+        yield from self.move(x, y)
+        for value in ("PRESS", "RELEASE"):
+            window().event_simulate(key, value, x=int(x), y=int(y))
+            yield
+        self.clicks += 1
+
+    def press_button(self, wanted: str) -> Story:
+        """Click the button whose command or value has this in it."""
+        place = yield from self.found(wanted)
+        yield from self.click(*place)
+
+    def open_panel(self, title: str, wanted: str) -> Story:
+        """Click the header of a closed panel: the one that shows the wanted button."""
+        if (yield from self._seen(wanted)) is not None:
+            return
+        begin, before = time.monotonic(), self.searched
+        for header in (yield from self._headers()):
+            yield from self.click(*header)
+            if (yield from self._seen(wanted)) is not None:
+                self.searched = before + time.monotonic() - begin
+                return
+            yield from self.click(*header)
+            self.clicks -= 2  # it was only looked for
+        raise LookupError(f"there is no panel '{title}' with {wanted}")
+
+    def found(self, wanted: str) -> Story:
+        """The place of a button."""
+        place = yield from self._seen(wanted)
+        if place is None:
+            raise LookupError(f"the sidebar has no button with {wanted}")
+        return place
+
+    def _seen(self, wanted: str) -> Story:
+        begin = time.monotonic()
+        place = yield from self._looked_for(wanted)
+        self.searched += time.monotonic() - begin
+        return place
+
+    def _looked_for(self, wanted: str) -> Story:
+        region = sidebar()
+        for column in _COLUMNS:
+            x = region.x + column * region.width
+            for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
+                yield from self.move(x, y)
+                if any(wanted in one for one in under_pointer()):
+                    return x, y
+        return None
+
+    def _headers(self) -> Story:
+        """Places where a panel may have its header: rows without a button."""
+        region, free, found = sidebar(), 0, []
+        x = region.x + 0.35 * region.width
+        for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
+            yield from self.move(x, y)
+            if under_pointer():
+                free = 0
+                continue
+            free += 1
+            if free % 3 == 2:
+                found.append((x, y))
+        return found
+
+
+def under_pointer() -> list[str]:
+    """What the button under the pointer does, and where its value lies."""
+    area, found = view(), []
+    manager = bpy.context.window_manager
+    with bpy.context.temp_override(window=window(), area=area, region=sidebar()):
+        copying: tuple[Any, ...] = (
+            bpy.ops.ui.copy_python_command_button,
+            bpy.ops.ui.copy_data_path_button,
+        )
+        for copy in copying:
+            if copy.poll():
+                manager.clipboard = ""
+                copy()
+                found.append(manager.clipboard)
+    return found
+
+
+def window() -> bpy.types.Window:
+    return bpy.context.window_manager.windows[0]
+
+
+def view() -> bpy.types.Area:
+    return next(one for one in window().screen.areas if one.type == "VIEW_3D")
+
+
+def sidebar() -> bpy.types.Region:
+    return next(one for one in view().regions if one.type == "UI")
+
+
+def viewport() -> bpy.types.Region:
+    return next(one for one in view().regions if one.type == "WINDOW")
+
+
+def waited(done: Callable[[], bool]) -> Story:
+    """Until something is so."""
+    end = time.monotonic() + _PATIENCE
+    while not done():
+        if time.monotonic() > end:
+            raise TimeoutError("it is still not so")
+        yield
+
+
+def tab_is_shown() -> bool:
+    """Open the sidebar with the add-on's tab, which it has once it was drawn."""
+    view().spaces.active.show_region_ui = True
+    view().tag_redraw()
+    try:
+        shown = sidebar().active_panel_category == "Dapple"
+        sidebar().active_panel_category = "Dapple"
+    except (AttributeError, TypeError):
+        return False
+    return shown
+
+
+def shot(path: Path) -> Story:
+    """A picture of the window. Blender's own of a virtual display are black."""
+    for _ in range(20):
+        view().tag_redraw()
+        yield
+    subprocess.run(["import", "-window", "root", str(path)], check=True)
