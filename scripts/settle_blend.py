@@ -13,6 +13,7 @@ from functools import cache
 from struct import calcsize, pack_into, unpack_from
 
 _ADDRESS = 8  # offset in the head of a block
+_ZONES = ("NodeGeometryForeachGeometryElementInput",)  # at the begin of one
 _RAW = 0  # structure of what is none, also lists of pointers
 
 
@@ -115,12 +116,19 @@ def _settle_pointers(
 
 
 def _number_nodes(result: bytearray, blocks: list[_Block], structures: "_Structures") -> None:
-    number = 0
+    """Also where the begin of a zone names its end; numbers are those of one data-block's nodes."""
+    count, numbers = 0, list[dict[int, int]]()
     for block in blocks:
+        numbers.append({} if block.code != b"DATA" else numbers[-1])
         if structures.name(block.structure) == "bNode":
-            number += 1
-            offset = structures.offset(block.structure, "identifier")
-            pack_into("<i", result, block.start + offset, number)
+            count += 1
+            place = block.start + structures.offset(block.structure, "identifier")
+            numbers[-1][unpack_from("<i", result, place)[0]] = count
+            pack_into("<i", result, place, count)
+    for block, own in zip(blocks, numbers, strict=True):
+        if structures.name(block.structure) in _ZONES:
+            place = block.start + structures.offset(block.structure, "output_node_id")
+            pack_into("<i", result, place, own[unpack_from("<i", result, place)[0]])
 
 
 def _clear_after_text(result: bytearray, block: _Block) -> None:

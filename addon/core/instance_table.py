@@ -33,12 +33,48 @@ INSTANCES = (
         soft_low=0.0,
         soft_high=10.0,
     ),
+    *(
+        Setting(
+            f"scale_{axis.lower()}",
+            Kind.NUMBER,
+            1.0,
+            f"Scale {axis}",
+            f"Scale of the instances along their {axis} axis",
+            Changes.INSTANCES,
+            soft_low=0.0,
+            soft_high=10.0,
+        )
+        for axis in "XYZ"
+    ),
     Setting(
         "scale_randomness",
         Kind.NUMBER,
         0.0,
-        "Random Scale",
+        "Random Scale Down",
         "Maximum random reduction of the scale",
+        Changes.INSTANCES,
+        low=0.0,
+        high=1.0,
+        subtype="FACTOR",
+    ),
+    Setting(
+        "scale_growth",
+        Kind.NUMBER,
+        0.0,
+        "Random Scale Up",
+        "Maximum random enlargement of the scale. 1: up to twice as large",
+        Changes.INSTANCES,
+        low=0.0,
+        soft_high=1.0,
+        subtype="FACTOR",
+    ),
+    Setting(
+        "fit",
+        Kind.NUMBER,
+        0.0,
+        "Fit to Spacing",
+        "How far instances are scaled to the room of their points: 0 keeps their size, 1 makes "
+        "them touch their nearest like but not overlap it. The other scales multiply",
         Changes.INSTANCES,
         low=0.0,
         high=1.0,
@@ -88,6 +124,17 @@ INSTANCES = (
         low=-1.0,
         high=1.0,
         subtype="FACTOR",
+    ),
+    Setting(
+        "offset",
+        Kind.NUMBER,
+        0.0,
+        "Offset",
+        "Distance of the instances from the surface along its normal; negative values sink them",
+        Changes.INSTANCES,
+        soft_low=-10.0,
+        soft_high=10.0,
+        unit="LENGTH",
     ),
 )
 CLASS = (

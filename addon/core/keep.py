@@ -21,6 +21,7 @@ from .kinds import counted
 from .locked import Locked
 from .native import package
 from .records import Binding, Columns, own_random
+from .room import rooms
 from .settings import Settings
 from .solve import Scattered, Solved, named, point_columns, report_of
 from .surface import Floats, Ints, SurfaceArrays
@@ -249,6 +250,7 @@ def _scattered(
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     columns["dapple_locked"][_rows(samples, locked)] = True
     columns["dapple_density"] = ground.shares(ground.densities(fine))
+    columns["dapple_room"] = rooms(fine.positions, samples.classes, settings)
     new = own_random(settings.seed, samples.ids, 4)
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
     binding = _with_directions(

@@ -58,9 +58,9 @@ POINT_ATTRIBUTES = {
     "dapple_scale": "FLOAT",
     "dapple_turn": "FLOAT",
 }
-# Where a point stands, 0..1, in an order of which every beginning is even; and whether it stays
-# where it is. Older files have neither.
-ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN"}
+# Where a point stands, 0..1, in an order of which every beginning is even; whether it stays where
+# it is; half the distance to its nearest like. Older files have none of them, or not all.
+ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_room": "FLOAT"}
 
 MOST_CLASSES = 10_000
 _LIMITS = {"id": 2**30, "dapple_class": MOST_CLASSES - 1, "dapple_part": 2**20}  # largest values

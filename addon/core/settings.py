@@ -52,6 +52,7 @@ class ClassSettings(_Values):
     """One object type among several."""
 
     count: int = 0  # exactly so many; 0: by its share
+    most_room: float = 0.0  # that its instances are fitted to; 0: no limit
 
 
 @_fields_of(DENSITY)

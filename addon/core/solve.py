@@ -18,6 +18,7 @@ from .kinds import sampled
 from .locked import Locked, kept_ids, rows_of
 from .native import package
 from .records import Binding, Columns, own_random
+from .room import rooms
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays
 
@@ -89,6 +90,7 @@ def scatter(
     density = ground.densities(fine)
     columns["dapple_density"] = ground.shares(density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
+    columns["dapple_room"] = rooms(fine.positions, samples.classes, settings)
     binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)
@@ -105,6 +107,7 @@ def point_columns(ids: Ints, classes: Ints, seed: int) -> Columns:
         "dapple_scale": own_random(seed, ids, 0),
         "dapple_turn": own_random(seed, ids, 1) * 2.0 * np.pi,
         "dapple_rank": own_random(seed, ids, 4),
+        "dapple_room": np.zeros(len(ids)),
         "dapple_locked": np.zeros(len(ids), dtype=bool),
     }
 

@@ -97,7 +97,7 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
     if isinstance(found["density"], dict):
         found["density"] = _terms(found["density"])
     if isinstance(found["classes"], list):
-        found["classes"] = [_without_name(one) for one in found["classes"]]
+        found["classes"] = [_solved_class(one) for one in found["classes"]]
     return found
 
 
@@ -111,8 +111,12 @@ def _terms(density: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _without_name(kind: Any) -> Any:
-    return {**kind, "density": bool(kind.get("density"))} if isinstance(kind, dict) else kind
+def _solved_class(kind: Any) -> Any:
+    """Without its names, and without what the size of instances alone comes from."""
+    if not isinstance(kind, dict):
+        return kind
+    own = {name: value for name, value in kind.items() if name != "most_room"}
+    return {**own, "density": bool(kind.get("density"))}
 
 
 def sketch(surface: SurfaceArrays) -> Floats:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A thin hand for writing node trees: add a node, feed its sockets, take its output."""
 
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import bpy
@@ -136,6 +137,18 @@ class Builder:
             node.capture_items.new(kind, name)
             self._feed(node.inputs[name], value)
         return node
+
+    def each(
+        self, domain: str, geometry: Any, number: Callable[["Builder", Socket], Socket]
+    ) -> tuple[Socket, Socket]:
+        """Geometry, and a field with a number of each element, which is made of it alone."""
+        begin = self.node("GeometryNodeForeachGeometryElementInput")
+        end = self.node("GeometryNodeForeachGeometryElementOutput", domain=domain)
+        begin.pair_with_output(end)
+        end.main_items.new("FLOAT", "Number")
+        self._feed(begin.inputs["Geometry"], geometry)
+        self._feed(end.inputs["Number"], number(self, begin.outputs["Element"]))
+        return end.outputs["Geometry"], end.outputs["Number"]
 
     def arrange(self) -> None:
         """Lay the nodes out in columns by their distance from the group input."""

@@ -3,7 +3,9 @@
 
 import bpy
 
+from . import fitting
 from .builder import Builder, Socket, new_group
+from .groups import inner
 
 NAME = "Dapple Instances"
 
@@ -23,6 +25,7 @@ def build() -> bpy.types.NodeTree:
             ("Collection", "NodeSocketCollection"),
             ("Spacing", "NodeSocketFloat"),
             ("Bounds", "NodeSocketBool"),
+            ("Fit", "NodeSocketFloat"),
         ],
         [("Instances", "NodeSocketGeometry")],
     )
@@ -30,15 +33,18 @@ def build() -> bpy.types.NodeTree:
     several = b.out("GeometryNodeCollectionInfo", b.input("Collection"), True, True)
     count = b.count(several, "INSTANCES")
     some = b.compare("GREATER_THAN", count, 0)
+    shape = b.switch("GEOMETRY", some, _one(b), several)
+    fits = b.compare("GREATER_THAN", b.input("Fit"), 0.0, "FLOAT")
+    fitted = inner(b, fitting, shape, b.input("Fit")).outputs[0]
     placed = b.out(
         "GeometryNodeInstanceOnPoints",
         b.input("Points"),
         _chosen(b),
-        _boxed(b, b.switch("GEOMETRY", some, _one(b), several)),
+        _boxed(b, b.switch("GEOMETRY", fits, shape, fitted)),
         some,
         b.switch("INT", some, 0, _picked(b, count)),
         b.attribute("rotation", "QUATERNION"),
-        b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0)),
+        _scale(b, fits),
     )
     b.output("Instances", placed)
     b.arrange()
@@ -57,6 +63,16 @@ def _boxed(b: Builder, source: Socket) -> Socket:
     """Each object that is instanced, or its box: as few boxes as objects."""
     box = b.out("GeometryNodeBoundBox", source)
     return b.switch("GEOMETRY", b.input("Bounds"), source, box)
+
+
+def _scale(b: Builder, fits: Socket) -> Socket:
+    """Of a point; where instances are fitted, their radius is 1 and it is theirs."""
+    scale = b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0))
+    room = b.attribute("dapple_room", "FLOAT")
+    unknown = b.compare("LESS_EQUAL", room, 0.0, "FLOAT")
+    room = b.switch("FLOAT", unknown, room, b.number("MULTIPLY", b.input("Spacing"), 0.5))
+    fitted = b.scaled(scale, b.number("POWER", room, b.input("Fit")))
+    return b.switch("VECTOR", fits, scale, fitted)
 
 
 def _one(b: Builder) -> Socket:

@@ -25,7 +25,19 @@ INPUTS = [
     ("Warning", "NodeSocketString"),
     ("Preview", "NodeSocketObject"),
 ]
-NUMBERS = ("Scale", "Scale Randomness", "Turn Randomness", "Align", "Tilt", "Density Scale")
+NUMBERS = (
+    "Scale",
+    "Scale X",
+    "Scale Y",
+    "Scale Z",
+    "Scale Randomness",
+    "Scale Growth",
+    "Turn Randomness",
+    "Align",
+    "Tilt",
+    "Density Scale",
+    "Offset",
+)
 
 
 def build() -> bpy.types.NodeTree:
@@ -45,6 +57,7 @@ def build() -> bpy.types.NodeTree:
     early = b.switch("FLOAT", aligned, 0.0, turn)
     position, rotation, gone = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
+    position = _lifted(b, position, rotation)
     stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
@@ -139,6 +152,15 @@ def _moved(
     return b.switch("VECTOR", moves, position, there), b.switch("ROTATION", moves, rotation, along)
 
 
+def _lifted(b: Builder, position: Socket, rotation: Socket) -> Socket:
+    """Off the surface along its normal."""
+    offset = b.input("Offset")
+    normal = b.out("FunctionNodeRotateVector", (0.0, 0.0, 1.0), rotation)
+    none = b.compare("EQUAL", offset, 0.0, "FLOAT")
+    there = b.vector("ADD", position, b.scaled(normal, offset))
+    return b.switch("VECTOR", none, there, position)
+
+
 def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socket) -> Socket:
     """The points there, with their attributes."""
     placed = b.captured(
@@ -151,13 +173,18 @@ def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socke
 
 
 def _size(b: Builder) -> Socket:
-    """Scale * fade * (1 - randomness * own random number), less where the density is less."""
-    own = b.attribute("dapple_scale", "FLOAT")
-    less = b.number("MULTIPLY", own, b.input("Scale Randomness"))
-    factor = b.number("MULTIPLY", b.input("Scale"), b.number("SUBTRACT", 1.0, less))
+    """Scale * fade * a random factor, less where the density is less, on each axis.
+
+    The factor falls from 1 + growth to 1 - randomness with the point's own random number.
+    """
+    own, growth = b.attribute("dapple_scale", "FLOAT"), b.input("Scale Growth")
+    less = b.number("MULTIPLY", own, b.number("ADD", b.input("Scale Randomness"), growth))
+    chance = b.number("SUBTRACT", b.number("ADD", growth, 1.0), less)
+    factor = b.number("MULTIPLY", b.input("Scale"), chance)
     factor = b.number("MULTIPLY", factor, b.attribute("fade", "FLOAT"))
     sparse = b.number("SUBTRACT", 1.0, b.attribute("dapple_density", "FLOAT"))
     smaller = b.number("MULTIPLY", sparse, b.input("Density Scale"))
     other = b.number("MULTIPLY", factor, b.number("SUBTRACT", 1.0, smaller))
     same = b.compare("EQUAL", b.input("Density Scale"), 0.0, "FLOAT")
-    return b.scaled((1.0, 1.0, 1.0), b.switch("FLOAT", same, other, factor))
+    axes = b.out("ShaderNodeCombineXYZ", *(b.input(f"Scale {axis}") for axis in "XYZ"))
+    return b.scaled(axes, b.switch("FLOAT", same, other, factor))

@@ -24,6 +24,7 @@ INSTANCE_INPUTS = [
     ("Instance", "NodeSocketObject"),
     ("Collection", "NodeSocketCollection"),
     *((name, "NodeSocketFloat") for name in points.NUMBERS),
+    ("Fit", "NodeSocketFloat"),
 ]
 
 
@@ -121,5 +122,6 @@ def _instances(b: Builder, placed: Socket, kinds: list[int | None], boxes: Socke
 
 def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> Socket:
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
-    of = -1 if kind is None else kind
-    return inner(b, instances, placed, of, *chosen, b.input("Spacing"), boxes).outputs[0]
+    of, fit = -1 if kind is None else kind, b.input(input_name("Fit", kind))
+    spacing = b.input("Spacing")
+    return inner(b, instances, placed, of, *chosen, spacing, boxes, fit).outputs[0]

@@ -17,6 +17,9 @@ DEFAULTS = {
     "Parts": 1,
     "Rest Parts": 1,
     "Scale": 1.0,
+    "Scale X": 1.0,
+    "Scale Y": 1.0,
+    "Scale Z": 1.0,
     "Side": 1.0,
     "Spacing": 0.1,
     "Turn Randomness": 1.0,
@@ -61,12 +64,20 @@ INPUTS = {
     "Collection": "Collection whose objects are instanced on the points, one picked at random for "
     "each",
     "Scale": "Scale of the instances",
+    "Scale X": "Scale of the instances along their X axis",
+    "Scale Y": "Scale of the instances along their Y axis",
+    "Scale Z": "Scale of the instances along their Z axis",
     "Scale Randomness": "Maximum random reduction of the scale",
+    "Scale Growth": "Maximum random enlargement of the scale. 1: up to twice as large",
     "Turn Randomness": "Maximum random rotation around the normal, as a fraction of a full turn",
     "Align": "Align instances with the surface normal (1) or with world Z (0)",
     "Tilt": "Maximum angle by which instances lean in a random direction, in radians",
     "Density Scale": "How much smaller instances are where the density is lower; negative values "
     "make them larger",
+    "Offset": "Distance of the instances from the surface along its normal; negative values sink "
+    "them",
+    "Fit": "How far instances are scaled to the room of their points: 0 keeps their size, 1 makes "
+    "them touch their nearest like but not overlap it",
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
     "Class": "Only instance on points with this dapple_class. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",

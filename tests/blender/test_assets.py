@@ -208,6 +208,13 @@ def test_the_groups_of_the_file_are_those_that_are_built(appended):
     assert found == nodes_text.built()
 
 
+def test_zones_of_the_file_have_both_ends(appended):
+    nodes = [node for tree in bpy.data.node_groups for node in tree.nodes]
+    begins = [node for node in nodes if hasattr(node, "paired_output")]
+    assert begins
+    assert all(node.paired_output for node in begins)
+
+
 def test_the_same_groups_give_the_same_bytes(assets, tmp_path):
     child.run(WRITE, ROOT, tmp_path / "again.blend")
     assert (tmp_path / "again.blend").read_bytes() == assets.read_bytes()

@@ -152,6 +152,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
         for part in (
             "Bound Point",
             "Fit",
+            "Fitting",
             "Instances",
             "Key Point",
             "Moment",

@@ -98,23 +98,39 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    if _lacks_display(obj, modifier):
+    if _lacks_inputs(obj, modifier):
         _exchange_group(obj, modifier)
     _write_display(modifier, obj.dapple)
-    if not obj.dapple.classes:
-        _write_kind(modifier, obj.dapple, None)
-    for index, kind in enumerate(obj.dapple.classes):
+    for index, kind in _kinds(obj):
         _write_kind(modifier, kind, index)
     obj.update_tag()
 
 
-def _lacks_display(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
+def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGroup]]:
+    """What is placed, by the object types that there are."""
+    return list(enumerate(obj.dapple.classes)) or [(None, obj.dapple)]
+
+
+def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
     """Whether another group is needed to show what is asked for; oldest ones wait for a result."""
     if version_of(modifier.node_group) < KEPT_SINCE:
         return False
     detailed = _is_detailed(obj)
     other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
-    return other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+    other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))
+    return other or any(_lacks_own(modifier, kind, index) for index, kind in _kinds(obj))
+
+
+def _lacks_own(
+    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
+) -> bool:
+    """Whether a number is not as when it was not there yet, and the group does not know it."""
+    numbers = [name for name, socket in INSTANCE_INPUTS if socket == "NodeSocketFloat"]
+    return any(
+        getattr(kind, property_name(name)) != kind.bl_rna.properties[property_name(name)].default
+        for name in numbers
+        if not has_input(modifier, input_name(name, index))
+    )
 
 
 def _write_display(modifier: bpy.types.NodesModifier, settings: bpy.types.PropertyGroup) -> None:

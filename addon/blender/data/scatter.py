@@ -148,7 +148,8 @@ def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
 
 
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
-    values = {field.name: getattr(kind, field.name) for field in fields(ClassSettings)}
+    names = {field.name for field in fields(ClassSettings)} - {"most_room"}
+    values = {name: getattr(kind, name) for name in names} | {"most_room": kind.radius}
     values |= {"share": 0.0} if kind.use_count else {"count": 0}
     return ClassSettings(**values)
 

@@ -8,7 +8,7 @@ from ..ops.tools import DAPPLE_OT_edit_classes, DAPPLE_OT_select_overlap
 from . import shown
 from .base import ScatterPanel
 
-_SIZE = ("scale", "scale_randomness", "density_scale")
+_AXES = ("scale_x", "scale_y", "scale_z")
 
 
 class DAPPLE_UL_classes(bpy.types.UIList):
@@ -45,14 +45,27 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         owner = active_type(settings)
         if owner != settings:
             _draw_class(layout, owner)
-        for names in (("instance", "collection"), _SIZE):
-            column = layout.column(align=True)
-            for name in names:
-                column.prop(owner, name)
+        column = layout.column(align=True)
+        column.prop(owner, "instance")
+        column.prop(owner, "collection")
+        _draw_size(layout, owner)
         if settings.report.worst_overlap > 0:
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    column = layout.column(align=True)
+    column.prop(owner, "scale")
+    row = column.row(heading="Scale XYZ", align=True)
+    for name in _AXES:
+        row.prop(owner, name, text="")
+    column.prop(owner, "scale_randomness")
+    column.prop(owner, "scale_growth")
+    column = layout.column(align=True)
+    column.prop(owner, "fit")
+    column.prop(owner, "density_scale")
 
 
 def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:

@@ -10,7 +10,7 @@ from ..ops.tools import DAPPLE_OT_lock
 from .base import ScatterPanel
 from .instances import active_type
 
-_DIRECTION = ("align", "turn_randomness", "tilt")
+_DIRECTION = ("align", "turn_randomness", "tilt", "offset")
 
 
 class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):

@@ -6,6 +6,7 @@ Between two steps the artist may delete anything, so objects are found again by 
 
 import bpy
 
+from ...core.room import rooms
 from ...core.solve import nearest_binding, scatter
 from ...core.steps import Steps, Task
 from ..base.held import Held
@@ -40,7 +41,9 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
     kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
     before, arrays = points_now(context.object), read(surface.get())
     points, columns = places_of(context.object), columns_with_own_ids(context.object)
+    settings = settings_of(context.object)
     binding = yield Task(lambda _: nearest_binding(points, arrays))
+    columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
     obj = held.get()
     check_points_kept(obj, before, "attached")
     with as_read(arrays, surface), rest_position(surface, kind):

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is instanced and how large: scales, offset, the room that points have."""
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+from test_classes import classes_of, with_classes
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+
+def box(name, size, location=(9.0, 9.0, 9.0)):
+    """A box of this size (x, y, z), which reaches as far on all sides of its origin."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=location)
+    obj = bpy.context.object
+    obj.name = name
+    obj.data.transform(np.diag([*size, 1.0]).tolist())
+    return obj
+
+
+def radius_of(obj):
+    """Of the circle around its Z axis that its vertices never leave."""
+    return max(np.hypot(vertex.co.x, vertex.co.y) for vertex in obj.data.vertices)
+
+
+def collection_of(*objects):
+    made = bpy.data.collections.new("Things")
+    bpy.context.scene.collection.children.link(made)
+    for obj in objects:
+        made.objects.link(obj)
+    return made
+
+
+def shown(obj):
+    """Name of the object, place and scale (n, 3) of each instance."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    rows = [
+        (one.object.name, np.array(one.matrix_world))
+        for one in depsgraph.object_instances
+        if one.is_instance and one.parent.original == obj
+    ]
+    names, matrices = [name for name, _ in rows], np.array([matrix for _, matrix in rows])
+    return names, matrices[:, :3, 3], np.linalg.norm(matrices[:, :3, :3], axis=1)
+
+
+def half_distances(points):
+    distances = np.linalg.norm(points[:, None] - points[None], axis=2)
+    np.fill_diagonal(distances, np.inf)
+    return 0.5 * distances.min(axis=1)
+
+
+def test_random_scales_go_down_and_up():
+    obj = scenes.scattered(scenes.sphere(), count=300)
+    obj.dapple.scale, obj.dapple.scale_randomness = 2.0, 0.25
+    down = shown(obj)[2]
+    obj.dapple.scale_growth = 0.5
+    both = shown(obj)[2]
+    assert 1.5 - 1e-5 <= both.min() < 1.52
+    assert 2.95 < both.max() <= 3.0 + 1e-5
+    assert np.array_equal(np.argsort(down[:, 0]), np.argsort(both[:, 0])), "the same are large"
+
+
+def test_each_axis_has_its_scale():
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.scale, obj.dapple.scale_x, obj.dapple.scale_z = 0.5, 2.0, 3.0
+    assert np.allclose(shown(obj)[2], (1.0, 0.5, 1.5), atol=1e-5)
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 1), (-1, 1, 1)])
+def test_an_offset_lifts_and_sinks_instances_along_the_normal(scale):
+    obj = scenes.scattered(scenes.sphere(scale, location=(1, 2, 3), rotation=(0.1, 0.2, 0.3)))
+    before = shown(obj)[1]
+    normals = scenes.rotations(obj)[:, :, 2]
+    for offset in (0.25, -0.5):
+        obj.dapple.offset = offset
+        assert np.allclose(shown(obj)[1], before + offset * normals, atol=1e-5)
+
+
+def test_fitted_instances_are_as_large_as_their_room():
+    obj = scenes.scattered(scenes.sphere(), count=200)
+    obj.dapple.instance = thing = box("Thing", (3.0, 4.0, 1.0))
+    obj.dapple.fit = 1.0
+    _, places, scales = shown(obj)
+    assert np.allclose(scales[:, 0] * radius_of(thing), half_distances(places), rtol=1e-4)
+    obj.dapple.scale = 0.5
+    assert np.allclose(shown(obj)[2], 0.5 * scales, rtol=1e-5)
+    obj.dapple.scale, obj.dapple.fit = 1.0, 0.5
+    assert np.allclose(shown(obj)[2], np.sqrt(scales), rtol=1e-5)
+
+
+def test_the_cone_fits_too():
+    obj = scenes.scattered(scenes.sphere(), count=200)
+    obj.dapple.fit = 1.0
+    _, places, scales = shown(obj)
+    radius = 0.3 * obj.dapple.report.spacing
+    assert np.allclose(scales[:, 0] * radius, half_distances(places), rtol=1e-4)
+
+
+def test_a_fitted_instance_that_is_edited_or_exchanged_is_fitted_anew():
+    obj = scenes.scattered(scenes.sphere())
+    thing, other = box("Thing", (1.0, 1.0, 1.0)), box("Other", (8.0, 6.0, 2.0))
+    obj.dapple.instance, obj.dapple.fit = thing, 1.0
+    before = shown(obj)[2]
+    thing.data.transform(np.diag([4.0, 4.0, 1.0, 1.0]).tolist())
+    thing.data.update()
+    assert np.allclose(shown(obj)[2], before / 4.0, rtol=1e-5)
+    obj.dapple.instance = other
+    assert np.allclose(shown(obj)[2] * radius_of(other), before * np.sqrt(0.5), rtol=1e-4)
+
+
+def test_each_object_of_a_collection_is_fitted_by_its_own_bounds():
+    things = [box("Flat", (4.0, 4.0, 0.1)), box("Pole", (0.1, 0.1, 5.0)), box("Log", (1, 9, 1))]
+    empty = bpy.data.objects.new("Empty", None)
+    obj = scenes.scattered(scenes.sphere(), count=200)
+    obj.dapple.collection, obj.dapple.fit = collection_of(*things, empty), 1.0
+    names, places, scales = shown(obj)
+    radii = {"Empty": 1.0, **{thing.name: radius_of(thing) for thing in things}}
+    assert set(names) == set(radii)
+    everything = [thing.name for thing in things]
+    fitted = np.isin(names, everything)
+    own = np.array([radii[name] for name in names])
+    assert np.allclose((scales[:, 0] * own)[fitted], half_distances(places)[fitted], rtol=1e-4)
+
+
+def test_a_collection_in_a_collection_is_fitted_as_a_whole():
+    left, right = box("Left", (1, 1, 1), (-2.0, 0.0, 0.0)), box("Right", (1, 1, 1), (3.0, 0.0, 0.0))
+    outer = bpy.data.collections.new("Outer")
+    outer.children.link(collection_of(left, right))
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.collection, obj.dapple.fit = outer, 1.0
+    names, _, scales = shown(obj)
+    chosen = np.array(names) == "Right"
+    assert chosen.sum() == 60
+    room = np.array([one.value for one in obj.data.attributes["dapple_room"].data])
+    assert np.allclose(scales[chosen, 0] * np.hypot(3.5, 0.5), room, rtol=1e-4)
+
+
+def test_each_class_is_fitted_to_the_room_among_its_like():
+    big, small = box("Big", (6.0, 8.0, 1.0)), box("Small", (1.0, 1.0, 1.0))
+    obj = with_classes(
+        scenes.sphere(),
+        {"instance": big, "use_count": True, "count": 20, "fit": 1.0},
+        {"instance": small},
+        count=200,
+    )
+    names, places, scales = shown(obj)
+    is_big = np.array(names) == "Big"
+    assert is_big.sum() == 20
+    assert np.allclose(scales[is_big, 0] * 5.0, half_distances(places[is_big]), rtol=1e-4)
+    assert np.allclose(scales[~is_big], 1.0, atol=1e-5)
+    obj.dapple.classes[0].fit, obj.dapple.classes[1].fit = 0.0, 1.0
+    _, places, scales = shown(obj)
+    room = half_distances(places[~is_big])
+    assert np.allclose(scales[~is_big, 0] * np.sqrt(0.5), room, rtol=1e-4)
+    assert np.allclose(scales[is_big], 1.0, atol=1e-5)
+
+
+def test_a_radius_limits_the_room():
+    thing = box("Thing", (1.0, 1.0, 1.0))
+    kinds = [{"instance": thing, "radius": 0.05, "fit": 1.0}, {"instance": thing, "share": 9.0}]
+    obj = with_classes(scenes.sphere(), *kinds, count=200)
+    scales = shown(obj)[2][: (classes_of(obj) == 0).sum()]
+    assert np.allclose(scales[:, 0] * np.sqrt(0.5), 0.05, rtol=1e-4)
+
+
+def test_points_of_older_files_have_the_room_of_the_mean_spacing():
+    obj = scenes.scattered(scenes.sphere())
+    obj.dapple.instance, obj.dapple.fit = box("Thing", (1.0, 1.0, 1.0)), 1.0
+    obj.data.attributes.remove(obj.data.attributes["dapple_room"])
+    size = shown(obj)[2][:, 0] * np.sqrt(0.5)
+    assert np.allclose(size, 0.5 * obj.dapple.report.spacing, rtol=1e-4)
+
+
+def test_a_new_setting_gives_a_scatter_of_an_older_version_the_group_of_this_one():
+    nodes, builder = addon_host.part("nodes"), addon_host.part("nodes.builder")
+    obj = scenes.scattered(scenes.sphere())
+    old = builder.new_group("Old", [*nodes.INPUTS, ("Scale", "NodeSocketFloat")], nodes.INPUTS[:1])
+    old[nodes.VERSION_KEY] = 12
+    obj.modifiers[0].node_group = old
+    obj.dapple.scale = 2.0
+    assert obj.modifiers[0].node_group == old
+    obj.dapple.scale_z = 2.0
+    assert obj.modifiers[0].node_group == nodes.ensure_group()
+    assert np.allclose(shown(obj)[2], (2.0, 2.0, 4.0), atol=1e-5)
