@@ -12,7 +12,7 @@ class Random {
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
   std::uint64_t bits() {
-    state_ += 0x9e3779b97f4a7c15u;
+    state_ += kStep;
     std::uint64_t z = state_;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -21,7 +21,7 @@ class Random {
 
   /// As it will be after so many numbers.
   [[nodiscard]] Random after(std::uint64_t numbers) const {
-    return Random(state_ + numbers * 0x9e3779b97f4a7c15u);
+    return Random(state_ + numbers * kStep);
   }
   bool operator==(const Random&) const = default;
 
@@ -29,6 +29,8 @@ class Random {
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
 
  private:
+  static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;  // 2^64 / the golden ratio, odd
+
   std::uint64_t state_;
 };
 

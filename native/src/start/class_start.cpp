@@ -187,7 +187,7 @@ class Throwing {
       ClassDarts* members = least_filled(group);
       if (!members) return thrown;
       const Dart dart = dart_on(*members, members->board.draw(random_));
-      if (is_refused(*members, dart, fraction)) continue;
+      if (is_refused(members->near, *members, dart, fraction)) continue;
       members->board.take(dart);
       keep(*members, dart, fraction);
     }
@@ -202,7 +202,7 @@ class Throwing {
     fresh_.clear();
     for (std::size_t k = 0; k < drawn_.size(); ++k) {
       const Drawn& drawn = drawn_[k];
-      if (drawn.refused || is_refused_by_fresh(members, drawn.dart, fraction)) continue;
+      if (drawn.refused || is_refused(fresh_, members, drawn.dart, fraction)) continue;
       const bool closed = members.board.take(drawn.dart);
       keep(members, drawn.dart, fraction);
       fresh_.insert(drawn.dart, own_radius(members, drawn.dart, fraction));
@@ -258,16 +258,10 @@ class Throwing {
     return dart_at(*members.start->surface, draw.face, draw.weights);
   }
 
-  [[nodiscard]] bool is_refused(const ClassDarts& members, const Dart& dart,
+  /// By these of its own class, all of them or those that the batch has kept, or by others.
+  [[nodiscard]] bool is_refused(const DartSet& own, const ClassDarts& members, const Dart& dart,
                                 double fraction) const {
-    return members.near.refuses(dart, own_radius(members, dart, fraction)) ||
-           is_refused_by_others(members, dart, fraction);
-  }
-
-  /// By those that the batch has kept, if nothing was there before it that does.
-  [[nodiscard]] bool is_refused_by_fresh(const ClassDarts& members, const Dart& dart,
-                                         double fraction) const {
-    return fresh_.refuses(dart, own_radius(members, dart, fraction)) ||
+    return own.refuses(dart, own_radius(members, dart, fraction)) ||
            is_refused_by_others(members, dart, fraction);
   }
 
