@@ -3,7 +3,9 @@
 
 import numpy as np
 
+from .aspect import aspect_factors
 from .frames import vertex_normals
+from .masks import mask_of
 from .native import package
 from .settings import DensitySettings, Settings
 from .surface import Floats, SurfaceArrays
@@ -18,8 +20,20 @@ def names_of(settings: Settings) -> list[str]:
     return sorted({name for name in named if name})
 
 
-def vertex_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | None:
-    """Product (v,) of the terms that are known at vertices; None where there is none."""
+def density_of(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | None:
+    """Product of the terms that are known at vertices (v,), or at the corners of faces (m, 3) where
+    these differ at a vertex; None where there is none.
+    """
+    terms = _vertex_terms(arrays, settings)
+    found = np.prod(terms, axis=0) if terms else None
+    aspect = mask_of(settings, "aspect")
+    if aspect is None:
+        return found
+    factors = aspect_factors(arrays, aspect, settings.aspect_direction)
+    return factors if found is None else factors * found[arrays.faces]
+
+
+def _vertex_terms(arrays: SurfaceArrays, settings: DensitySettings) -> list[Floats]:
     terms = []
     if settings.attribute:
         terms.append(arrays.weights[settings.attribute])
@@ -27,19 +41,11 @@ def vertex_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | N
         terms.append(1.0 - np.clip(arrays.weights[settings.blocked], 0.0, 1.0))
     if settings.curvature > 0.0:
         terms.append(_by_curvature(arrays, settings.curvature))
-    if settings.use_slope:
+    slope = mask_of(settings, "slope")
+    if slope is not None:
         up = vertex_normals(arrays.vertices, arrays.faces)[:, 2]
-        angle = np.arccos(np.clip(up, -1.0, 1.0))
-        terms.append(window(angle, settings.slope_from, settings.slope_to, settings.slope_fade))
-    return np.prod(terms, axis=0) if terms else None
-
-
-def window(values: Floats, low: float, high: float, fade: float) -> Floats:
-    """1 from low to high, falling to 0 over the length fade on either side."""
-    outside = np.maximum(low - values, values - high)
-    if fade <= 0.0:
-        return (outside <= 0.0).astype(np.float64)
-    return np.clip(1.0 - outside / fade, 0.0, 1.0)
+        terms.append(slope.factors(np.arccos(np.clip(up, -1.0, 1.0))))
+    return terms
 
 
 def _by_curvature(arrays: SurfaceArrays, influence: float) -> Floats:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of the density: terms that are multiplied, and what points avoid."""
 
-import math
 from dataclasses import dataclass
+from itertools import chain
 
 from .descriptors import Kind, Setting
+from .mask_table import MASKS
 
 DENSITY = (
     Setting(
@@ -29,7 +30,23 @@ DENSITY = (
         Kind.IMAGE,
         "",
         "Image",
-        "Image whose brightness, as painted, and opacity multiply the density",
+        "Image that multiplies the density, as painted: by its brightness and opacity, or by one "
+        "channel",
+    ),
+    Setting(
+        "image_channel",
+        Kind.CHOICE,
+        "BRIGHTNESS",
+        "Channel",
+        "What of the image multiplies the density",
+        choices=(
+            ("BRIGHTNESS", "Brightness", "Brightness of the color, times its opacity"),
+            ("RED", "Red", "Red alone, whatever the opacity"),
+            ("GREEN", "Green", "Green alone, whatever the opacity"),
+            ("BLUE", "Blue", "Blue alone, whatever the opacity"),
+            ("ALPHA", "Alpha", "Opacity alone"),
+        ),
+        under="image",
     ),
     Setting(
         "uv_map",
@@ -50,83 +67,7 @@ DENSITY = (
         high=1.0,
         subtype="FACTOR",
     ),
-    Setting(
-        "use_slope",
-        Kind.SWITCH,
-        False,
-        "Slope",
-        "Only scatter points where the angle between the normal and world Z is in a range",
-    ),
-    Setting(
-        "slope_from",
-        Kind.NUMBER,
-        0.0,
-        "Min",
-        "Smallest angle between the normal and world Z with full density: 0 is a floor, 90 a "
-        "wall, 180 a ceiling",
-        low=0.0,
-        high=math.pi,
-        subtype="ANGLE",
-        under="use_slope",
-    ),
-    Setting(
-        "slope_to",
-        Kind.NUMBER,
-        0.7853982,
-        "Max",
-        "Largest angle between the normal and world Z with full density: 0 is a floor, 90 a "
-        "wall, 180 a ceiling",
-        low=0.0,
-        high=math.pi,
-        subtype="ANGLE",
-        under="use_slope",
-    ),
-    Setting(
-        "slope_fade",
-        Kind.NUMBER,
-        0.1745329,
-        "Falloff",
-        "Angle beyond the range over which the density falls to 0",
-        low=0.0,
-        high=math.pi,
-        subtype="ANGLE",
-        under="use_slope",
-    ),
-    Setting(
-        "use_height",
-        Kind.SWITCH,
-        False,
-        "Height",
-        "Only scatter points where world Z is in a range",
-    ),
-    Setting(
-        "height_from",
-        Kind.NUMBER,
-        0.0,
-        "Min",
-        "Lowest world Z with full density",
-        unit="LENGTH",
-        under="use_height",
-    ),
-    Setting(
-        "height_to",
-        Kind.NUMBER,
-        1.0,
-        "Max",
-        "Highest world Z with full density",
-        unit="LENGTH",
-        under="use_height",
-    ),
-    Setting(
-        "height_fade",
-        Kind.NUMBER,
-        0.1,
-        "Falloff",
-        "Height beyond the range over which the density falls to 0",
-        low=0.0,
-        unit="LENGTH",
-        under="use_height",
-    ),
+    *chain(*MASKS.values()),
     Setting(
         "use_camera",
         Kind.SWITCH,
@@ -168,6 +109,19 @@ DENSITY = (
         under="obstacles",
     ),
 )
+
+
+ALL = "ALL"
+# What Show Density can show: all of the density, or one of its terms.
+SHOWN_TERMS = (
+    (ALL, "Density", "All terms of the density, multiplied"),
+    *((one.name, one.label, one.tooltip) for one in DENSITY if not one.under),
+)
+
+
+def settings_of_term(term: str) -> list[str]:
+    """Names of the settings of one of them."""
+    return [one.name for one in DENSITY if term in (one.name, one.under)]
 
 
 @dataclass(frozen=True)

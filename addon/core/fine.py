@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities that know nothing of faces: heights, the camera's frame, obstacles.
+"""Densities that know nothing of faces: heights, distances, noise, the camera's frame, obstacles.
 
 Each has its values at places, and the faces on which it changes: only these need to be cut.
 """
@@ -7,32 +7,31 @@ Each has its values at places, and the faces on which it changes: only these nee
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .density import window
-from .frames import vertex_normals
-from .native import package
+from .fields import fields_of
+from .masks import Flags, Mask, mask_of
+from .nearest import Body
 from .settings import DensitySettings
-from .surface import Floats, Ints, Surroundings
-
-Mask = NDArray[np.bool_]
+from .surface import Floats, Ints, SurfaceArrays
 
 
 class Term(Protocol):
     """A factor of the density."""
 
+    coarseness: float  # how much longer the edges of faces may be than at a sharp change
+
     def values(self, points: Floats) -> Floats:
         """Factors (k,) at points (k, 3)."""
 
-    def changes(self, points: Floats, faces: Ints) -> Mask:
+    def changes(self, points: Floats, faces: Ints) -> Flags:
         """Which faces (m,) of a mesh may have places with several values."""
 
 
-def fine_terms(around: Surroundings, settings: DensitySettings) -> list[Term]:
+def fine_terms(arrays: SurfaceArrays, settings: DensitySettings) -> list[Term]:
     """What the settings ask for."""
-    terms: list[Term] = []
-    if settings.use_height:
-        terms.append(Height(settings))
+    around, height = arrays.around, mask_of(settings, "height")
+    terms: list[Term] = [] if height is None else [Height(height)]
+    terms += fields_of(arrays, settings)
     if around.camera is not None:
         terms.append(Camera(around.camera, settings.camera_margin))
     terms += [Obstacle(*mesh, settings.obstacle_margin) for mesh in around.obstacles]
@@ -42,20 +41,17 @@ def fine_terms(around: Surroundings, settings: DensitySettings) -> list[Term]:
 class Height:
     """Full in a range of world Z, less over the fade beside it."""
 
-    def __init__(self, settings: DensitySettings) -> None:
-        self._range = (settings.height_from, settings.height_to, settings.height_fade)
+    coarseness = 1.0
+
+    def __init__(self, mask: Mask) -> None:
+        self._mask = mask
 
     def values(self, points: Floats) -> Floats:
-        return window(points[:, 2], *self._range)
+        return self._mask.factors(points[:, 2])
 
-    def changes(self, points: Floats, faces: Ints) -> Mask:
-        low, high, fade = self._range
+    def changes(self, points: Floats, faces: Ints) -> Flags:
         z = points[:, 2][faces]
-        least, most = z.min(axis=1), z.max(axis=1)
-        rises = (least < low) & (most >= low - fade)
-        falls = (least <= high + fade) & (most > high)
-        found: Mask = rises | falls
-        return found
+        return self._mask.falls(z.min(axis=1), z.max(axis=1))
 
 
 class Camera:
@@ -64,67 +60,62 @@ class Camera:
     Whether something is in front of them is not asked.
     """
 
+    coarseness = 1.0
+
     def __init__(self, clip: Floats, margin: float) -> None:
         x, y, w = clip[0], clip[1], (1.0 + margin) * clip[3]
         self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
 
-    def _inside(self, points: Floats) -> Mask:
+    def _inside(self, points: Floats) -> Flags:
         signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
-        found: Mask = signed >= 0.0
+        found: Flags = signed >= 0.0
         return found
 
     def values(self, points: Floats) -> Floats:
-        seen: Mask = np.all(self._inside(points), axis=1)
+        seen: Flags = np.all(self._inside(points), axis=1)
         return seen.astype(np.float64)
 
-    def changes(self, points: Floats, faces: Ints) -> Mask:
+    def changes(self, points: Floats, faces: Ints) -> Flags:
         inside = self._inside(points)[faces]  # (m, 3 corners, 5 planes)
-        beyond: Mask = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
-        within: Mask = np.all(inside, axis=(1, 2))
-        found: Mask = ~beyond & ~within
+        beyond: Flags = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
+        within: Flags = np.all(inside, axis=(1, 2))
+        found: Flags = ~beyond & ~within
         return found
 
 
 class Obstacle:
     """0 near to a mesh and, where that is closed, inside; else 1."""
 
+    coarseness = 1.0
+
     def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
-        self._mesh, self._margin = package().Surface(vertices, faces), margin
-        self._normals = vertex_normals(vertices, faces)
-        self._closed = self._mesh.topology.closed
+        self._body, self._margin = Body(vertices, faces), margin
 
     def values(self, points: Floats) -> Floats:
-        return (self._outside(points) >= self._margin).astype(np.float64)
+        return (self._body.outside(points) >= self._margin).astype(np.float64)
 
-    def changes(self, points: Floats, faces: Ints) -> Mask:
+    def changes(self, points: Floats, faces: Ints) -> Flags:
         """By the corners' distances: nothing else is known of what lies between them."""
         corners = points[faces]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        away = np.abs(self._outside(points) - self._margin)[faces].min(axis=1)
-        found: Mask = away <= longest
+        away = np.abs(self._body.outside(points) - self._margin)[faces].min(axis=1)
+        found: Flags = away <= longest
         return found
 
-    def _outside(self, points: Floats) -> Floats:
-        """Distances (k,) from the mesh, less than 0 inside."""
-        closest = package().project(self._mesh, points)
-        distance: Floats = np.array(closest.distances)
-        if self._closed:
-            corners = self._normals[self._mesh.faces[closest.faces]]
-            normals = np.einsum("nk,nkd->nd", closest.barycentric, corners)
-            inside = np.einsum("nd,nd->n", points - closest.positions, normals) < 0.0
-            distance[inside] *= -1.0
-        return distance
 
+def to_cut(terms: list[Term], surface: Any, lengths: Floats, target: float) -> Flags:
+    """Faces of a dapple.Surface on which some term changes, and that are larger than is good.
 
-def all_changes(terms: list[Term], surface: Any) -> Mask:
-    """Faces of a dapple.Surface on which some term changes."""
-    found = np.zeros(len(surface.faces), dtype=bool)
+    lengths are those of the faces' longest edges, target the good one at a sharp change.
+    """
+    found = np.zeros(len(lengths), dtype=bool)
     for term in terms:
-        found |= term.changes(surface.vertices, surface.faces)
+        open_ones = np.flatnonzero(~found & (lengths > term.coarseness * target))
+        found[open_ones] = term.changes(surface.vertices, surface.faces[open_ones])
     return found
 
 
-def blocked(terms: list[Term], surface: Any) -> Mask:
+def blocked(terms: list[Term], surface: Any) -> Flags:
     """Faces of a dapple.Surface that reach into obstacles."""
     found = np.zeros(len(surface.faces), dtype=bool)
     for term in terms:

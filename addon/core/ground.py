@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The ground: a surface with its density, cut finer where that varies within its faces.
 
-A camera's frame, a range of heights, an obstacle or a picture knows nothing of the surface's faces.
-So the faces are cut before samples are made, and samples are returned on the faces that the file
-has. During a deformation the fine vertices follow the coarse ones.
+A camera's frame, a range of heights, a distance, an obstacle or a picture knows nothing of the
+surface's faces. So the faces are cut before samples are made, and samples are returned on the faces
+that the file has. During a deformation the fine vertices follow the coarse ones.
 """
 
 from typing import Any
 
 import numpy as np
 
-from .density import vertex_terms
-from .fine import Term, all_changes, blocked, fine_terms
+from .density import density_of
+from .fine import Term, blocked, fine_terms, to_cut
 from .native import package
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays
@@ -39,10 +39,10 @@ class Ground:
         """
         self._arrays, self._context = arrays, context
         self._refined: Any = None
-        density = vertex_terms(arrays, settings.density)
+        density = density_of(arrays, settings.density)
         self._base: Any = _measured(arrays, density, None if like is None else like._base)
         self.surface = self._base
-        terms = fine_terms(arrays.around, settings.density)
+        terms = fine_terms(arrays, settings.density)
         around, count = arrays.around, _wanted(self.surface, settings)
         if terms or len(around.points):
             self._cut_for(terms, count)
@@ -76,11 +76,7 @@ class Ground:
     @property
     def uncut(self) -> Floats:
         """Density (m, 3) at the corners of the faces that were read, as long as none is cut."""
-        density = self._base.density
-        found: Floats = (
-            np.ones((len(self._base.faces), 3)) if density is None else density[self._base.faces]
-        )
-        return found
+        return _at_corners(self._base.density, self._base.faces)
 
     @property
     def original(self) -> Any:
@@ -108,10 +104,7 @@ class Ground:
         """Density (m, 3) at the corners of the faces, of a class with values of that name."""
         surface, own = self.surface, self.class_density(name)
         density = own.get("density", surface.density)
-        if density is None:
-            return np.ones((len(surface.faces), 3))
-        found: Floats = density if density.ndim == 2 else density[surface.faces]
-        return found
+        return _at_corners(density, surface.faces)
 
     def densities(self, samples: Any) -> Floats:
         """Density (n,) at samples of the surface; 1 where it is the same everywhere."""
@@ -140,7 +133,7 @@ class Ground:
         for _ in range(_ROUNDS):
             lengths = _longest_edges(self.surface)
             target = _FINE * _spacing(self.surface, self._product(terms), count)
-            long = all_changes(terms, self.surface) & (lengths > target)
+            long = to_cut(terms, self.surface, lengths, target)
             if not long.any():
                 break
             limits = np.where(long, 0.51 * lengths, np.inf)
@@ -187,13 +180,22 @@ class Ground:
         self.surface = self._refined.surface
 
 
+def _at_corners(density: Floats | None, faces: Ints) -> Floats:
+    """A density of vertices or corners, at the corners (m, 3)."""
+    if density is None:
+        return np.ones((len(faces), 3))
+    found: Floats = density if density.ndim == 2 else density[faces]
+    return found
+
+
 def _measured(arrays: SurfaceArrays, density: Floats | None, like: Any) -> Any:
     """dapple.Surface of what was read; that of the same faces saves most of the work."""
+    at = "vertices" if density is None or density.ndim == 1 else "corners"
     if like is None or not np.array_equal(like.faces, arrays.faces):
-        return package().Surface(arrays.vertices, arrays.faces, density)
+        return package().Surface(arrays.vertices, arrays.faces, density, density_at=at)
     if not np.array_equal(like.vertices, arrays.vertices):
         like = like.deformed(arrays.vertices)
-    return like.with_density(density)
+    return like.with_density(density, density_at=at)
 
 
 def _wanted(surface: Any, settings: Settings) -> int:

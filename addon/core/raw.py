@@ -5,7 +5,7 @@ Reading has to be done in the main thread, where the artist waits for it; the re
 """
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,14 +101,7 @@ def surface_of_raw(
         cut = cut[:, ::-1]
     around = Surroundings() if around is None else around
     if uv is not None:
-        around = Surroundings(
-            np.ascontiguousarray(uv[cut], dtype=np.float64),
-            around.image,
-            around.camera,
-            around.obstacles,
-            around.points,
-            around.radii,
-        )
+        around = replace(around, uv=np.ascontiguousarray(uv[cut], dtype=np.float64))
     return SurfaceArrays(
         mesh.name,
         mesh.vertices(),
@@ -170,19 +163,16 @@ class RawImage:
     pixels: NDArray[np.float32]  # (rows, columns, channels)
 
 
-def brightness(image: RawImage) -> Floats:
-    """Brightness (rows, columns) of an image times its opacity.
+def shade(image: RawImage, channel: str) -> Floats:
+    """What of an image (rows, columns) is a density: brightness times opacity, or a channel.
 
     Raises:
-        ScatterError: there is no brightness, or one that is no density.
+        ScatterError: there is none of it, or it is no density.
     """
-    rows, columns, channels = image.pixels.shape
+    rows, columns, _ = image.pixels.shape
     values = np.empty((rows, columns))
     for row in range(rows):  # one by one: in double precision, all channels take much memory
-        pixels = image.pixels[row].astype(np.float64)
-        values[row] = pixels[:, :3].mean(axis=1) if channels >= 3 else pixels[:, 0]
-        if channels in (2, 4):
-            values[row] *= pixels[:, -1]
+        values[row] = _shades(image.pixels[row].astype(np.float64), channel)
     wrong = ~(np.isfinite(values) & (values >= 0.0))
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
@@ -191,5 +181,18 @@ def brightness(image: RawImage) -> Floats:
             "density must be finite and not negative"
         )
     if not values.any():
-        raise ScatterError(f"Image '{image.name}' is black everywhere: no point can be placed")
+        dark = "black" if channel == "BRIGHTNESS" else f"0 in its channel {channel.title()}"
+        raise ScatterError(f"Image '{image.name}' is {dark} everywhere: no point can be placed")
     return values
+
+
+def _shades(pixels: Floats, channel: str) -> Floats:
+    """Of pixels (n, channels): one or two are gray, two or four have an opacity."""
+    channels = pixels.shape[1]
+    has_opacity, is_colored = channels in (2, 4), channels >= 3
+    if channel == "ALPHA":
+        return pixels[:, -1] if has_opacity else np.ones(len(pixels))
+    if channel != "BRIGHTNESS":
+        return pixels[:, ("RED", "GREEN", "BLUE").index(channel) if is_colored else 0]
+    values: Floats = pixels[:, :3].mean(axis=1) if is_colored else pixels[:, 0]
+    return values * pixels[:, -1] if has_opacity else values

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import Field, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from .density_table import DENSITY
+from .density_table import DENSITY, settings_of_term
 from .descriptors import Changes, Setting
 from .instance_table import CLASS, TILES
 from .solver_options import MOTION, SAMPLE, TRACKED
@@ -58,6 +58,10 @@ class ClassSettings(_Values):
 @_fields_of(DENSITY)
 class DensitySettings(_Values):
     """Terms that are multiplied; none: the same density everywhere. Angles in radians."""
+
+    def alone(self, term: str) -> "DensitySettings":
+        """With one of the terms and no other."""
+        return DensitySettings(**{name: getattr(self, name) for name in settings_of_term(term)})
 
 
 @_fields_of(TILES)

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from .settings import Settings
-from .surface import Floats, SurfaceArrays, Surroundings
+from .settings import DensitySettings, Settings
+from .surface import Floats, SurfaceArrays, Surroundings, turn_of
 
 # Roles that depend on the frame for most scenes: shapes and places.
-PLACES = ("shape", "scale", "up", "camera", "obstacles", "others")
+PLACES = ("shape", "scale", "up", "north", "noise", "camera", "obstacles", "targets", "others")
 UNKNOWN = "unknown"  # digest of what cannot be compared any more
 _BLOCKS = 256  # sums that describe a shape: each of neighboring rows
 _TOLERANCE = 1e-5  # of the largest number of a role
@@ -88,8 +88,7 @@ class Pose:
 
 def pose_of(arrays: SurfaceArrays) -> Pose:
     """Of a surface as it was read."""
-    left, _, right = np.linalg.svd(arrays.matrix[:3, :3])
-    turn = left @ right
+    turn = turn_of(arrays.matrix)
     if not len(arrays.vertices):
         return Pose(arrays.matrix[:3, 3], turn, 1.0)
     size = float(np.linalg.norm(np.ptp(arrays.vertices @ turn, axis=0)))
@@ -104,13 +103,14 @@ class Outline:
     pose: Pose
     shape: Floats  # (k, 3) sums of its vertices, in its own axes and with its scale
     scale: Floats  # (3, 3) what the object stretches its mesh by, in the mesh's axes
+    origin: Floats  # (3,) of the object
 
 
 def outline_of(arrays: SurfaceArrays) -> Outline:
     """Of a surface as it was read."""
     pose, linear = pose_of(arrays), arrays.matrix[:3, :3]
     shape = _sums((arrays.vertices - pose.center) @ pose.turn)
-    return Outline(arrays.topology, pose, shape, pose.turn.T @ linear)
+    return Outline(arrays.topology, pose, shape, pose.turn.T @ linear, arrays.matrix[:3, 3])
 
 
 def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> Sources:
@@ -131,13 +131,24 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
     """Of the surface: its faces, digests of its values by their names, its shape, and how it
     stands where that counts.
     """
-    pose, density = outline.pose, settings.density
+    density = settings.density
     roles = {role: values[name] for role, name in value_roles(settings).items()}
     near = {"shape": outline.shape, "scale": outline.scale}
-    if density.use_slope or density.use_height:
-        height = pose.center[2] / pose.size if density.use_height else 0.0
-        near["up"] = np.array([[*pose.turn[2], height]])
+    near |= _standing(outline, density)
     return Sources(exact={"faces": outline.topology, **roles}, near=near)
+
+
+def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
+    """How a surface stands in the world, and where the origin of its object is, if it counts."""
+    pose, found = outline.pose, {}
+    if density.use_slope or density.use_height or density.use_aspect:
+        height = pose.center[2] / pose.size if density.use_height else 0.0
+        found["up"] = np.array([[*pose.turn[2], height]])
+    if density.use_aspect:
+        found["north"] = pose.turn[1:2]
+    if density.use_noise:
+        found["noise"] = pose.local(outline.origin[None])
+    return found
 
 
 def on_other_faces(before: Sources, arrays: SurfaceArrays) -> Sources:
@@ -173,6 +184,13 @@ def around_sources(pose: Pose, around: Surroundings) -> Sources:
         exact["obstacles"] = digest_of(faces for _, faces in around.obstacles)
         places = np.concatenate([vertices for vertices, _ in around.obstacles])
         near["obstacles"] = _sums(pose.local(places))
+    if around.targets or len(around.lines):
+        ends = around.lines.reshape(-1, 3)
+        exact["targets"] = digest_of(
+            [np.array([len(ends)]), *(faces for _, faces in around.targets)]
+        )
+        corners = np.concatenate([ends, *(vertices for vertices, _ in around.targets)])
+        near["targets"] = _sums(pose.local(corners))
     if len(around.points):
         near["others"] = _sums(np.column_stack([pose.local(around.points), around.radii]))
     return Sources(exact=exact, near=near)

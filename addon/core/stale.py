@@ -18,7 +18,7 @@ from .older_names import rename
 from .records import own_random
 from .settings import BakeSettings, Settings
 from .solver_options import MOTION, SAMPLE
-from .surface import Floats, SurfaceArrays
+from .surface import Floats, SurfaceArrays, turn_of
 from .tables import SCATTER
 
 SKETCH_SUMS = 3
@@ -152,5 +152,4 @@ def _seen(surface: SurfaceArrays) -> Floats:
     """Some of the vertices, relative to the object's origin and turned back by its rotation."""
     count = len(surface.vertices)
     chosen = np.unique(np.linspace(0, count - 1, min(count, _VERTICES)).astype(np.int64))
-    left, _, right = np.linalg.svd(surface.matrix[:3, :3])
-    return (surface.vertices[chosen] - surface.matrix[:3, 3]) @ (left @ right)
+    return (surface.vertices[chosen] - surface.matrix[:3, 3]) @ turn_of(surface.matrix)

@@ -29,11 +29,14 @@ class Surroundings:
     obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # others' to keep away from
     radii: Floats = field(default_factory=lambda: np.empty(0))  # (k,) by so much
+    # Meshes and segments (s, 2, 3) that a distance is measured to; a point is a segment too.
+    targets: tuple[tuple[Floats, Ints], ...] = ()
+    lines: Floats = field(default_factory=lambda: np.empty((0, 2, 3)))
 
     def arrays(self) -> list[NDArray[Any]]:
         """All of it, for digests."""
-        meshes = [array for mesh in self.obstacles for array in mesh]
-        single = [self.uv, self.image, self.camera, self.points, self.radii]
+        meshes = [array for mesh in (*self.obstacles, *self.targets) for array in mesh]
+        single = [self.uv, self.image, self.camera, self.points, self.radii, self.lines]
         return [array for array in (*single, *meshes) if array is not None]
 
 
@@ -70,6 +73,13 @@ class SurfaceArrays:
         for array in self.around.arrays():
             digest.update(array.tobytes())
         return digest.hexdigest()
+
+
+def turn_of(matrix: Floats) -> Floats:
+    """The axes of an object (3, 3) as columns, without its scale."""
+    left, _, right = np.linalg.svd(matrix[:3, :3])
+    found: Floats = left @ right
+    return found
 
 
 def topology_digest(vertex_count: int, corners: Ints, starts: Ints) -> str:

@@ -21,7 +21,7 @@ class Layout:
     def row(self, **_):
         return type(self)(self.shown)
 
-    column = row
+    column = box = row
 
     def label(self, text="", icon="NONE", translate=True):
         assert icon in ICONS

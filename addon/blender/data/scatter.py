@@ -5,6 +5,8 @@ from dataclasses import fields
 
 import bpy
 
+from ...core.density_table import DENSITY
+from ...core.descriptors import DATA_BLOCKS
 from ...core.errors import ScatterError
 from ...core.records import SCHEMA_KEY
 from ...core.settings import (
@@ -21,6 +23,7 @@ from ..base.translation import Say, label_of, told
 
 # Fields of the core's settings and their properties.
 _PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
+_DATA_BLOCKS = [setting.name for setting in DENSITY if setting.kind in DATA_BLOCKS]
 _QUICK = 1000.0  # milliseconds
 _COUNTED = ("count", "spacing", "evaluations", "milliseconds", "converged", "measured")
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -136,7 +139,7 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
     """Data-blocks by their full names: two files may have one of the same name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
-    for name in ("image", "obstacles"):
+    for name in _DATA_BLOCKS:
         values[name] = values[name].name_full if values[name] else ""
     return DensitySettings(**values)
 

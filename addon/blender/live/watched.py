@@ -32,10 +32,10 @@ def dependencies(obj: bpy.types.Object) -> set[int]:
 
     Nor are collections, which change with every object in them.
     """
-    scene, avoided = bpy.context.scene, obj.dapple.density.obstacles
+    scene, density = bpy.context.scene, obj.dapple.density
     found = {uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)}
-    if not obj.dapple.density.use_camera:
+    if not density.use_camera:
         found.discard(scene.session_uid)  # which changes with every selection
-    if avoided is not None:
-        found -= {one.session_uid for one in (avoided, *avoided.children_recursive)}
+    for one in filter(None, (density.obstacles, density.distance_collection)):
+        found -= {block.session_uid for block in (one, *one.children_recursive)}
     return found

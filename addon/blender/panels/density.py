@@ -8,11 +8,20 @@ import bpy
 
 from ...core.density_table import DENSITY
 from ...core.descriptors import Kind, Setting
+from ...core.mask_table import MASKS
 from ..base.labels import lines_of
+from ..base.translation import told
 from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
 from ..ops.viewport_operators import DAPPLE_OT_show_density
 from ..viewport import overlay
+from . import shown
 from .base import ScatterPanel, draw_in_header
+
+SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
+_AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
+_PLAIN = [
+    one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
+]
 
 
 class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
@@ -23,21 +32,20 @@ class DAPPLE_PT_density(ScatterPanel, bpy.types.Panel):
         draw_in_header(self.layout, DAPPLE_OT_paint_density.bl_idname, "WPAINT_HLT")
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, density = self.layout, context.object.dapple.density
+        layout, settings = self.layout, context.object.dapple
         layout.use_property_split, layout.use_property_decorate = True, False
         column = layout.column(align=True)
         column.operator(DAPPLE_OT_paint_density.bl_idname, icon="WPAINT_HLT")
         column.operator(DAPPLE_OT_paint_blocked.bl_idname, icon="WPAINT_HLT")
-        for switch, settings in groupby(DENSITY, key=lambda setting: setting.under):
-            if switch and not getattr(density, switch):
-                continue
-            rows = layout.column(align=True) if switch else layout
-            for setting in settings:
-                _draw(rows, context.object.dapple, setting)
-        shown = overlay.is_on(context.object)
-        layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=shown)
-        if overlay.note():
-            lines_of(layout, overlay.note(), "INFO")
+        for switch, rows in groupby(_PLAIN, key=lambda setting: setting.under):
+            if not switch or getattr(settings.density, switch):
+                for setting in rows:
+                    _draw(layout, settings, setting)
+        _draw_masks(layout, context.object)
+        for setting in _AVOIDED:
+            if not setting.under or settings.density.obstacles:
+                _draw(layout, settings, setting)
+        _draw_shown(layout, context.object)
 
 
 def _draw(layout: bpy.types.UILayout, scatter: bpy.types.AnyType, setting: Setting) -> None:
@@ -45,3 +53,46 @@ def _draw(layout: bpy.types.UILayout, scatter: bpy.types.AnyType, setting: Setti
         layout.prop(scatter.density, setting.name)
     elif scatter.surface:
         layout.prop_search(scatter.density, setting.name, scatter.surface.data, "uv_layers")
+
+
+def _draw_masks(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """A line for each mask, and below it the settings of those that are on."""
+    density, column = obj.dapple.density, layout.column(align=True)
+    column.label(text="Masks")
+    for switch in SWITCHES:
+        row = column.row()
+        row.use_property_split = False
+        row.prop(density, switch)
+        if getattr(density, switch):
+            box = column.box().column(align=True)
+            for setting in DENSITY:
+                if setting.under == switch and not setting.name.endswith(("_invert", "_strength")):
+                    box.prop(density, setting.name)
+            _draw_ends(box, density, switch.removeprefix("use_"))
+            _draw_note(box, obj, switch)
+
+
+def _draw_ends(box: bpy.types.UILayout, density: bpy.types.AnyType, mask: str) -> None:
+    if mask in MASKS:
+        row = box.row(align=True)
+        row.prop(density, f"{mask}_strength")
+        row.prop(density, f"{mask}_invert", text="", icon="ARROW_LEFTRIGHT")
+
+
+def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> None:
+    """Why a mask that is on has no effect."""
+    density = obj.dapple.density
+    if switch == "use_distance" and not (density.distance_object or density.distance_collection):
+        lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
+    if switch == "use_border" and shown.IS_CLOSED.of(obj):
+        lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
+
+
+def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Show Density, and what of it is shown."""
+    is_on = overlay.is_on(obj)
+    layout.operator(DAPPLE_OT_show_density.bl_idname, icon="OVERLAY", depress=is_on)
+    if is_on:
+        layout.prop(obj.dapple.density, "shown_term")
+    if overlay.note():
+        lines_of(layout, overlay.note(), "INFO")

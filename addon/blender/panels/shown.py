@@ -14,6 +14,7 @@ from ..data.scatter import settings_of
 from ..steps.classes import count_labels
 from ..steps.presets import folder
 from ..steps.scatters import is_solo, scatters_of
+from ..surface.borders import is_closed
 from ..surface.topology import differences
 from . import pictures
 from .asset_library import library, missing_assets
@@ -75,6 +76,7 @@ def _assets(_: None) -> Assets:
     return Assets(library() is not None, missing_assets())
 
 
+IS_CLOSED = Prepared(is_closed, False)  # whether the surface of a scatter is
 # Of a surface: by what the viewport and renders differ.
 DIFFERENCES = Prepared(_differences, ())
 SCATTERS = Prepared(_scatters, ())  # of a surface

@@ -2,10 +2,18 @@
 """Property groups inside a scatter's: report, density, tiles, one class."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from ...core.density_table import SHOWN_TERMS
 from ...core.tables import GROUPS
-from .making import with_settings
+from .making import STILL, with_settings
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
@@ -73,6 +81,13 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
 @with_settings(GROUPS["density"])
 class DAPPLE_PG_density(bpy.types.PropertyGroup):
     """Terms of the density, which are multiplied."""
+
+    shown_term: EnumProperty(
+        name="Show",
+        description="What Show Density colors the surface by",
+        items=SHOWN_TERMS,
+        options=STILL,
+    )
 
 
 @with_settings(GROUPS["tiles"])

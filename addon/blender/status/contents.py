@@ -73,9 +73,12 @@ def _note(frame: float, roles: list[str]) -> str:
         "shape": told("shape of the surface"),
         "scale": told("shape of the surface"),
         "up": told("direction and height of the surface"),
+        "north": told("direction and height of the surface"),
+        "noise": told("origin of the surface"),
         "camera": told("camera"),
         "obstacles": told("avoided objects"),
         "others": told("avoided objects"),
+        "targets": told("objects that a distance is measured to"),
     }
     listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
     return told(
@@ -99,7 +102,13 @@ def _said(obj: bpy.types.Object, role: str) -> str:
         return told("The camera was moved or changed")
     if role in ("obstacles", "others"):
         return told("Avoided objects were moved or changed")
-    if role == "up":
+    if role == "targets":
+        return told("Objects that a distance is measured to were moved or changed")
+    if role == "noise":
+        return told(
+            "Surface '{surface}' has another origin, and the noise depends on it", surface=surface
+        )
+    if role in ("up", "north"):
         return told(
             "Surface '{surface}' was rotated or moved, and the density depends on it",
             surface=surface,

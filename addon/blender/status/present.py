@@ -28,8 +28,9 @@ from ...core.surface import SurfaceArrays, topology_digest
 from ..data.key_stores import key_tables, stores_of
 from ..data.points import points_digest
 from ..data.scatter import settings_of
+from ..surface.beside import own_objects
 from ..surface.surface_mesh import evaluated_mesh, read_surface
-from ..surface.surroundings import own_objects, read_around
+from ..surface.surroundings import read_around
 from ..surface.weights import read_weights
 
 SURFACE, VALUES, AROUND = "surface", "values", "around"
@@ -129,6 +130,9 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
     density, surface = obj.dapple.density, obj.dapple.surface
     found: dict[int, tuple[str, ...]] = {obj.session_uid: ()}
     around = [scene, density.image, *_obstacles(density.obstacles)]
+    if density.use_distance:
+        around += _with_data(density.distance_object)
+        around += _obstacles(density.distance_collection)
     if density.use_camera:
         around += _with_data(scene.camera)
     parts = [(_with_data(surface), (SURFACE, VALUES, AROUND)), (around, (AROUND,))]

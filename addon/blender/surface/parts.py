@@ -15,17 +15,19 @@ from ...core.raw import (
     RawImage,
     RawMesh,
     RawValues,
-    brightness,
     density_at_vertices,
+    shade,
     surface_of_raw,
 )
-from ...core.settings import Settings
+from ...core.settings import DensitySettings, Settings
 from ...core.steps import PAUSE
-from ...core.surface import Floats, SurfaceArrays, Surroundings
+from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.held import Held
 from ..data.scatter import is_scatter
+from .beside import check_targets, obstacles_of, targets_of
+from .lines import read_lines
 from .mesh_parts import Parts, evaluated, mesh_parts, read_uv, value_parts
-from .surroundings import balls, obstacles_of, read_camera, read_image
+from .surroundings import balls, read_camera, read_image
 
 
 @dataclass
@@ -36,23 +38,33 @@ class Read:
     values: list[RawValues] = field(default_factory=list)
     uv: Any = None  # (c, 2) of the corners
     image: RawImage | None = None
+    channel: str = ""  # of the image
     camera: Floats | None = None
     obstacles: list[RawMesh] = field(default_factory=list)
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))
     radii: Floats = field(default_factory=lambda: np.empty(0))
+    targets: list[RawMesh] = field(default_factory=list)
+    lines: list[Floats] = field(default_factory=lambda: [np.empty((0, 2, 3))])
 
     def arrays(self) -> SurfaceArrays:
         """All of it, as read_with would have read it; for a worker."""
-        meshes = map(surface_of_raw, self.obstacles)
         around = Surroundings(
-            image=None if self.image is None else brightness(self.image),
+            image=None if self.image is None else shade(self.image, self.channel),
             camera=self.camera,
-            obstacles=tuple((one.vertices, one.faces) for one in meshes if len(one.faces)),
+            obstacles=_meshes(self.obstacles),
             points=self.points,
             radii=self.radii,
+            targets=_meshes(self.targets),
+            lines=np.concatenate(self.lines),
         )
         values = {raw.name: density_at_vertices(self.mesh, raw) for raw in self.values}
         return surface_of_raw(self.mesh, values, around, self.uv)
+
+
+def _meshes(raw: list[RawMesh]) -> tuple[tuple[Floats, Ints], ...]:
+    """Vertices and faces of those that have some."""
+    found = map(surface_of_raw, raw)
+    return tuple((one.vertices, one.faces) for one in found if len(one.faces))
 
 
 def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
@@ -64,7 +76,7 @@ def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
     if density.image:
         found.uv = read_uv(surface, found.mesh, density.uv_map)
         yield PAUSE
-        found.image = read_image(density.image)
+        found.image, found.channel = read_image(density.image), density.image_channel
         yield PAUSE
     if density.use_camera:
         found.camera = read_camera(evaluated())
@@ -73,4 +85,17 @@ def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
         found.points, found.radii = balls(others, density.obstacle_margin)
         for other in [Held(one) for one in others if not is_scatter(one)]:
             found.obstacles.append((yield from mesh_parts(other)))
+    yield from _target_parts(found, density, surface, own)
     return found
+
+
+def _target_parts(found: Read, density: DensitySettings, surface: Held, own: Held) -> Parts:
+    """Read what a distance is measured to."""
+    for other in [Held(one) for one in targets_of(density, surface.get(), own.get())]:
+        lines = read_lines(other.get(), evaluated())
+        if lines is None:
+            found.targets.append((yield from mesh_parts(other)))
+        else:
+            found.lines.append(lines)
+        yield PAUSE
+    check_targets(density, len(found.targets) + sum(map(len, found.lines)))

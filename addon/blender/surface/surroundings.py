@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a density takes from beside its surface: an image, the camera, objects to avoid."""
 
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import bpy
 import numpy as np
 
 from ...core.density import names_of
 from ...core.errors import ScatterError
-from ...core.raw import RawImage, brightness
+from ...core.raw import RawImage, shade
 from ...core.records import check_columns
-from ...core.settings import Settings
+from ...core.settings import DensitySettings, Settings
 from ...core.sources import digest_of
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.meshio import read_columns, read_points, to_world
 from ..data.scatter import is_scatter
+from .beside import by_full_name, check_targets, obstacles_of, targets_of
+from .lines import read_lines
 from .surface_mesh import evaluated_mesh, read_surface
-
-_MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
 def read_with(
@@ -48,14 +46,35 @@ def read_around(
         others = obstacles_of(density.obstacles, obj, own)
         points, radii = balls(others, density.obstacle_margin)
         meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
+    targets, lines = _targets(density, obj, depsgraph, own)
     return Surroundings(
         uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
-        image=_picture(density.image) if density.image else None,
+        image=_picture(density.image, density.image_channel) if density.image else None,
         camera=read_camera(depsgraph) if density.use_camera else None,
         obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
         points=points,
         radii=radii,
+        targets=targets,
+        lines=lines,
     )
+
+
+def _targets(
+    density: DensitySettings,
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    own: bpy.types.Object | None,
+) -> tuple[tuple[tuple[Floats, Ints], ...], Floats]:
+    """Meshes and lines that a distance is measured to."""
+    meshes, lines = [], [np.empty((0, 2, 3))]
+    for other in targets_of(density, obj, own):
+        found = read_lines(other, depsgraph)
+        if found is None:
+            meshes.append(_mesh(other, depsgraph))
+        else:
+            lines.append(found)
+    check_targets(density, len(meshes) + sum(map(len, lines)))
+    return tuple(meshes), np.concatenate(lines)
 
 
 def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
@@ -84,13 +103,13 @@ def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.type
     return layer
 
 
-def _picture(name: str) -> Floats:
-    return brightness(read_image(name))
+def _picture(name: str, channel: str) -> Floats:
+    return shade(read_image(name), channel)
 
 
 def read_image(name: str) -> RawImage:
     """The pixels of an image; ScatterError if there are none."""
-    image = _by_full_name(bpy.data.images, name)
+    image = by_full_name(bpy.data.images, name)
     if image is None:
         raise ScatterError(f"There is no image '{name}'")
     width, height = image.size
@@ -132,49 +151,6 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     there[:3, :3] /= np.linalg.norm(there[:3, :3], axis=0)  # renders ignore a camera's scale
     found: Floats = np.array(frame, dtype=np.float64) @ np.linalg.inv(there)
     return found
-
-
-def own_objects(scatter: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
-    """A scatter, its tiles and what it places: it would flee from its last result."""
-    if scatter is None:
-        return
-    settings = scatter.dapple
-    yield scatter
-    yield from _with_its_mesh(settings.tiles.object)
-    for placed in (settings, *settings.classes):
-        if placed.instance:
-            yield placed.instance
-        if placed.collection:
-            yield from placed.collection.all_objects
-
-
-def _with_its_mesh(made: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
-    """An object, and linked duplicates of it."""
-    if made is not None:
-        yield from (one for one in bpy.data.objects if one.data == made.data)
-
-
-def obstacles_of(
-    name: str, surface: bpy.types.Object, scatter: bpy.types.Object | None
-) -> list[bpy.types.Object]:
-    """Objects of a collection that a scatter on a surface keeps off."""
-    return list(_obstacles(name, {surface, *own_objects(scatter)}))
-
-
-def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
-    """Objects of a collection and those inside it that points have to avoid."""
-    collection = _by_full_name(bpy.data.collections, name)
-    if collection is None:
-        raise ScatterError(f"There is no collection '{name}'")
-    seen = set(bpy.context.view_layer.objects)
-    for obj in collection.all_objects:
-        if obj.type in _MESHES and obj not in own and obj in seen:
-            yield obj
-
-
-def _by_full_name(blocks: Any, name: str) -> Any:
-    """The data-block of that full name, which names its file too; None if there is none."""
-    return next((one for one in blocks if one.name_full == name), None)
 
 
 def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats, Ints]:

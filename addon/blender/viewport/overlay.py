@@ -15,33 +15,24 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ...core.density_colors import Singles, computed
+from ...core.density_colors import Colored, Singles, computed
 from ...core.errors import ScatterError, StoppedError
-from ...core.settings import Settings
 from ...core.steps import Stepper, Steps, Task
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.renders import busy, when_one_begins
 from ..base.translation import told
-from ..data.scatter import settings_of, surface_of
+from ..data.scatter import surface_of
 from ..surface.parts import read_parts
-from ..surface.surroundings import obstacles_of, read_camera
+from . import legend as legend_drawing
+from .shown_term import Asked, asked_of, legend_of, watched_by
 
 _PAUSE = 0.2  # seconds without a change before the colors are computed
 _POLL = 0.01  # seconds between two looks at the worker
 _LONG = 3600.0  # seconds that a Blender without windows waits for it
 _PART = 300_000  # corners that are handed to the graphics card at a time
+_NOTHING = Colored(np.empty((0, 3), np.float32), np.empty((0, 4), np.float32), 0.0)
 Part = tuple[Singles, Singles]  # positions and colors of corners
-
-
-@dataclass(frozen=True)
-class _Asked:
-    """What the colors are of, as far as it can be looked up quickly."""
-
-    surface: int  # session_uid
-    settings: Settings
-    density: str  # values of the class that is shown
-    camera: bytes = b""
 
 
 @dataclass
@@ -49,17 +40,17 @@ class _Shown:
     """The scatter whose density is shown, and its triangles."""
 
     scatter: Held | None = None
-    asked: _Asked | None = None
+    asked: Asked | None = None
     watched: frozenset[int] = frozenset()  # session_uids of what else the colors depend on
-    positions: Singles = field(default_factory=lambda: np.empty((0, 3), dtype=np.float32))
-    colors: Singles = field(default_factory=lambda: np.empty((0, 4), dtype=np.float32))
+    colored: Colored = _NOTHING
+    legend: tuple[str, str, str] | None = None  # title, what its ends stand for
     batches: list[Any] = field(default_factory=list)  # that are drawn
     waiting: list[Part] = field(default_factory=list)  # for the graphics card
     coming: list[Any] = field(default_factory=list)  # batches of the newest, until all are there
     job: Stepper | None = None  # what goes on
     changed: float = 0.0  # when, by the monotonic clock; 0: not since it was computed
     said: str = ""  # why it ended
-    handle: Any = None
+    handles: tuple[Any, ...] = ()
 
 
 _shown = _Shown()
@@ -72,7 +63,7 @@ def is_on(obj: bpy.types.Object) -> bool:
 
 def note() -> str:
     """Why the density is shown no more, or not yet; empty when nothing is to be said."""
-    if _shown.scatter is not None and not len(_shown.positions):
+    if _shown.scatter is not None and _shown.legend is None:
         return told("The density is being computed")
     return _shown.said
 
@@ -91,7 +82,10 @@ def start(obj: bpy.types.Object) -> None:
         raise
     if not bpy.app.background:
         space = bpy.types.SpaceView3D
-        _shown.handle = space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+        _shown.handles = (
+            space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"),
+            space.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"),
+        )
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=_POLL, persistent=True)
     _redraw()
@@ -100,11 +94,12 @@ def start(obj: bpy.types.Object) -> None:
 def stop() -> None:
     """Show no density."""
     _give_up()
-    if _shown.handle is not None:
-        bpy.types.SpaceView3D.draw_handler_remove(_shown.handle, "WINDOW")
+    for handle in _shown.handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    if _shown.handles:
         _redraw()
-    _shown.handle, _shown.scatter, _shown.asked = None, None, None
-    _shown.positions, _shown.colors = np.empty((0, 3), np.float32), np.empty((0, 4), np.float32)
+    _shown.handles, _shown.scatter, _shown.asked = (), None, None
+    _shown.colored, _shown.legend = _NOTHING, None
     _shown.batches, _shown.coming, _shown.waiting, _shown.changed = [], [], [], 0.0
 
 
@@ -116,16 +111,12 @@ def touch(obj: bpy.types.Object) -> None:
 
 def triangles() -> tuple[Singles, Singles]:
     """What is drawn: corners (3 m, 3) in world space and their colors (3 m, 4)."""
-    return _shown.positions, _shown.colors
+    return _shown.colored.positions, _shown.colored.colors
 
 
-def _asked(obj: bpy.types.Object) -> _Asked:
-    surface, settings, at = surface_of(obj), settings_of(obj), obj.dapple.class_index
-    density = settings.classes[at].density if 0 <= at < len(settings.classes) else ""
-    camera = b""
-    if settings.density.use_camera:
-        camera = read_camera(bpy.context.evaluated_depsgraph_get()).tobytes()
-    return _Asked(surface.session_uid, settings, density, camera)
+def legend() -> tuple[str, str, str] | None:
+    """What the legend says: what is shown, and what both ends of its colors stand for."""
+    return _shown.legend
 
 
 def _begin() -> None:
@@ -133,27 +124,18 @@ def _begin() -> None:
     _give_up()
     assert _shown.scatter is not None
     obj = _shown.scatter.get()
-    _shown.asked, _shown.changed = _asked(obj), 0.0
-    _shown.watched = frozenset(_watched(obj, _shown.asked.settings))
+    _shown.asked, _shown.changed = asked_of(obj), 0.0
+    _shown.watched = watched_by(obj, _shown.asked)
     _shown.job = Stepper(_steps(_shown.scatter, Held(surface_of(obj)), _shown.asked))
     while bpy.app.background and not _shown.job.poll(wait=_LONG):
         pass  # a Blender without windows has no timers
     _poll()
 
 
-def _watched(obj: bpy.types.Object, settings: Settings) -> list[int]:
-    """Data-blocks whose updates mean that the colors may be others, by session_uid."""
-    surface, density = surface_of(obj), obj.dapple.density
-    found = [surface, surface.data, density.image]
-    if settings.density.obstacles:
-        found += obstacles_of(settings.density.obstacles, surface, obj)
-    return [one.session_uid for one in found if one is not None]
-
-
-def _steps(scatter: Held, surface: Held, asked: _Asked) -> Steps:
+def _steps(scatter: Held, surface: Held, asked: Asked) -> Steps:
     read = yield from read_parts(asked.settings, surface, scatter)
-    settings, density = asked.settings, asked.density
-    return (yield Task(lambda worker: computed(read.arrays(), settings, density, worker)))
+    settings, density, alone = asked.settings, asked.density, asked.alone
+    return (yield Task(lambda worker: computed(read.arrays(), settings, density, alone, worker)))
 
 
 def _poll() -> None:
@@ -161,8 +143,9 @@ def _poll() -> None:
     if _shown.job is None or not _shown.job.poll():
         return
     if _shown.job.result is not None:
-        _shown.positions, _shown.colors = _shown.job.result
-        _shown.waiting, _shown.coming = _parts(_shown.positions, _shown.colors), []
+        _shown.colored = found = _shown.job.result
+        _shown.waiting, _shown.coming = _parts(found.positions, found.colors), []
+        _shown.legend = legend_of(_shown.scatter.get(), found) if _shown.scatter else None
     _shown.job = None
     _redraw()
 
@@ -187,7 +170,7 @@ def _tick() -> float | None:
         return None
     except StoppedError:  # a render took its place
         _shown.job, _shown.changed = None, time.monotonic()
-    uploads = bool(_shown.waiting) and _shown.handle is not None
+    uploads = bool(_shown.waiting) and bool(_shown.handles)
     if uploads:
         _redraw()
     return _POLL if uploads or _shown.job is not None else _PAUSE
@@ -195,7 +178,7 @@ def _tick() -> float | None:
 
 def _look(obj: bpy.types.Object) -> None:
     """Begin anew once something has changed and nothing more does."""
-    if _asked(obj) != _shown.asked and not _shown.changed:
+    if asked_of(obj) != _shown.asked and not _shown.changed:
         _shown.changed = time.monotonic()
     if _shown.changed and time.monotonic() - _shown.changed > _PAUSE:
         _begin()
@@ -211,6 +194,11 @@ def _draw() -> None:
         batch.draw(shader)
     gpu.state.depth_test_set("NONE")
     gpu.state.blend_set("NONE")
+
+
+def _draw_legend() -> None:
+    if _shown.legend is not None and bpy.context.space_data.overlay.show_overlays:
+        legend_drawing.draw(*_shown.legend)
 
 
 def _parts(positions: Singles, colors: Singles) -> list[Part]:

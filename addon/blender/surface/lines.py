@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading what a distance is measured to and has no faces: curves, points, origins."""
+
+import bpy
+import numpy as np
+
+from ...core.errors import ScatterError
+from ...core.records import check_columns
+from ...core.surface import Floats
+from ..base.meshio import matrix_of, read_points, to_world
+from ..data.scatter import is_scatter
+
+_MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+
+def read_lines(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats | None:
+    """Segments (k, 2, 3) in world space, or points as segments; None: the object has faces.
+
+    A curve without bevel is its line, a scatter its points, a mesh without faces its edges or its
+    vertices. What has no shape is a point at its origin.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    found: Floats | None
+    if is_scatter(obj):
+        found = _points(to_world(obj, read_points(obj.data)))
+    elif obj.type in _MESHES:
+        found = _of_mesh(evaluated)
+    else:
+        found = _points(matrix_of(evaluated)[None, :3, 3])
+    if found is not None:
+        check_columns({"position": found.reshape(-1, 3)}, obj.name)
+    return found
+
+
+def _of_mesh(evaluated: bpy.types.Object) -> Floats | None:
+    mesh = evaluated.to_mesh() if evaluated.is_evaluated else None
+    if mesh is None:
+        raise ScatterError(
+            f"Object '{evaluated.name}', to which a distance is measured, is not evaluated: it "
+            "must be in the view layer and not disabled"
+        )
+    try:
+        if len(mesh.polygons):
+            return None
+        places = to_world(evaluated, read_points(mesh))
+        edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
+        mesh.edges.foreach_get("vertices", edges)
+    finally:
+        evaluated.to_mesh_clear()
+    loose = np.ones(len(places), dtype=bool)
+    loose[edges] = False
+    return np.concatenate([places[edges.reshape(-1, 2)], _points(places[loose])])
+
+
+def _points(places: Floats) -> Floats:
+    """Points (k, 3) as segments."""
+    return np.repeat(places[:, None], 2, axis=1)

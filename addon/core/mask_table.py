@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of the masks of a density: each has a value at a place, and full density in a range."""
+
+import math
+from typing import Any
+
+from .descriptors import Kind, Setting
+
+_ANGLE = {"high": math.pi, "subtype": "ANGLE"}
+_LENGTH = {"unit": "LENGTH"}
+_SHARE = {"high": 1.0, "subtype": "FACTOR"}
+
+
+def _switch(name: str, label: str, tooltip: str) -> Setting:
+    return Setting(f"use_{name}", Kind.SWITCH, False, label, tooltip)
+
+
+def _number(name: str, of: str, default: float, label: str, tooltip: str, **more: Any) -> Setting:
+    return Setting(
+        f"{name}_{of}", Kind.NUMBER, default, label, tooltip, under=f"use_{name}", **more
+    )
+
+
+def _ends(name: str) -> tuple[Setting, ...]:
+    """What all masks have in the end."""
+    return (
+        Setting(
+            f"{name}_invert",
+            Kind.SWITCH,
+            False,
+            "Invert",
+            "Full density outside of the range in place of inside",
+            under=f"use_{name}",
+        ),
+        _number(
+            name,
+            "strength",
+            1.0,
+            "Strength",
+            "How much the mask counts: at 0 it has no effect, at 1 the density falls to 0",
+            low=0.0,
+            **_SHARE,
+        ),
+    )
+
+
+SLOPE = (
+    _switch(
+        "slope",
+        "Slope",
+        "Only scatter points where the angle between the normal and world Z is in a range",
+    ),
+    _number(
+        "slope",
+        "from",
+        0.0,
+        "Min",
+        "Smallest angle between the normal and world Z with full density: 0 is a floor, 90 a "
+        "wall, 180 a ceiling",
+        low=0.0,
+        **_ANGLE,
+    ),
+    _number(
+        "slope",
+        "to",
+        0.7853982,
+        "Max",
+        "Largest angle between the normal and world Z with full density: 0 is a floor, 90 a "
+        "wall, 180 a ceiling",
+        low=0.0,
+        **_ANGLE,
+    ),
+    _number(
+        "slope",
+        "fade",
+        0.1745329,
+        "Falloff",
+        "Angle beyond the range over which the density falls to 0",
+        low=0.0,
+        **_ANGLE,
+    ),
+    *_ends("slope"),
+)
+HEIGHT = (
+    _switch("height", "Height", "Only scatter points where world Z is in a range"),
+    _number("height", "from", 0.0, "Min", "Lowest world Z with full density", **_LENGTH),
+    _number("height", "to", 1.0, "Max", "Highest world Z with full density", **_LENGTH),
+    _number(
+        "height",
+        "fade",
+        0.1,
+        "Falloff",
+        "Height beyond the range over which the density falls to 0",
+        low=0.0,
+        **_LENGTH,
+    ),
+    *_ends("height"),
+)
+DISTANCE = (
+    _switch(
+        "distance",
+        "Distance",
+        "Only scatter points whose distance to an object, or to the nearest object of a "
+        "collection, is in a range. No effect until one of them is chosen",
+    ),
+    Setting(
+        "distance_object",
+        Kind.OBJECT,
+        "",
+        "Object",
+        "Object that the distance is measured to: the faces of a mesh, 0 inside where it is "
+        "closed, the line of a curve, the points of a scatter, or the origin of an empty",
+        under="use_distance",
+    ),
+    Setting(
+        "distance_collection",
+        Kind.COLLECTION,
+        "",
+        "Collection",
+        "Collection of objects; the distance is that to the nearest one. The surface and what "
+        "the scatter makes and places do not count",
+        under="use_distance",
+    ),
+    _number(
+        "distance",
+        "from",
+        0.0,
+        "Min",
+        "Smallest distance with full density",
+        low=0.0,
+        **_LENGTH,
+    ),
+    _number("distance", "to", 0.5, "Max", "Largest distance with full density", low=0.0, **_LENGTH),
+    _number(
+        "distance",
+        "fade",
+        0.5,
+        "Falloff",
+        "Distance beyond the range over which the density falls to 0",
+        low=0.0,
+        **_LENGTH,
+    ),
+    *_ends("distance"),
+)
+BORDER = (
+    _switch(
+        "border",
+        "Border",
+        "Only scatter points whose distance to the border of the surface is in a range. No "
+        "effect on a closed surface, which has no border",
+    ),
+    _number(
+        "border",
+        "from",
+        0.0,
+        "Min",
+        "Smallest distance to the border with full density",
+        low=0.0,
+        **_LENGTH,
+    ),
+    _number(
+        "border",
+        "to",
+        0.2,
+        "Max",
+        "Largest distance to the border with full density",
+        low=0.0,
+        **_LENGTH,
+    ),
+    _number(
+        "border",
+        "fade",
+        0.2,
+        "Falloff",
+        "Distance beyond the range over which the density falls to 0",
+        low=0.0,
+        **_LENGTH,
+    ),
+    *_ends("border"),
+)
+ASPECT = (
+    _switch(
+        "aspect",
+        "Aspect",
+        "Only scatter points where the surface faces a direction. No effect on level ground, "
+        "which faces none",
+    ),
+    _number(
+        "aspect",
+        "direction",
+        0.0,
+        "Direction",
+        "Direction as on a compass: 0 is north (world Y), 90 is east (world X), 180 is south, "
+        "270 is west",
+        soft_low=0.0,
+        soft_high=2.0 * math.pi,
+        subtype="ANGLE",
+    ),
+    _number(
+        "aspect",
+        "from",
+        0.0,
+        "Min",
+        "Smallest angle with full density between the direction and the one that the surface faces",
+        low=0.0,
+        **_ANGLE,
+    ),
+    _number(
+        "aspect",
+        "to",
+        0.7853982,
+        "Max",
+        "Largest angle with full density between the direction and the one that the surface faces",
+        low=0.0,
+        **_ANGLE,
+    ),
+    _number(
+        "aspect",
+        "fade",
+        0.7853982,
+        "Falloff",
+        "Angle beyond the range over which the density falls to 0",
+        low=0.0,
+        **_ANGLE,
+    ),
+    *_ends("aspect"),
+)
+NOISE = (
+    _switch(
+        "noise",
+        "Noise",
+        "Only scatter points where a noise is in a range: patches that move with the surface",
+    ),
+    _number(
+        "noise",
+        "scale",
+        1.0,
+        "Size",
+        "Size of the patches",
+        low=0.0001,
+        soft_low=0.01,
+        **_LENGTH,
+    ),
+    Setting(
+        "noise_detail",
+        Kind.WHOLE,
+        2,
+        "Detail",
+        "How many finer noises are added: each has half the size and half the influence",
+        low=0,
+        high=8,
+        under="use_noise",
+    ),
+    Setting(
+        "noise_seed",
+        Kind.WHOLE,
+        0,
+        "Seed",
+        "Seed of the noise; each seed gives other patches",
+        low=0,
+        under="use_noise",
+    ),
+    _number(
+        "noise",
+        "from",
+        0.5,
+        "Min",
+        "Smallest value of the noise with full density. Values are from 0 to 1 and spread "
+        "evenly: about half of a surface is above 0.5",
+        low=0.0,
+        **_SHARE,
+    ),
+    _number(
+        "noise",
+        "to",
+        1.0,
+        "Max",
+        "Largest value of the noise with full density",
+        low=0.0,
+        **_SHARE,
+    ),
+    _number(
+        "noise",
+        "fade",
+        0.1,
+        "Falloff",
+        "Difference from the range over which the density falls to 0",
+        low=0.0,
+        **_SHARE,
+    ),
+    *_ends("noise"),
+)
+# By name, in the order of the panel.
+MASKS = {
+    "slope": SLOPE,
+    "height": HEIGHT,
+    "distance": DISTANCE,
+    "border": BORDER,
+    "aspect": ASPECT,
+    "noise": NOISE,
+}

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distances to meshes and lines, by the search of the native package.
+
+Lines are given to it as triangles that are hardly wider than them.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .frames import vertex_normals
+from .native import package
+from .surface import Floats, Ints
+
+_THIN = 1e-9  # width of what stands for a line, of the size of all of them
+Mesh = tuple[Floats, Ints]  # vertices and faces, in world space
+
+
+class Body:
+    """A mesh that may have an inside."""
+
+    def __init__(self, vertices: Floats, faces: Ints) -> None:
+        self._mesh = package().Surface(vertices, faces)
+        self._normals = vertex_normals(vertices, faces)
+        self.closed = bool(self._mesh.topology.closed)
+        self._box = vertices[faces].min(axis=(0, 1)), vertices[faces].max(axis=(0, 1))
+
+    def outside(self, points: Floats) -> Floats:
+        """Distances (k,) from the mesh, less than 0 inside."""
+        closest = package().project(self._mesh, points)
+        distance: Floats = np.array(closest.distances)
+        if self.closed:
+            corners = self._normals[self._mesh.faces[closest.faces]]
+            normals = np.einsum("nk,nkd->nd", closest.barycentric, corners)
+            inside = np.einsum("nd,nd->n", points - closest.positions, normals) < 0.0
+            distance[inside] *= -1.0
+        return distance
+
+    def clear(self, distances: Floats, points: Floats) -> None:
+        """Set the distances to 0 of points that are inside."""
+        if self.closed:
+            low, high = self._box
+            there = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+            distances[there[self.outside(points[there]) < 0.0]] = 0.0
+
+
+class Lines:
+    """Segments (k, 2, 3), of which some may be points."""
+
+    def __init__(self, segments: Floats) -> None:
+        self._segments, count = segments, len(segments)
+        width = _THIN * max(float(np.abs(segments).max()), float(np.ptp(segments)), 1e-30)
+        begin, end = segments[:, 0], segments[:, 1]
+        across = np.argsort(np.abs(end - begin), axis=1, kind="stable")[:, :2]
+        corners = np.stack([begin, end, end], axis=1)
+        for corner in (1, 2):
+            corners[np.arange(count), corner, across[:, corner - 1]] += width
+        faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+        self._mesh = package().Surface(corners.reshape(-1, 3), faces, weld=None)
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (n,) of points (n, 3) to the nearest segment."""
+        begin, end = self._segments[package().project(self._mesh, points).faces].transpose(1, 0, 2)
+        ahead, there = end - begin, points - begin
+        length = np.maximum((ahead * ahead).sum(axis=1), 1e-300)
+        share = np.clip((there * ahead).sum(axis=1) / length, 0.0, 1.0)
+        found: Floats = np.linalg.norm(there - share[:, None] * ahead, axis=1)
+        return found
+
+
+class Nearest:
+    """The nearest of meshes and lines; the inside of closed meshes belongs to them."""
+
+    def __init__(self, meshes: Iterable[Mesh], segments: Floats) -> None:
+        meshes = list(meshes)
+        self._bodies = [Body(*mesh) for mesh in meshes]
+        self._meshes = package().Surface(*_joined(meshes), weld=None) if meshes else None
+        self._lines = Lines(segments) if len(segments) else None
+
+    def distances(self, points: Floats) -> Floats:
+        """Distances (n,) of points (n, 3)."""
+        found = np.full(len(points), np.inf)
+        if self._meshes is not None:
+            found = np.minimum(found, package().project(self._meshes, points).distances)
+        if self._lines is not None:
+            found = np.minimum(found, self._lines.distances(points))
+        for body in self._bodies:
+            body.clear(found, points)
+        return found
+
+
+def _joined(meshes: list[Mesh]) -> Mesh:
+    counts = [len(vertices) for vertices, _ in meshes]
+    firsts = np.cumsum([0, *counts[:-1]]).astype(np.int32)
+    faces = [faces + first for (_, faces), first in zip(meshes, firsts, strict=True)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
+
+
+def border_of(vertices: Floats, faces: Ints) -> Floats:
+    """Edges (k, 2, 3) of one face alone; edges of several vertices at one place are one edge."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    alone = edges[_once(edges)]
+    used = np.unique(alone)
+    if not len(used):
+        return np.empty((0, 2, 3))
+    _, place = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)
+    joined = np.sort(place.reshape(-1)[np.searchsorted(used, alone)], axis=1)
+    found: Floats = vertices[alone[_once(joined)]]
+    return found
+
+
+def _once(edges: Ints) -> Ints:
+    """Rows of edges (k, 2) that there is no other one of."""
+    keys = edges[:, 0].astype(np.int64) << 32 | edges[:, 1]
+    _, first, counts = np.unique(keys, return_index=True, return_counts=True)
+    found: Ints = first[counts == 1]
+    return found
