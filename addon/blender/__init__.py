@@ -10,8 +10,9 @@ import bpy
 from . import copies, ui
 from .base import renders, translation, under_way
 from .data import older_files
-from .live import modifier_tab, watcher
+from .live import modifier_tab, placing, watcher
 from .ops import (
+    asset_operators,
     bake_operators,
     live_operators,
     operators,
@@ -35,6 +36,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         tools,
         paint_operators,
         scatter_operators,
+        asset_operators,
     ),
     *(preset_operators, ui, asset_library, preferences),
 )
@@ -75,7 +77,7 @@ def _register() -> None:
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
     later: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way, preview)
-    last: Any = (overlay, remembered, watcher, modifier_tab, live_operators)
+    last: Any = (overlay, remembered, watcher, placing, modifier_tab, live_operators)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -14,6 +14,7 @@ from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
 from .panels.painting import draw_painting
+from .panels.placing import draw_placing
 from .panels.preset_operators import draw_presets
 from .panels.results import draw_result
 from .panels.surface import draw_surface
@@ -31,7 +32,8 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
             return
         draw_work(layout, context)
         if is_scatter(context.object):
-            _draw_scatter(layout, context)
+            if not draw_placing(layout, context.object):
+                _draw_scatter(layout, context)
         elif not draw_painting(layout, context):
             draw_surface(layout, context.object)
             _draw_mismatch(layout, context, "INFO")

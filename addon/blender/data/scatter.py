@@ -34,6 +34,11 @@ def is_scatter(obj: bpy.types.Object | None) -> bool:
     return obj is not None and obj.type == "MESH" and SCHEMA_KEY in obj.data
 
 
+def is_unsolved(obj: bpy.types.Object) -> bool:
+    """Whether it is a scatter that has never had points, as one that comes from an asset."""
+    return is_scatter(obj) and not (obj.dapple.solved_settings or len(obj.data.vertices))
+
+
 def is_surface(obj: bpy.types.Object | None) -> bool:
     """Whether Blender may evaluate the object to faces that points can be bound to."""
     return obj is not None and obj.type in _SURFACE_TYPES and not is_scatter(obj)

@@ -11,6 +11,7 @@ from ...core.errors import ScatterError
 from ..base.job import OPTIONS, Status
 from ..base.translation import told
 from ..data.scatter import is_scatter
+from ..ops.asset_operators import DAPPLE_OT_mark_asset
 from ..ops.polls import writable
 from ..steps.presets import apply, folder, values_of
 from . import shown
@@ -100,6 +101,8 @@ class DAPPLE_MT_presets(bpy.types.Menu):
             self.layout.operator(DAPPLE_OT_save_preset.bl_idname, icon="ADD")
             save = self.layout.operator(DAPPLE_OT_save_preset.bl_idname, text="Save as Default")
             save.name = presets.DEFAULT
+            self.layout.separator()
+            self.layout.operator(DAPPLE_OT_mark_asset.bl_idname, icon="ASSET_MANAGER")
         draw_removal(self.layout)
 
 

@@ -7,7 +7,7 @@ from ...core.quality import CUSTOM, QUALITIES, quality_of, quality_settings
 from ...core.solver_options import EVENNESS
 from ..data.modifier import write_instance_inputs, write_warning
 from ..data.scatter import is_automatic
-from ..live import watcher
+from ..live import placing, watcher
 from ..status import freshness
 from ..viewport import overlay
 
@@ -23,6 +23,7 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     overlay.touch(settings.id_data)
     freshness.touch(settings.id_data)
     watcher.touch(settings.id_data)
+    placing.touch(settings.id_data)
 
 
 def follows_by_itself(settings: bpy.types.PropertyGroup) -> bool:

@@ -29,7 +29,7 @@ def first_values(
     except ScatterError as error:
         return {}, str(error)
     reasons: list[str] = []
-    values = _met(_valid(stored, reasons), surface, context, reasons)
+    values = met(_valid(stored, reasons), surface, context, reasons)
     return values, left_out_note("; ".join(reasons)) if reasons else ""
 
 
@@ -63,7 +63,7 @@ def _fits(value: Any, known: bpy.types.Property) -> bool:
     return number and not isinstance(value, bool) and known.hard_min <= value <= known.hard_max
 
 
-def _met(
+def met(
     values: presets.Values,
     surface: bpy.types.Object,
     context: bpy.types.Context,
