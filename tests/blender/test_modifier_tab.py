@@ -45,6 +45,14 @@ def test_an_object_is_taken_over(obj):
     assert obj.dapple.instance is None
 
 
+def test_so_is_what_the_viewport_shows(obj):
+    edit(obj, "Hidden", 0.75)
+    assert obj.dapple.viewport_share == pytest.approx(0.25)
+    edit(obj, "Display", 1)
+    assert obj.dapple.display_as == "BOUNDS"
+    assert shown(obj, "Hidden") == pytest.approx(0.75)
+
+
 def test_of_several_types_each_has_its_own(obj):
     for _ in range(2):
         bpy.ops.dapple.edit_classes(action="ADD")

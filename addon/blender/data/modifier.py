@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The modifier that plays a scatter back: its node group, and the inputs of that."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -22,6 +23,8 @@ from ...nodes import (
 )
 from ..base.translation import english
 from .scatter import is_fluid, settings_reason
+
+_DISPLAYS = [name for name, *_ in DISPLAY_AS]
 
 
 def scatter_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -100,9 +103,8 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
         return
     if _lacks_inputs(obj, modifier):
         _exchange_group(obj, modifier)
-    _write_display(modifier, obj.dapple)
-    for index, kind in _kinds(obj):
-        _write_kind(modifier, kind, index)
+    for tied in tied_inputs(obj, modifier):
+        set_input(modifier, tied.name, tied.value())
     obj.update_tag()
 
 
@@ -133,30 +135,52 @@ def _lacks_own(
     )
 
 
-def _write_display(modifier: bpy.types.NodesModifier, settings: bpy.types.PropertyGroup) -> None:
-    choices = [name for name, *_ in DISPLAY_AS]
-    values = {
-        "Hidden": 1.0 - settings.viewport_share,
-        "Display": choices.index(settings.display_as),
-    }
-    values |= {name: getattr(settings, property_name(name)) for name, _ in DETAIL_INPUTS}
-    for name, value in values.items():
-        if has_input(modifier, name):
-            set_input(modifier, name, value)
-
-
 def property_name(label: str) -> str:
     """The property that one of INSTANCE_INPUTS takes."""
     return label.lower().replace(" ", "_")
 
 
-def _write_kind(
-    modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
-) -> None:
-    for name, _ in INSTANCE_INPUTS:
-        label = input_name(name, index)
-        if has_input(modifier, label):
-            set_input(modifier, label, getattr(kind, property_name(name)))
+@dataclass(frozen=True)
+class Tied:
+    """An input of the node group that shows a property of the panel."""
+
+    name: str
+    owner: bpy.types.PropertyGroup
+    property: str
+
+    def value(self) -> Any:
+        """What the input has to be."""
+        return _to_input(self.property, getattr(self.owner, self.property))
+
+    def take_over(self, value: Any) -> None:
+        """Have the property be what the input is."""
+        setattr(self.owner, self.property, _from_input(self.property, value))
+
+
+def tied_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> list[Tied]:
+    """All that the node group has."""
+    found = [
+        Tied("Hidden", obj.dapple, "viewport_share"),
+        Tied("Display", obj.dapple, "display_as"),
+    ]
+    found += [Tied(name, obj.dapple, property_name(name)) for name, _ in DETAIL_INPUTS]
+    for index, kind in _kinds(obj):
+        found += [
+            Tied(input_name(name, index), kind, property_name(name)) for name, _ in INSTANCE_INPUTS
+        ]
+    return [one for one in found if has_input(modifier, one.name)]
+
+
+def _to_input(name: str, value: Any) -> Any:
+    if name == "viewport_share":
+        return 1.0 - value
+    return _DISPLAYS.index(value) if name == "display_as" else value
+
+
+def _from_input(name: str, value: Any) -> Any:
+    if name == "viewport_share":
+        return 1.0 - value
+    return _DISPLAYS[min(max(value, 0), len(_DISPLAYS) - 1)] if name == "display_as" else value
 
 
 def write_warning(obj: bpy.types.Object) -> None:

@@ -6,16 +6,15 @@ those that the panel shows, the artist has edited them there.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import bpy
 
-from ...nodes import DETAIL_INPUTS, INSTANCE_INPUTS, get_input, has_input, input_name
+from ...nodes import get_input
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.quiet import is_quiet
 from ..data.library import read_only
-from ..data.modifier import property_name, scatter_modifier
+from ..data.modifier import scatter_modifier, tied_inputs
 from ..data.scatter import is_scatter
 
 _SINGLE = 1e-6  # relative precision of Blender's numbers
@@ -33,32 +32,19 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _take_over(obj: bpy.types.Object) -> None:
     """Give the panel the inputs that were edited."""
-    found = {name: (owner, prop, value) for name, owner, prop, value in _inputs(obj)}
-    now = {name: _remembered(value) for name, (*_, value) in found.items()}
-    before = _known.get(obj.session_uid, now)
-    _known[obj.session_uid] = now
-    if read_only(obj):
-        return
-    for name, (owner, prop, value) in found.items():
-        edited = not _same(before.get(name, now[name]), now[name])
-        if edited and not _same(_remembered(getattr(owner, prop)), now[name]):
-            setattr(owner, prop, value)
-
-
-def _inputs(obj: bpy.types.Object) -> Iterator[tuple[str, Any, str, Any]]:
-    """Inputs that are properties too: name, owner and name of the property, value."""
     modifier = scatter_modifier(obj)
     if modifier is None:
         return
-    for name, _ in DETAIL_INPUTS:
-        if has_input(modifier, name):
-            yield name, obj.dapple, property_name(name), get_input(modifier, name)
-    kinds: list[tuple[Any, int | None]] = [(kind, k) for k, kind in enumerate(obj.dapple.classes)]
-    for owner, number in kinds or [(obj.dapple, None)]:
-        for name, _ in INSTANCE_INPUTS:
-            label = input_name(name, number)
-            if has_input(modifier, label):
-                yield label, owner, property_name(name), get_input(modifier, label)
+    found = [(tied, get_input(modifier, tied.name)) for tied in tied_inputs(obj, modifier)]
+    before = _known.get(obj.session_uid, {})
+    _known[obj.session_uid] = {tied.name: _remembered(value) for tied, value in found}
+    if read_only(obj):
+        return
+    for tied, value in found:
+        now = _remembered(value)
+        edited = not _same(before.get(tied.name, now), now)
+        if edited and not _same(_remembered(tied.value()), now):
+            tied.take_over(value)
 
 
 def _remembered(value: Any) -> Any:
