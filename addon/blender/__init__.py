@@ -8,10 +8,11 @@ from typing import Any
 import bpy
 
 from . import copies, ui
-from .base import renders, translation, under_way
+from .base import recent, renders, translation, under_way
 from .data import older_files
 from .live import modifier_tab, placing, watcher
 from .ops import (
+    add_operators,
     asset_operators,
     bake_operators,
     live_operators,
@@ -29,6 +30,7 @@ from .viewport import overlay, preview
 
 _WITH_CLASSES: tuple[Any, ...] = (
     *(
+        add_operators,
         operators,
         bake_operators,
         live_operators,
@@ -76,7 +78,8 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    later: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way, preview)
+    early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
+    later: Any = (*early, recent, preview)
     last: Any = (overlay, remembered, watcher, placing, modifier_tab, live_operators)
     return [
         *((module.register, module.unregister) for module in first),

@@ -36,13 +36,14 @@ class Pressing:
 
     def press(self, name, **properties):
         """What pressing a button returns."""
-        module = "bake_operators" if name == "bake" else "operators"
+        module = {"bake": "bake_operators", "add": "add_operators"}.get(name, "operators")
         kind = getattr(addon_host.part(f"blender.ops.{module}"), f"DAPPLE_OT_{name}")
         given = SimpleNamespace(is_property_set=properties.__contains__)
         button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
         button.report = lambda kinds, text: self.reported.append((*kinds, text))
-        for method in ("steps", "watched", "execute", "_failed"):
-            setattr(button, method, partial(getattr(kind, method), button))
+        for method in ("steps", "about", "watched", "execute", "given", "_failed"):
+            if hasattr(kind, method):
+                setattr(button, method, partial(getattr(kind, method), button))
         button.done = kind.done
         job = addon_host.part("blender.base.job")
         return job.StepsOperator.invoke(button, bpy.context, None)

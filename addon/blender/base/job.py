@@ -38,6 +38,10 @@ class StepsOperator:
         """Called once when the work on an object is done, when the operator may be no more."""
         return Outcome(obj)
 
+    def about(self, context: bpy.types.Context) -> bpy.types.Object:
+        """The object in whose panel it is said how it ends."""
+        return context.object
+
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
         """What has to stay as it is meanwhile: names by session_uid."""
         return {}
@@ -45,7 +49,7 @@ class StepsOperator:
     def execute(self, context: bpy.types.Context) -> Status:
         """Do all the work now."""
         try:
-            about = Held(context.object)
+            about = Held(self.about(context))
             result = run_now(self.steps(context))
             outcome = self.done(context, result, about.get())
         except (ScatterError, StoppedError) as error:
@@ -58,9 +62,9 @@ class StepsOperator:
         """Begin the work, whose undo step is made once it is done."""
         if under_way.at_once:
             return self.execute(context)
-        stepper, about = Stepper(self.steps(context)), Held(context.object)
-        work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
         try:
+            stepper, about = Stepper(self.steps(context)), Held(self.about(context))
+            work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
             under_way.begin(context, work)
         except (ScatterError, StoppedError) as error:
             return self._failed(error)

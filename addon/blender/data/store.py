@@ -26,9 +26,11 @@ from .points import write_digest
 from .scatter import write_report
 
 
-def new_scatter(surface: bpy.types.Object, collection: bpy.types.Collection) -> bpy.types.Object:
-    """Empty scatter object on a surface."""
-    name = f"{surface.name} Scatter"
+def new_scatter(
+    surface: bpy.types.Object, collection: bpy.types.Collection, named: str = ""
+) -> bpy.types.Object:
+    """Empty scatter object on a surface, named after it or after what that is of."""
+    name = f"{named or surface.name} Scatter"
     obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     obj.data[SCHEMA_KEY] = SCHEMA
     collection.objects.link(obj)

@@ -5,6 +5,7 @@ import bpy
 
 from ...core.native import missing
 from ..data.library import is_in_view_layer, read_only
+from ..data.members import collections_of
 from ..data.scatter import is_automatic, is_scatter
 from ..status.present import AROUND, SURFACE, VALUES, depends_on
 
@@ -38,4 +39,4 @@ def dependencies(obj: bpy.types.Object) -> set[int]:
         found.discard(scene.session_uid)  # which changes with every selection
     for one in filter(None, (density.obstacles, density.distance_collection)):
         found -= {block.session_uid for block in (one, *one.children_recursive)}
-    return found
+    return found - {one.session_uid for one in collections_of(obj.dapple.surface)}

@@ -11,6 +11,7 @@ from ..base.job import OPTIONS, Status, StepsOperator, is_under_way
 from ..base.translation import counted, operator_label, reported, told
 from ..base.under_way import Outcome
 from ..data.key_writing import clear_keys
+from ..data.members import members_of
 from ..data.scatter import is_scatter
 from ..status import freshness
 from ..status.workfiles import all_work_files, finished_files
@@ -36,9 +37,9 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         return bake_steps(context, scene.frame_start, scene.frame_end)
 
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
-        surface = context.object.dapple.surface
-        blocks = [surface, surface.data] if surface is not None else []
-        return {block.session_uid: surface.name for block in blocks}
+        members = members_of(context.object.dapple.surface)
+        blocks = [(block, one) for one in members for block in (one, one.data) if block]
+        return {block.session_uid: one.name for block, one in blocks}
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:

@@ -8,52 +8,14 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty
 
 from ...core.steps import Steps
-from ...core.tables import SCATTER
 from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import operator_label, reported, told
 from ..base.under_way import Outcome
-from ..data.scatter import rest_note
 from ..live import watcher
-from ..settings.making import with_arguments
-from ..steps.adding import add_steps
 from ..steps.tiling import tile_steps
 from ..steps.work import optimize_steps, rebind_steps
 from ..viewport import preview
 from .polls import ready
-
-_ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "bind_to")]
-
-
-@with_arguments(_ADDED_WITH)
-class DAPPLE_OT_add(StepsOperator, bpy.types.Operator):
-    """Scatter points evenly on the active object"""
-
-    bl_idname = "dapple.add"
-    bl_label = "Dapple Scatter"
-    bl_options = OPTIONS
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return ready(cls, context, scatter=False)
-
-    def steps(self, context: bpy.types.Context) -> Steps:
-        names = [setting.name for setting in _ADDED_WITH]
-        given = {
-            name: getattr(self, name) for name in names if self.properties.is_property_set(name)
-        }
-        return add_steps(context, **given)
-
-    @staticmethod
-    def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:
-        if context.object == obj and context.mode == "OBJECT":  # the artist waits for it
-            for other in context.selected_objects:
-                other.select_set(False)
-            result.obj.select_set(True)
-            context.view_layer.objects.active = result.obj
-        if result.note:
-            return Outcome(result.obj, [("WARNING", result.note)])
-        note = rest_note(result.obj, reported)
-        return Outcome(result.obj, [("INFO", note)] if note else [])
 
 
 def _asks(operator: Any, context: bpy.types.Context) -> bool:
@@ -206,7 +168,6 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
 
 CLASSES = (
-    DAPPLE_OT_add,
     DAPPLE_OT_drop_keys,
     DAPPLE_OT_optimize,
     DAPPLE_OT_rebind,

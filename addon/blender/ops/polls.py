@@ -7,25 +7,35 @@ from ...core.native import missing
 from ..base import under_way
 from ..base.translation import operator_label, told
 from ..data.library import read_only
-from ..data.scatter import is_scatter, is_surface
+from ..data.scatter import is_scatter
+from ..steps.joining import chosen
 
 
-def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
-    """Whether the active object fits: a scatter that is writable, or a surface."""
-    obj = context.object
+def free(cls: type[bpy.types.Operator]) -> bool:
+    """Whether long work can begin: the package is there, and no other work goes on."""
     work = under_way.current()
     if missing():
         cls.poll_message_set(missing())
     elif work is not None:
         name = operator_label(work.label)
         cls.poll_message_set(told("'{work}' is still going on: cancel it, or wait", work=name))
-    elif context.mode != "OBJECT" or obj is None:
+    else:
+        return True
+    return False
+
+
+def ready(cls: type[bpy.types.Operator], context: bpy.types.Context, scatter: bool) -> bool:
+    """Whether the active object fits: a scatter that is writable, or a surface."""
+    obj = context.object
+    if not free(cls):
+        return False
+    if context.mode != "OBJECT" or obj is None:
         cls.poll_message_set(told("Needs an active object in Object Mode"))
     elif scatter:
         return writable(cls, context)
     elif is_scatter(obj):
         cls.poll_message_set(told("The active object is a scatter, not a surface"))
-    elif not is_surface(obj):
+    elif not chosen(context):
         cls.poll_message_set(told("Needs an active mesh, curve, text or metaball object"))
     else:
         return True

@@ -9,6 +9,7 @@ from bpy.props import StringProperty
 from ...core.errors import ScatterError
 from ..base.job import OPTIONS, Status
 from ..base.translation import told
+from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
 from ..steps.scatters import activate, copied, remove, show_solo
@@ -66,7 +67,7 @@ class DAPPLE_OT_select_surface(_NamedOperator, bpy.types.Operator):
     bl_options = OPTIONS
 
     def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        surface = surface_of(obj)
+        surface = parts_of(surface_of(obj))[0]
         if context.view_layer.objects.get(surface.name) != surface:
             raise ScatterError(f"Surface '{surface.name}' is not in the view layer")
         activate(context, surface)

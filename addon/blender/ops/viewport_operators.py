@@ -7,6 +7,7 @@ from bpy.props import EnumProperty
 from ...core.errors import ScatterError
 from ...core.native import missing
 from ..base.job import OPTIONS, Status
+from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import active_surface, is_scatter
 from ..surface.topology import differences, match_subdivision
@@ -56,9 +57,10 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
         surface = active_surface(context)
         if surface is None or not differences(surface, context.scene):
             return False
-        if read_only(surface):
-            cls.poll_message_set(read_only(surface))
-        return not read_only(surface)
+        reason = next(filter(None, map(read_only, parts_of(surface))), "")
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
 
     def execute(self, context: bpy.types.Context) -> Status:
         match_subdivision(active_surface(context), context.scene, self.use)

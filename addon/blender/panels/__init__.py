@@ -4,6 +4,7 @@
 from .advanced import DAPPLE_PT_advanced
 from .amount import DAPPLE_PT_amount
 from .animation import DAPPLE_PT_animation
+from .collections import DAPPLE_MT_over_collection
 from .density import DAPPLE_PT_density
 from .details import DAPPLE_PT_details
 from .display import DAPPLE_PT_display
@@ -13,6 +14,7 @@ from .tiles import DAPPLE_PT_tiles
 
 CLASSES = (  # in the order in which the sidebar shows them
     DAPPLE_UL_classes,
+    DAPPLE_MT_over_collection,
     DAPPLE_PT_details,
     DAPPLE_PT_instances,
     DAPPLE_PT_amount,

@@ -11,6 +11,7 @@ from ...core.descriptors import Kind, Setting
 from ...core.mask_table import MASKS
 from ..base.labels import lines_of
 from ..base.translation import told
+from ..data.joined import parts_of
 from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
 from ..ops.viewport_operators import DAPPLE_OT_show_density
 from ..viewport import overlay
@@ -52,7 +53,9 @@ def _draw(layout: bpy.types.UILayout, scatter: bpy.types.AnyType, setting: Setti
     if setting.kind is not Kind.UV_MAP:
         layout.prop(scatter.density, setting.name)
     elif scatter.surface:
-        layout.prop_search(scatter.density, setting.name, scatter.surface.data, "uv_layers")
+        meshes = (part.data for part in parts_of(scatter.surface) if part.type == "MESH")
+        mesh = next((one for one in meshes if one.uv_layers), scatter.surface.data)
+        layout.prop_search(scatter.density, setting.name, mesh, "uv_layers")
 
 
 def _draw_masks(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

@@ -4,7 +4,7 @@
 import bpy
 
 from ..data.scatter import is_surface
-from ..ops.operators import DAPPLE_OT_add
+from ..ops.add_operators import DAPPLE_OT_add
 from ..ops.scatter_operators import (
     DAPPLE_OT_copy_scatter,
     DAPPLE_OT_remove_scatter,
@@ -12,6 +12,7 @@ from ..ops.scatter_operators import (
     DAPPLE_OT_solo_scatter,
 )
 from . import shown
+from .collections import DAPPLE_MT_over_collection
 from .preset_operators import draw_presets
 
 
@@ -24,6 +25,8 @@ def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> No
     row = layout.row()
     row.scale_y = 1.0 if listed else 1.5
     row.operator(DAPPLE_OT_add.bl_idname, text="Add Scatter", icon="ADD")
+    if bpy.context.scene.collection.children:
+        row.menu(DAPPLE_MT_over_collection.__name__, text="", icon="OUTLINER_COLLECTION")
     draw_presets(row)
 
 

@@ -19,6 +19,8 @@ from .making import STILL, with_settings
 from .property_groups import (
     DAPPLE_PG_class,
     DAPPLE_PG_density,
+    DAPPLE_PG_joined,
+    DAPPLE_PG_part,
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
 )
@@ -60,6 +62,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     )
     density: PointerProperty(name="Density", type=DAPPLE_PG_density)
     tiles: PointerProperty(type=DAPPLE_PG_tiles)
+    joined: PointerProperty(type=DAPPLE_PG_joined)
     report: PointerProperty(type=DAPPLE_PG_report)
     solved: PointerProperty(
         name="Solved",
@@ -121,6 +124,8 @@ CLASSES = (
     DAPPLE_PG_class,
     DAPPLE_PG_density,
     DAPPLE_PG_tiles,
+    DAPPLE_PG_part,
+    DAPPLE_PG_joined,
     DAPPLE_PG_scatter,
 )
 

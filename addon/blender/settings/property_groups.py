@@ -4,8 +4,10 @@
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -104,3 +106,33 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
 @with_settings(GROUPS["classes"])
 class DAPPLE_PG_class(bpy.types.PropertyGroup):
     """One object type among several; its `name` is what the list shows."""
+
+
+class DAPPLE_PG_part(bpy.types.PropertyGroup):
+    """An object that a joined surface consists of, or one that instances some of them."""
+
+    object: PointerProperty(name="Part", type=bpy.types.Object)
+    inside: IntProperty(
+        name="Inside", description="Index of what instances it, -1 if it is in the scene"
+    )
+    instances: BoolProperty(
+        name="Instances", description="Whether it stands for the objects of a collection"
+    )
+    rest_scale: FloatProperty(
+        name="Rest Scale", description="Scale of its rest positions on the joined surface"
+    )
+    rest_shift: FloatVectorProperty(
+        name="Rest Shift", description="Shift of its rest positions on the joined surface"
+    )
+
+
+class DAPPLE_PG_joined(bpy.types.PropertyGroup):
+    """What a joined surface consists of; empty of other objects."""
+
+    entries: CollectionProperty(name="Parts", type=DAPPLE_PG_part)
+    collection: PointerProperty(
+        name="Collection",
+        description="Collection whose objects are the parts, if there is one",
+        type=bpy.types.Collection,
+    )
+    cells: IntProperty(name="Cells", description="Number of parts that there have ever been")

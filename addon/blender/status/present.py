@@ -26,6 +26,7 @@ from ...core.sources import (
 from ...core.stale import Sketched, sketched
 from ...core.surface import SurfaceArrays, topology_digest
 from ..data.key_stores import key_tables, stores_of
+from ..data.members import collections_of, members_of
 from ..data.points import points_digest
 from ..data.scatter import settings_of
 from ..surface.beside import own_objects
@@ -135,7 +136,8 @@ def depends_on(obj: bpy.types.Object, scene: bpy.types.Scene) -> dict[int, tuple
         around += _obstacles(density.distance_collection)
     if density.use_camera:
         around += _with_data(scene.camera)
-    parts = [(_with_data(surface), (SURFACE, VALUES, AROUND)), (around, (AROUND,))]
+    whole = [block for one in members_of(surface) for block in _with_data(one)]
+    parts = [([*whole, *collections_of(surface)], (SURFACE, VALUES, AROUND)), (around, (AROUND,))]
     parts += [([obj.data], (POINTS,)), (_stores(obj), (KEYS,))]
     for blocks, names in parts:
         for block in filter(None, blocks):

@@ -9,7 +9,9 @@ from ...core.errors import ScatterError
 from ...core.records import RESULT_KEY
 from ...core.sources import Sources
 from ..base.translation import counted, told
+from ..data.joined import has_lost_some, is_joined, parts_of, pieces_of
 from ..data.key_stores import key_points
+from ..data.members import wanted
 from ..data.points import points_digest
 from ..data.scatter import is_surface, settings_reason, solve_again
 from .bake_staleness import bake_reason, bound_vertices
@@ -72,7 +74,7 @@ def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str
         )
     if not surface.evaluated_get(depsgraph).is_evaluated:
         return told("Surface '{surface}' is not in the view layer", surface=surface.name)
-    if not surface.users_collection and surface.library is None:
+    if not surface.users_collection and surface.library is None and not is_joined(surface):
         return told(
             "Surface '{surface}' was deleted or is in no collection: choose another one",
             surface=surface.name,
@@ -82,7 +84,9 @@ def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str
 
 def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looked: Looked) -> str:
     surface = obj.dapple.surface
-    if obj.dapple.bound_to == "REST":
+    if is_joined(surface) and _parts_reason(surface):
+        reason = _parts_reason(surface)
+    elif obj.dapple.bound_to == "REST":
         reason = _rest_reason(surface)
     else:
         reason = _faces_reason(obj, depsgraph, looked)
@@ -95,8 +99,28 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looke
 
 
 def _rest_reason(surface: bpy.types.Object) -> str:
-    if surface.type == "MESH" and not surface.add_rest_position_attribute:
-        return told("Rest Position of '{surface}' is off", surface=surface.name)
+    for part in parts_of(surface):
+        if part.type == "MESH" and not part.add_rest_position_attribute:
+            return told("Rest Position of '{surface}' is off", surface=part.name)
+    return ""
+
+
+def _parts_reason(surface: bpy.types.Object) -> str:
+    """Whether a joined surface does not consist of what it is to."""
+    if has_lost_some(surface):
+        return told("A part of '{surface}' was deleted", surface=surface.name)
+    before, now = pieces_of(surface), wanted(surface)
+    for piece in before:
+        if piece not in now:
+            return told(
+                "'{part}' of '{surface}' was deleted or left its collection",
+                part=piece.object.name,
+                surface=surface.name,
+            )
+    for piece in now[len(before) :]:
+        return told(
+            "'{part}' was added to '{surface}'", part=piece.object.name, surface=surface.name
+        )
     return ""
 
 

@@ -16,12 +16,12 @@ from ...core.steps import Steps, Task
 from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..base.translation import reported
-from ..data.library import open_collections
 from ..data.store import new_scatter
 from ..status.workfiles import new_key
 from ..surface.bound import rest_of
 from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position, rest_position_kept
+from .joining import home_of, surface_over
 from .preset_fit import first_values, left_out_note
 from .presets import apply
 from .remembered import write_solved
@@ -43,14 +43,15 @@ class _Solved:
     rest: AtRest | None
 
 
-def add_steps(context: bpy.types.Context, **chosen: Any) -> Steps:
-    """Scatter over the active object; returns what was Added.
+def add_steps(
+    context: bpy.types.Context, collection: bpy.types.Collection | None = None, **chosen: Any
+) -> Steps:
+    """Scatter over what is selected, or over a collection; returns what was Added.
 
     What is not chosen (count, seed, bind_to) is as in the Default preset, as far as that fits.
     """
-    surface = Held(context.object)
-    values, note = first_values(surface.get(), context)
-    with rest_position_kept(surface):
+    with surface_over(context, collection) as surface, rest_position_kept(surface):
+        values, note = first_values(surface.get(), context)
         solved, left_out = yield from _as_far_as_it_fits(surface, values, chosen)
         with _new(surface.get()) as obj:
             obj.dapple.bake_key = new_key()
@@ -112,19 +113,10 @@ def _solved(surface: Held, values: Values) -> Any:
 def _new(surface: bpy.types.Object) -> Iterator[bpy.types.Object]:
     """A new scatter object, which is gone again if what is done with it fails."""
     groups = set(bpy.data.node_groups)
-    obj = new_scatter(surface, _collection_of(surface, bpy.context))
+    obj = new_scatter(surface, *home_of(surface, bpy.context))
     try:
         yield obj
     except BaseException:
         bpy.data.meshes.remove(obj.data)  # and the object with it
         bpy.data.batch_remove(set(bpy.data.node_groups) - groups)
         raise
-
-
-def _collection_of(surface: bpy.types.Object, context: bpy.types.Context) -> bpy.types.Collection:
-    """The surface's own collection, so that both are shown and hidden together."""
-    inside = set(context.scene.collection.children_recursive) | {context.scene.collection}
-    for collection in open_collections(surface):
-        if collection in inside:
-            return collection
-    return context.scene.collection

@@ -8,7 +8,8 @@ import bpy
 from ...core.errors import ScatterError
 from ...core.steps import Steps
 from ..base.held import Held
-from ..data.scatter import settings_of, surface_of
+from ..data.scatter import settings_of
+from .joining import surface_for
 from .keeping import solved_anew
 from .meanwhile import check_points_kept, check_writable, points_now
 from .updating import read_steps, update_of, update_steps
@@ -26,14 +27,15 @@ def _asked_steps(held: Held, drops_keys: bool) -> Steps:
     """
     before = points_now(held.get())
     _check_free(held.get(), drops_keys)
-    surface, settings = Held(surface_of(held.get())), settings_of(held.get())
-    arrays = yield from read_steps(held, surface, settings)
-    update = update_of(held, surface, settings, arrays)
-    solved = yield from solved_anew(update)
-    obj = held.get()
-    _check_free(obj, drops_keys)
-    check_points_kept(obj, before)
-    update.write(solved)
+    settings = settings_of(held.get())
+    with surface_for(held.get()) as surface:
+        arrays = yield from read_steps(held, surface, settings)
+        update = update_of(held, surface, settings, arrays)
+        solved = yield from solved_anew(update)
+        obj = held.get()
+        _check_free(obj, drops_keys)
+        check_points_kept(obj, before)
+        update.write(solved)
     return True
 
 

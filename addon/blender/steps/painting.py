@@ -5,11 +5,15 @@ The scene remembers the name of the scatter, so that undo, redo and a file that 
 do too. Whether it is painted is looked up: Weight Paint may be left without the add-on.
 """
 
+import itertools
+
 import bpy
 
 from ...core.density_table import PAINTED, Painted
 from ...core.errors import ScatterError
+from ..base.recent import latest_of
 from ..base.translation import english
+from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
 from .scatters import activate
@@ -20,7 +24,9 @@ def painted_scatter(context: bpy.types.Context) -> bpy.types.Object | None:
     if context.mode != "PAINT_WEIGHT":
         return None
     obj = context.view_layer.objects.get(context.scene.dapple_painted)
-    return obj if is_scatter(obj) and obj.dapple.surface == context.object else None
+    if not is_scatter(obj) or obj.dapple.surface is None:
+        return None
+    return obj if context.object in parts_of(obj.dapple.surface) else None
 
 
 def painted_group(context: bpy.types.Context) -> tuple[str, Painted | None]:
@@ -40,19 +46,42 @@ def begin_painting(context: bpy.types.Context, painted: Painted) -> None:
         ScatterError: it cannot be painted; the scene is as before.
     """
     scatter = context.object
-    surface = surface_of(scatter)
+    parts = parts_of(surface_of(scatter))
     named = getattr(scatter.dapple.density, painted.setting)
-    _check(surface, context)
-    _check_named(scatter, surface, named)
-    _to_weight_paint(context, surface)
-    group = surface.vertex_groups.get(named) if named else None
-    if group is None:
-        group = surface.vertex_groups.new(name=f"{scatter.name} {painted.suffix}")
-        if painted.full:
-            group.add(range(len(surface.data.vertices)), _even(scatter), "REPLACE")
-    surface.vertex_groups.active_index = group.index
-    setattr(scatter.dapple.density, painted.setting, group.name)
+    for part in parts:
+        _check_writable(part)
+    first = _first(parts)
+    _check_seen(first, context)
+    _check_named(scatter, parts, named)
+    _to_weight_paint(context, first)
+    name = named or _new_name(f"{scatter.name} {painted.suffix}", parts)
+    weight = _even(scatter) if painted.full and not named else 0.0
+    for part in parts:
+        _activate_group(part, name, weight)
+    setattr(scatter.dapple.density, painted.setting, name)
     context.scene.dapple_painted = scatter.name
+
+
+def _first(parts: list[bpy.types.Object]) -> bpy.types.Object:
+    """The part to begin with: the one that was clicked last, or the largest."""
+    return latest_of(parts) or max(parts, key=lambda part: part.dimensions.length)
+
+
+def _new_name(wished: str, parts: list[bpy.types.Object]) -> str:
+    """A name that no part has a vertex group of."""
+    known = {group.name for part in parts for group in part.vertex_groups}
+    numbered = (f"{wished}.{number:03}" for number in itertools.count(1))
+    return next(name for name in itertools.chain([wished], numbered) if name not in known)
+
+
+def _activate_group(obj: bpy.types.Object, name: str, weight: float) -> None:
+    """Have strokes on an object change a vertex group; a new one has this weight everywhere."""
+    group = obj.vertex_groups.get(name)
+    if group is None:
+        group = obj.vertex_groups.new(name=name)
+        if weight:
+            group.add(range(len(obj.data.vertices)), weight, "REPLACE")
+    obj.vertex_groups.active_index = group.index
 
 
 def end_painting(context: bpy.types.Context) -> None:
@@ -71,7 +100,7 @@ def _even(scatter: bpy.types.Object) -> float:
     return 0.5 if scatter.dapple.amount == "COUNT" else 1.0
 
 
-def _check(surface: bpy.types.Object, context: bpy.types.Context) -> None:
+def _check_writable(surface: bpy.types.Object) -> None:
     name, mesh = surface.name, surface.data
     reason = read_only(surface, english)
     if surface.type != "MESH":
@@ -82,7 +111,13 @@ def _check(surface: bpy.types.Object, context: bpy.types.Context) -> None:
         )
     elif mesh.users - mesh.use_fake_user > 1:
         reason = f"Surface '{name}' shares its mesh with other objects: make it single-user first"
-    elif not mesh.polygons:
+    if reason:
+        raise ScatterError(reason)
+
+
+def _check_seen(surface: bpy.types.Object, context: bpy.types.Context) -> None:
+    name, reason = surface.name, ""
+    if not surface.data.polygons:
         reason = f"Surface '{name}' has no faces to paint on"
     elif surface.mode != "OBJECT":
         reason = f"Surface '{name}' is not in Object Mode: leave its mode first"
@@ -94,12 +129,12 @@ def _check(surface: bpy.types.Object, context: bpy.types.Context) -> None:
         raise ScatterError(reason)
 
 
-def _check_named(scatter: bpy.types.Object, surface: bpy.types.Object, named: str) -> None:
+def _check_named(scatter: bpy.types.Object, parts: list[bpy.types.Object], named: str) -> None:
     """What is used already is replaced by nothing else."""
-    if named and named not in surface.vertex_groups:
+    if named and not any(named in part.vertex_groups for part in parts):
         raise ScatterError(
             f"'{scatter.name}' uses '{named}', which is not a vertex group of surface "
-            f"'{surface.name}': clear that field to paint a new one"
+            f"'{scatter.dapple.surface.name}': clear that field to paint a new one"
         )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import bpy
 
 from ...nodes import get_input, has_input, set_input
+from ..data.joined import is_joined, objects_of
 from ..data.key_stores import STORES
 from ..data.key_writing import clear_keys
 from ..data.library import open_collections
@@ -15,9 +16,13 @@ from ..status.workfiles import new_key
 
 
 def scatters_of(surface: bpy.types.Object) -> list[bpy.types.Object]:
-    """Those on a surface that the view layer has, by their names."""
+    """Those on a surface, or a part of one, that the view layer has, by their names."""
     there = bpy.context.view_layer.objects
-    return [obj for obj in there if is_scatter(obj) and obj.dapple.surface == surface]
+    return [obj for obj in there if is_scatter(obj) and _is_on(obj.dapple.surface, surface)]
+
+
+def _is_on(surface: bpy.types.Object | None, obj: bpy.types.Object) -> bool:
+    return surface == obj or (is_joined(surface) and obj in objects_of(surface))
 
 
 def activate(context: bpy.types.Context, obj: bpy.types.Object) -> None:

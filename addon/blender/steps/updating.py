@@ -17,10 +17,11 @@ from ..base.held import Held
 from ..base.quiet import quiet
 from ..base.times import time_of
 from ..data.points import locked_points
-from ..data.scatter import is_fluid, settings_of, surface_of
+from ..data.scatter import is_fluid, settings_of
 from ..status.staleness import is_edited, needs_solving
 from ..surface.parts import read_parts
 from ..surface.resting import kind_of_binding
+from .joining import surface_for
 from .keeping import Update, anew_steps, keep_steps, keeps
 
 
@@ -29,13 +30,14 @@ def update_steps(held: Held) -> Steps:
 
     Points that were edited by hand are left alone.
     """
-    surface, settings = Held(surface_of(held.get())), settings_of(held.get())
-    arrays = yield from read_steps(held, surface, settings)
-    now = yield Task(lambda _: sources_of(arrays, settings))
-    if is_edited(held.get()) or not needs_solving(held.get(), now):
-        return False
-    update = update_of(held, surface, settings, arrays)
-    yield from (keep_steps if keeps(update) else anew_steps)(update)
+    settings = settings_of(held.get())
+    with surface_for(held.get()) as surface:
+        arrays = yield from read_steps(held, surface, settings)
+        now = yield Task(lambda _: sources_of(arrays, settings))
+        if is_edited(held.get()) or not needs_solving(held.get(), now):
+            return False
+        update = update_of(held, surface, settings, arrays)
+        yield from (keep_steps if keeps(update) else anew_steps)(update)
     return True
 
 

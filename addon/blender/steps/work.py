@@ -11,42 +11,45 @@ from ...core.solve import nearest_binding, scatter
 from ...core.steps import Steps, Task
 from ..base.held import Held
 from ..data.points import columns_with_own_ids, locked_points, places_of
-from ..data.scatter import settings_of, surface_of
+from ..data.scatter import settings_of
 from ..data.store import write_binding, write_own_ids
 from ..surface.bound import rest_of
 from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position
+from .joining import surface_for
 from .meanwhile import check_points_kept, points_now
 from .remembered import write_solved
 
 
 def optimize_steps(context: bpy.types.Context) -> Steps:
     """Scatter the active scatter object's points anew."""
-    held, surface = Held(context.object), Held(surface_of(context.object))
+    held = Held(context.object)
     settings, bind_to = settings_of(context.object), context.object.dapple.bind_to
-    kind = kind_of_binding(surface.get(), context, bind_to)
-    arrays = read(surface.get(), settings, context.object)
-    locked = locked_points(context.object)
-    solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
-    obj = held.get()
-    with as_read(arrays, surface, settings, obj), rest_position(surface, kind):
-        rest = rest_of(surface.get(), arrays, solved.binding, kind)
-        write_solved(obj, arrays, solved, rest)
+    with surface_for(context.object) as surface:
+        kind = kind_of_binding(surface.get(), context, bind_to)
+        arrays = read(surface.get(), settings, context.object)
+        locked = locked_points(context.object)
+        solved = yield Task(lambda worker: scatter(arrays, settings, worker, locked))
+        obj = held.get()
+        with as_read(arrays, surface, settings, obj), rest_position(surface, kind):
+            rest = rest_of(surface.get(), arrays, solved.binding, kind)
+            write_solved(obj, arrays, solved, rest)
     return obj
 
 
 def rebind_steps(context: bpy.types.Context) -> Steps:
     """Bind the active scatter to the places of its surface that are nearest to its points."""
-    held, surface = Held(context.object), Held(surface_of(context.object))
-    kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
-    before, arrays = points_now(context.object), read(surface.get())
-    points, columns = places_of(context.object), columns_with_own_ids(context.object)
-    settings = settings_of(context.object)
-    binding = yield Task(lambda _: nearest_binding(points, arrays))
-    columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
-    obj = held.get()
-    check_points_kept(obj, before, "attached")
-    with as_read(arrays, surface), rest_position(surface, kind):
-        write_binding(obj, arrays, binding, rest_of(surface.get(), arrays, binding, kind))
-        write_own_ids(obj, columns)
+    held = Held(context.object)
+    with surface_for(context.object) as surface:
+        kind = kind_of_binding(surface.get(), context, context.object.dapple.bind_to)
+        before, arrays = points_now(context.object), read(surface.get())
+        points, columns = places_of(context.object), columns_with_own_ids(context.object)
+        settings = settings_of(context.object)
+        binding = yield Task(lambda _: nearest_binding(points, arrays))
+        columns["dapple_room"] = rooms(points, columns["dapple_class"], settings)
+        obj = held.get()
+        check_points_kept(obj, before, "attached")
+        with as_read(arrays, surface), rest_position(surface, kind):
+            write_binding(obj, arrays, binding, rest_of(surface.get(), arrays, binding, kind))
+            write_own_ids(obj, columns)
     return obj

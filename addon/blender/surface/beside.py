@@ -8,6 +8,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.settings import DensitySettings
+from ..data.joined import parts_of
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
@@ -36,7 +37,7 @@ def obstacles_of(
     name: str, surface: bpy.types.Object, scatter: bpy.types.Object | None
 ) -> list[bpy.types.Object]:
     """Objects of a collection that a scatter on a surface keeps off."""
-    return list(_obstacles(name, {surface, *own_objects(scatter)}))
+    return list(_obstacles(name, {*parts_of(surface), *own_objects(scatter)}))
 
 
 def _obstacles(name: str, own: set[bpy.types.Object]) -> Iterator[bpy.types.Object]:
@@ -66,7 +67,7 @@ def targets_of(
             raise ScatterError(f"There is no object '{density.distance_object}'")
         found |= {chosen: None} if chosen not in (surface, scatter) else {}
     if density.use_distance and density.distance_collection:
-        own = {surface, *own_objects(scatter)}
+        own = {*parts_of(surface), *own_objects(scatter)}
         there = [obj for obj in _seen(density.distance_collection) if obj not in own]
         found |= dict.fromkeys(there)
     return list(found)

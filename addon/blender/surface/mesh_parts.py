@@ -18,7 +18,7 @@ from ..base.held import Held
 from ..data.scatter import is_fluid
 from .surface_mesh import evaluated_mesh
 from .surroundings import uv_layer
-from .weights import GROUP_PART, all_group_weights, group_weights, raw_values
+from .weights import GROUP_PART, all_group_weights, group_of, group_weights, raw_values
 
 _AT_ONCE = 60_000  # vertices whose weights are read in one part, which takes half the time
 Parts = Generator[Task, Any, Any]
@@ -75,7 +75,7 @@ def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
         _check_count(surface, len(mesh.vertices), len(known.positions))
         found = raw_values(obj, mesh, name)
         if found is None and len(known.positions) <= _AT_ONCE:
-            weights = all_group_weights(mesh, obj.vertex_groups[name].index)
+            weights = all_group_weights(mesh, group_of(obj, name))
             found = RawValues(name, "POINT", np.asarray(weights, dtype=np.float32))
     if found is not None:
         return found

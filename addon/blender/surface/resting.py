@@ -13,6 +13,7 @@ import bpy
 from ...core.errors import ScatterError
 from ..base.held import Held
 from ..base.translation import english
+from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_fluid
 from .surface_mesh import evaluated_mesh
@@ -32,9 +33,21 @@ def kind_of_binding(obj: bpy.types.Object, context: bpy.types.Context, bind_to: 
         raise ScatterError(
             f"Surface '{obj.name}' is not a mesh and has no rest position: set Attach To to Faces"
         )
-    elif read_only(obj) and not obj.add_rest_position_attribute:
-        raise ScatterError(f"Rest Position of the surface is off, and {read_only(obj, english)}")
+    else:
+        _check_rest_can_be_on(obj)
     return bind_to
+
+
+def _check_rest_can_be_on(obj: bpy.types.Object) -> None:
+    for part in _with_rest_position(obj):
+        if read_only(part) and not part.add_rest_position_attribute:
+            reason = read_only(part, english)
+            raise ScatterError(f"Rest Position of the surface is off, and {reason}")
+
+
+def _with_rest_position(surface: bpy.types.Object) -> list[bpy.types.Object]:
+    """What a surface consists of that has such a switch which counts."""
+    return [part for part in parts_of(surface) if part.type == "MESH"]
 
 
 def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
@@ -56,20 +69,24 @@ def _kind_of_fluid(obj: bpy.types.Object, bind_to: str) -> str:
 def rest_position(surface: Held, kind: str) -> Iterator[None]:
     """Have Rest Position of a surface on inside, and from then on if nothing fails."""
     with rest_position_kept(surface):
-        obj = surface.get()
-        if kind == "REST" and obj.type == "MESH" and not obj.add_rest_position_attribute:
-            obj.add_rest_position_attribute = True
+        for part in _with_rest_position(surface.get()) if kind == "REST" else ():
+            if not part.add_rest_position_attribute:
+                part.add_rest_position_attribute = True
         yield
 
 
 @contextmanager
 def rest_position_kept(surface: Held) -> Iterator[None]:
     """Set Rest Position back where what is done inside fails or is canceled."""
-    before = surface.get().add_rest_position_attribute
+    before = [
+        (Held(part), part.add_rest_position_attribute)
+        for part in _with_rest_position(surface.get())
+    ]
     try:
         yield
     except BaseException:
-        _put_back(surface, before)
+        for part, on in before:
+            _put_back(part, on)
         raise
 
 

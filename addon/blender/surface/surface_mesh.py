@@ -12,6 +12,7 @@ from ...core.errors import ScatterError
 from ...core.surface import Floats, SurfaceArrays, topology_digest
 from ..base.corners import corner_vertices, triangles
 from ..base.meshio import matrix_of, read_columns, read_points
+from ..data.joined import parts_of
 from ..data.scatter import is_fluid
 from .weights import read_weights
 
@@ -65,13 +66,20 @@ def read_surface(
 def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
     """Rest positions (v, 3) of the evaluated surface's vertices; ScatterError if they are lost."""
     name = "rest_position"
+    for part in parts_of(obj):
+        if part.type == "MESH":  # the parts of a joined surface may be others
+            _check_rest(part, depsgraph, name)
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        return read_columns(mesh, {name: "FLOAT_VECTOR"})[name].astype(np.float64)
+
+
+def _check_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, name: str) -> None:
     with evaluated_mesh(obj, depsgraph) as mesh:
         if name not in mesh.attributes:
             raise ScatterError(
                 f"Surface '{obj.name}': its modifiers make a mesh without rest positions: use "
                 "Match Subdivision and set Attach To to Faces, or apply them"
             )
-        return read_columns(mesh, {name: "FLOAT_VECTOR"})[name].astype(np.float64)
 
 
 def topology(mesh: bpy.types.Mesh) -> str:

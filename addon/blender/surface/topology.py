@@ -14,6 +14,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ..base.translation import Say, english
+from ..data.joined import parts_of
 from .surface_mesh import evaluated_mesh, topology
 
 # Modifier type -> properties that the viewport and the render read.
@@ -38,6 +39,11 @@ def check_render_topology(obj: bpy.types.Object, context: bpy.types.Context) -> 
 
 def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     """How viewport and render evaluate obj to different faces, and what to do; empty if not."""
+    found = (_mismatch(part, context) for part in parts_of(obj))
+    return next(filter(None, found), "")
+
+
+def _mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
     causes = differences(obj, context.scene)
     if not causes:
         return ""
@@ -56,12 +62,14 @@ def render_mismatch(obj: bpy.types.Object, context: bpy.types.Context) -> str:
 
 def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = english) -> list[str]:
     """Settings by which viewport and render differ, in words."""
+    parts = parts_of(obj)
     causes = [
-        say("Resolution: {viewport} and {render}", viewport=seen, render=used)
-        for _, seen, used in _resolutions(obj)
+        words if part == obj else say("'{part}': {cause}", part=part.name, cause=words)
+        for part in parts
+        for words in _own_differences(part, say)
     ]
-    causes += [words for one in obj.modifiers for words in _modifier_difference(one, say)]
-    if _simplified(scene) and any(modifier.type in _PAIRS for modifier in obj.modifiers):
+    modifiers = (modifier for part in parts for modifier in part.modifiers)
+    if _simplified(scene) and any(modifier.type in _PAIRS for modifier in modifiers):
         render = scene.render
         causes.append(
             say(
@@ -71,6 +79,13 @@ def differences(obj: bpy.types.Object, scene: bpy.types.Scene, say: Say = englis
             )
         )
     return causes
+
+
+def _own_differences(obj: bpy.types.Object, say: Say) -> Iterator[str]:
+    for _, seen, used in _resolutions(obj):
+        yield say("Resolution: {viewport} and {render}", viewport=seen, render=used)
+    for modifier in obj.modifiers:
+        yield from _modifier_difference(modifier, say)
 
 
 def _modifier_difference(modifier: bpy.types.Modifier, say: Say) -> Iterator[str]:
@@ -139,6 +154,14 @@ def _use_render_values(
 
 def match_subdivision(obj: bpy.types.Object, scene: bpy.types.Scene, use: str) -> None:
     """Give viewport and render the same values: those of use, RENDER or VIEWPORT."""
+    for part in parts_of(obj):
+        _match_own(part, use)
+    if _simplified(scene):
+        names = ("simplify_subdivision", "simplify_subdivision_render")
+        _copy_one_way(scene.render, names, use)
+
+
+def _match_own(obj: bpy.types.Object, use: str) -> None:
     for names, _, _ in _resolutions(obj):
         _copy_one_way(obj.data, names, use)
     for modifier in obj.modifiers:
@@ -146,9 +169,6 @@ def match_subdivision(obj: bpy.types.Object, scene: bpy.types.Scene, use: str) -
         _copy_one_way(modifier, shown, use)
         if modifier.type in _PAIRS:
             _copy_one_way(modifier, _PAIRS[modifier.type], use)
-    if _simplified(scene):
-        names = ("simplify_subdivision", "simplify_subdivision_render")
-        _copy_one_way(scene.render, names, use)
 
 
 def _copy_one_way(owner: Any, names: tuple[str, str], use: str) -> None:

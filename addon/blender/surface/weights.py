@@ -10,6 +10,7 @@ from ...core.errors import ScatterError
 from ...core.raw import RawValues, at_vertices, checked_density
 from ...core.surface import Floats, Ints
 from ..base.corners import corner_vertices
+from ..data.joined import is_joined, parts_of
 
 GROUP_PART = 5_000  # vertices
 
@@ -20,13 +21,18 @@ _DOMAINS = {"POINT", "FACE", "CORNER"}
 
 def weight_names(obj: bpy.types.Object) -> list[str]:
     """What can be read from an object's mesh as it is before its modifiers."""
+    parts = parts_of(obj)
+    groups = [group.name for part in parts for group in part.vertex_groups]
+    return list(dict.fromkeys(groups + [name for part in parts for name in _attributes(part)]))
+
+
+def _attributes(obj: bpy.types.Object) -> list[str]:
     kinds = _FIELDS.keys() | _COLORS.keys()
-    attributes = [
+    return [
         one.name
         for one in getattr(obj.data, "attributes", ())  # curves and the like have none
         if one.data_type in kinds and one.domain in _DOMAINS and not one.is_internal
     ]
-    return [*(group.name for group in obj.vertex_groups), *attributes]
 
 
 def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> Floats:
@@ -37,7 +43,7 @@ def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> Floa
     """
     raw = raw_values(obj, mesh, name)
     if raw is None:
-        values = all_group_weights(mesh, obj.vertex_groups[name].index)
+        values = all_group_weights(mesh, group_of(obj, name))
     else:
         values = at_vertices(raw, len(mesh.vertices), corner_vertices(mesh), _totals(mesh, raw))
     return checked_density(obj.name, name, values)
@@ -52,17 +58,27 @@ def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawVal
     attribute = mesh.attributes.get(name)
     if attribute is not None and attribute.domain in _DOMAINS:
         return RawValues(name, attribute.domain, _values(obj, attribute))
-    if obj.vertex_groups.get(name) is None:
-        raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
+    group_of(obj, name)
     return None
+
+
+def group_of(obj: bpy.types.Object, name: str) -> int:
+    """Index of a vertex group in the evaluated mesh of an object; a joined surface has those of
+    its parts, which only the evaluated object lists.
+
+    Raises:
+        ScatterError: there is none.
+    """
+    owner = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()) if is_joined(obj) else obj
+    group = owner.vertex_groups.get(name)
+    if group is None:
+        raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
+    return int(group.index)
 
 
 def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: slice) -> Floats:
     """Weights of some of the vertices in a vertex group, at most GROUP_PART to be quick."""
-    group = obj.vertex_groups.get(name)
-    if group is None:
-        raise ScatterError(f"Surface '{obj.name}' has no attribute or vertex group '{name}'")
-    vertices, index = mesh.vertices, group.index
+    vertices, index = mesh.vertices, group_of(obj, name)
     own = []
     for at in range(*part.indices(len(vertices))):  # Blender finds a slice's beginning by walking
         for one in vertices[at].groups:

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects were active last: what an artist has clicked before what is active now."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+
+from .handlers import Handlers, unwatch, watch
+
+_MOST = 64
+
+_uids: dict[int, None] = {}  # session_uids, the latest last
+
+
+def latest_of(objects: Iterable[bpy.types.Object]) -> bpy.types.Object | None:
+    """The one of these that was active last; None if none has been lately."""
+    _note()
+    order = list(_uids)
+    known = [obj for obj in objects if obj.session_uid in _uids]
+    return max(known, key=lambda obj: order.index(obj.session_uid), default=None)
+
+
+def _note(*_arguments: Any) -> None:
+    layer = bpy.context.view_layer
+    active = layer.objects.active if layer is not None else None
+    if active is None or next(reversed(_uids), None) == active.session_uid:
+        return
+    _uids.pop(active.session_uid, None)
+    _uids[active.session_uid] = None
+    while len(_uids) > _MOST:
+        del _uids[next(iter(_uids))]
+
+
+def _forget(*_arguments: Any) -> None:
+    _uids.clear()
+
+
+_HANDLERS: Handlers = {"depsgraph_update_post": _note, "load_pre": _forget}
+
+
+def register() -> None:
+    """Watch which object is active."""
+    watch(_HANDLERS)
+
+
+def unregister() -> None:
+    """Remember nothing."""
+    _forget()
+    unwatch(_HANDLERS)
