@@ -22,7 +22,7 @@ from .ops import (
     tools,
     viewport_operators,
 )
-from .panels import asset_library, pictures, preferences, preset_operators, shown
+from .panels import asset_library, collections, pictures, preferences, preset_operators, shown
 from .settings import properties
 from .status import freshness, workfiles
 from .steps import remembered
@@ -92,11 +92,11 @@ def _add_classes() -> None:
     for cls in _CLASSES:
         _describe(cls)
         bpy.utils.register_class(cls)
-    bpy.types.VIEW3D_MT_mesh_add.append(ui.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.append(collections.draw_add_menu)
 
 
 def _remove_classes() -> None:
-    bpy.types.VIEW3D_MT_mesh_add.remove(ui.draw_add_menu)
+    bpy.types.VIEW3D_MT_mesh_add.remove(collections.draw_add_menu)
     for cls in filter(properties.is_registered, reversed(_CLASSES)):
         bpy.utils.unregister_class(cls)
 

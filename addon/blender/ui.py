@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Main panel in the 3D View's sidebar, and entry in the Add menu; the sub-panels are in panels/."""
+"""Main panel in the 3D View's sidebar; the sub-panels are in panels/."""
 
 import bpy
 
 from ..core.native import missing
 from . import panels
 from .base.labels import lines_of
-from .base.translation import operator_label, told
+from .base.translation import told
 from .data.scatter import active_surface, is_scatter, rest_note
-from .ops.add_operators import DAPPLE_OT_add
 from .ops.operators import DAPPLE_OT_optimize
 from .ops.scatter_operators import DAPPLE_OT_select_surface
 from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
-from .panels.collections import DAPPLE_MT_over_collection
 from .panels.painting import draw_painting
 from .panels.placing import draw_placing
 from .panels.preset_operators import draw_presets
@@ -65,14 +63,6 @@ def _draw_mismatch(layout: bpy.types.UILayout, context: bpy.types.Context, icon:
         text = told("Viewport and renders differ: {causes}", causes="; ".join(causes))
         lines_of(layout, text, icon)
         layout.operator(DAPPLE_OT_match_subdivision.bl_idname)
-
-
-def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-    """Entry of Add > Mesh."""
-    menu.layout.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
-    if context.scene.collection.children:
-        text = operator_label("Dapple Scatter over Collection")
-        menu.layout.menu(DAPPLE_MT_over_collection.__name__, text=text)
 
 
 CLASSES = (DAPPLE_PT_main, *panels.CLASSES)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Menu of the collections that can be scattered over, each as one surface."""
+"""Entries of the Add menu, one of them a menu of the collections that can be scattered over."""
 
 import bpy
 
-from ..ops.add_operators import DAPPLE_OT_add_over_collection
+from ..base.translation import operator_label
+from ..ops.add_operators import DAPPLE_OT_add, DAPPLE_OT_add_over_collection
 
 
 class DAPPLE_MT_over_collection(bpy.types.Menu):
@@ -21,3 +22,11 @@ class DAPPLE_MT_over_collection(bpy.types.Menu):
                 icon="OUTLINER_COLLECTION",
             )
             row.collection = collection.name_full
+
+
+def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Entry of Add > Mesh."""
+    menu.layout.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
+    if context.scene.collection.children:
+        text = operator_label("Dapple Scatter over Collection")
+        menu.layout.menu(DAPPLE_MT_over_collection.__name__, text=text)
