@@ -15,9 +15,11 @@ from .ops import (
     add_operators,
     asset_operators,
     bake_operators,
+    keymaps,
     live_operators,
     operators,
     paint_operators,
+    point_operators,
     scatter_operators,
     tools,
     viewport_operators,
@@ -37,6 +39,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         viewport_operators,
         tools,
         paint_operators,
+        point_operators,
         scatter_operators,
         asset_operators,
     ),
@@ -80,7 +83,7 @@ def _steps() -> list[Step]:
     first: Any = (translation, properties)
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
-    last: Any = (overlay, remembered, watcher, placing, modifier_tab, live_operators)
+    last: Any = (overlay, remembered, watcher, placing, modifier_tab, keymaps)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -13,6 +13,7 @@ from .ops.scatter_operators import DAPPLE_OT_select_surface
 from .ops.viewport_operators import DAPPLE_OT_match_subdivision
 from .panels import shown
 from .panels.base import Panel
+from .panels.editing import draw_editing
 from .panels.painting import draw_painting
 from .panels.placing import draw_placing
 from .panels.preset_operators import draw_presets
@@ -31,6 +32,8 @@ class DAPPLE_PT_main(Panel, bpy.types.Panel):
             lines_of(layout, missing(), "ERROR")
             return
         draw_work(layout, context)
+        if draw_editing(layout, context):
+            return
         if is_scatter(context.object):
             if not draw_placing(layout, context.object):
                 _draw_scatter(layout, context)

@@ -42,6 +42,7 @@ class Before:
     binding: Binding
     columns: Columns
     solved: Solved | None = None
+    touched: Floats | None = None  # (k, 3) where points were placed, in the surface's own space
 
 
 def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
@@ -61,14 +62,46 @@ def kept(
         like = before.solved.ground if before.solved else None
         ground = Ground(arrays, settings, context, like)
         given, changed = _given(before, arrays, ground)
-        fine = _relaxed(ground, given, changed, settings, context, locked)
+        touched = _touched(before, arrays, ground)
+        if len(touched) and not len(changed):
+            fine = _evened_around(ground, given, touched, settings, context, locked)
+        else:
+            changed = np.union1d(changed, touched).astype(np.int32)
+            fine = _relaxed(ground, given, changed, settings, context, locked)
         return _scattered(before, arrays, ground, given, fine, settings, locked)
 
 
-def is_whole(scattered: Scattered) -> bool:
-    """Whether there are as many points as there have to be: exactly, or about so many by area."""
+def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes: Ints) -> Solved:
+    """A solution of points with the ids `before`, with the points that are there once some were
+    placed by hand: those that were not keep all that is known of them.
+    """
+    ground, coarse = solved.ground, solved.ground.back(solved.samples)
+    found = samples_of(binding, ground.original, ids, classes)
+    if not len(before) or not len(ids):
+        return replace(solved, samples=ground.there(found))
+    faces, weights = found.faces.copy(), found.barycentric.copy()
+    order = np.argsort(before)
+    rows = order[np.minimum(np.searchsorted(before, ids, sorter=order), len(order) - 1)]
+    same = before[rows] == ids
+    same &= np.abs(coarse.positions[rows] - found.positions).max(axis=1) <= _SAME * _extent(solved)
+    faces[same], weights[same] = coarse.faces[rows[same]], coarse.barycentric[rows[same]]
+    samples = package().Samples(ground.original, faces, weights, ids=ids, classes=classes)
+    return replace(solved, samples=ground.there(samples))
+
+
+def _extent(solved: Solved) -> float:
+    return float(np.ptp(solved.arrays.vertices, axis=0).max(initial=0.0))
+
+
+def is_whole(scattered: Scattered, before: Before | None = None) -> bool:
+    """Whether there are as many points as there have to be: exactly, or about so many by area.
+
+    By area, those that were placed or removed by hand may be too many or too few.
+    """
     solved, settings = scattered.solved, scattered.settings
     assert solved is not None
+    if settings.per_area and before is not None and before.touched is not None:
+        return True
     wanted = _wanted(solved.ground, settings)
     spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
     return abs(len(solved.samples) - wanted) <= spare
@@ -209,6 +242,34 @@ def _relaxed(
     if missing and missing <= _FEW * np.count_nonzero(~_stays(given, found)):
         return package().relax(ground.surface, given, changed, count=wanted, **options)
     return found
+
+
+def _touched(before: Before, arrays: SurfaceArrays, ground: Ground) -> Ints:
+    """Faces at which points were placed, moved or removed by hand."""
+    if before.touched is None or not len(before.touched):
+        return np.empty(0, dtype=np.int32)
+    places = before.touched @ arrays.matrix[:3, :3].T + arrays.matrix[:3, 3]
+    return np.unique(package().project(ground.surface, places).faces).astype(np.int32)
+
+
+def _evened_around(
+    ground: Ground,
+    given: Any,
+    faces: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    """As many points as there are, even around these faces."""
+    return package().relax(
+        ground.surface,
+        given,
+        faces,
+        count=len(given),
+        locked=_rows(given, locked),
+        context=context,
+        **settings.sample_options(),
+    )
 
 
 def _resampled(

@@ -17,6 +17,9 @@ from .surface import Floats, Ints
 SCHEMA = 1
 SCHEMA_KEY = "dapple_schema"
 RESULT_KEY = "dapple_result"  # digest of the points, with the mesh that has them
+# Where points were placed by hand, in the surface's own space, until others are even around them.
+TOUCHED_KEY = "dapple_touched"
+PLACED_ATTRIBUTES = {"dapple_placed": "FLOAT_VECTOR"}  # where points were before they are edited
 
 # Attribute name -> Blender's type, all on points. Nodes read the names: nodes/bound_point.py.
 ROW_ATTRIBUTES = {

@@ -151,12 +151,17 @@ def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
     return found
 
 
-def on_other_faces(before: Sources, arrays: SurfaceArrays) -> Sources:
-    """Of a solution that was bound again: values at other vertices cannot be compared."""
+def on_faces(stored: str, arrays: SurfaceArrays) -> str:
+    """What a solution was solved from, as it is stored, once it is bound to a surface: values at
+    vertices of other faces cannot be compared.
+    """
+    before = sources_from(stored)
+    if before is None or before.exact.get("faces") == arrays.topology:
+        return stored
     outline = outline_of(arrays)
     unknown = {role: UNKNOWN for role in before.exact if is_of_faces(role)}
     exact = before.exact | unknown | {"faces": outline.topology}
-    return replace(before, exact=exact, near=before.near | {"shape": outline.shape})
+    return replace(before, exact=exact, near=before.near | {"shape": outline.shape}).text()
 
 
 def is_of_faces(role: str) -> bool:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import ScatterError
 from ..base.meshio import own_attribute
@@ -29,14 +30,20 @@ def lock_points(obj: bpy.types.Object, lock: bool, every: bool) -> int:
             raise ScatterError(
                 f"Scatter '{obj.name}': no point is selected. Select some in Edit Mode"
             )
-        attribute = own_attribute(mesh, _NAME, "BOOLEAN")
-        locked = np.zeros(len(mesh.vertices), dtype=bool)
-        attribute.data.foreach_get("value", locked)
-        locked[chosen] = lock
-        attribute.data.foreach_set("value", locked)
-        mesh.update()
-        obj.dapple.locked_count = int(locked.sum())
+        write_locked(obj, chosen, lock)
     return int(chosen.sum())
+
+
+def write_locked(obj: bpy.types.Object, chosen: NDArray[np.bool_], lock: bool = True) -> None:
+    """Lock or unlock the chosen points; the others stay as they are."""
+    mesh = own_mesh(obj)
+    attribute = own_attribute(mesh, _NAME, "BOOLEAN")
+    locked = np.zeros(len(mesh.vertices), dtype=bool)
+    attribute.data.foreach_get("value", locked)
+    locked[chosen] = lock
+    attribute.data.foreach_set("value", locked)
+    mesh.update()
+    obj.dapple.locked_count = int(locked.sum())
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from ...core.records import (
 )
 from ...core.rest import AtRest
 from ...core.solve import Scattered
-from ...core.sources import on_other_faces, sources_from, sources_of
+from ...core.sources import on_faces, sources_of
 from ...core.stale import settings_text
 from ...core.surface import SurfaceArrays
 from ..base.meshio import to_local, write_columns, write_points
@@ -24,6 +24,7 @@ from .library import own_mesh
 from .modifier import ensure_modifier, write_inputs, write_warning
 from .points import write_digest
 from .scatter import write_report
+from .touched import forget_touched
 
 
 def new_scatter(
@@ -49,6 +50,7 @@ def write_scattered(
     write_points(mesh, places)
     write_columns(mesh, solved.columns, {**POINT_ATTRIBUTES, **ADDED_ATTRIBUTES})
     mesh[SCHEMA_KEY] = SCHEMA
+    forget_touched(obj)
     obj.dapple.solved_settings = settings_text(solved.settings)
     obj.dapple.solved_from = sources_of(arrays, solved.settings, solved.mass).text()
     obj.dapple.locked_count = int(solved.columns["dapple_locked"].sum())
@@ -75,17 +77,9 @@ def write_binding(
     obj.dapple.bound_to = "FACES" if rest is None else "REST"
     obj.dapple.surface_vertices = len(arrays.vertices)
     obj.dapple.surface_topology = arrays.topology
-    obj.dapple.solved_from = _on_faces(obj.dapple.solved_from, arrays)
+    obj.dapple.solved_from = on_faces(obj.dapple.solved_from, arrays)
     write_digest(obj)
     write_inputs(obj)
-
-
-def _on_faces(stored: str, arrays: SurfaceArrays) -> str:
-    """What a solution was solved from; once it is bound to other faces, in their shape."""
-    before = sources_from(stored)
-    if before is None or before.exact.get("faces") == arrays.topology:
-        return stored
-    return on_other_faces(before, arrays).text()
 
 
 def write_own_ids(obj: bpy.types.Object, columns: Columns) -> None:

@@ -12,8 +12,6 @@ from ..base.job import Status
 from ..base.translation import told
 from ..live import watcher
 
-_keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
-
 
 class DAPPLE_OT_cancel_update(bpy.types.Operator):
     """Stop what is going on; the points stay as they are"""
@@ -53,19 +51,3 @@ class DAPPLE_OT_dismiss(bpy.types.Operator):
 
 
 CLASSES = (DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss)
-
-
-def register() -> None:
-    """Have Esc cancel an update."""
-    config = bpy.context.window_manager.keyconfigs.addon
-    if config is None:  # in background mode
-        return
-    keymap = config.keymaps.new(name="3D View", space_type="VIEW_3D")
-    _keys.append((keymap, keymap.keymap_items.new("dapple.cancel_update", "ESC", "PRESS")))
-
-
-def unregister() -> None:
-    """Have Esc mean nothing more."""
-    for keymap, item in _keys:
-        keymap.keymap_items.remove(item)
-    _keys.clear()

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import bpy
 
 from ...core.errors import ScatterError
-from ...core.records import RESULT_KEY
 from ...core.sources import Sources
-from ..base.translation import counted, told
+from ..base.translation import told
 from ..data.joined import has_lost_some, is_joined, parts_of, pieces_of
-from ..data.key_stores import key_points
 from ..data.members import wanted
 from ..data.points import points_digest
 from ..data.scatter import is_surface, settings_reason, solve_again
+from ..data.touched import touched_places
 from .bake_staleness import bake_reason, bound_vertices
 from .contents import contents, other_surface, solution_reason
+from .point_edits import points_reason
 from .present import Looked, Present
 
 
@@ -51,7 +51,7 @@ def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Pre
     if reason:
         return Verdict(reason)
     looked = present.surface(obj, depsgraph)
-    reason = _surface_reason(obj, depsgraph, looked) or _points_reason(obj, present)
+    reason = _surface_reason(obj, depsgraph, looked) or points_reason(obj, present)
     reason = reason or settings_reason(obj)
     if reason:
         return Verdict(reason)
@@ -148,42 +148,6 @@ def needs_solving(obj: bpy.types.Object, now: Sources) -> bool:
     other_faces = on_faces and now.exact["faces"] not in known
     other_binding = obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to)
     undone = bool(obj.dapple.solved_points) and points_digest(obj) != obj.dapple.solved_points
-    return other_faces or other_binding or undone or bool(solution_reason(obj, now))
-
-
-def is_edited(obj: bpy.types.Object) -> bool:
-    """Whether points were edited by hand since they were stored."""
-    stored = obj.dapple.solved_points, obj.data.get(RESULT_KEY)
-    return bool(stored[0]) and points_digest(obj) not in stored
-
-
-def _points_reason(obj: bpy.types.Object, present: Present) -> str:
-    """Whether points were edited by hand, or added and removed under the keys."""
-    if obj.dapple.baked_keys and len(obj.data.vertices) != key_points(obj):
-        return solve_again(obj, told("Points were added or removed since the bake"))
-    reason = _edited_reason(obj, present)
-    if reason and obj.data.get(RESULT_KEY) == present.points(obj):
-        return solve_again(obj, told("An undo brought back points of other settings"))
-    return reason
-
-
-def _edited_reason(obj: bpy.types.Object, present: Present) -> str:
-    if not obj.dapple.baked_keys and obj.dapple.report.count != len(obj.data.vertices):
-        return _added_or_removed(len(obj.data.vertices) - obj.dapple.report.count)
-    if not obj.dapple.solved_points or present.points(obj) == obj.dapple.solved_points:
-        return ""
-    return told("Points were edited by hand: reattach them, or lock them and optimize")
-
-
-def _added_or_removed(added: int) -> str:
-    if added > 0:
-        return counted(
-            added,
-            "{count} point was added by hand: reattach it, or lock it and optimize",
-            "{count:,} points were added by hand: reattach them, or lock them and optimize",
-        )
-    return counted(
-        -added,
-        "{count} point was removed by hand: reattach to keep the others, or optimize",
-        "{count:,} points were removed by hand: reattach to keep the others, or optimize",
-    )
+    placed = touched_places(obj) is not None
+    changed = placed or other_faces or other_binding or undone
+    return changed or bool(solution_reason(obj, now))

@@ -58,7 +58,7 @@ def keep_steps(update: Update) -> Steps:
     found: Scattered = yield Task(
         lambda worker: keep.kept(before, arrays, settings, worker, locked), 0.0, _RELAXED
     )
-    if not keep.is_whole(found):
+    if not keep.is_whole(found, before):
         count = found.report.count
         update.write(replace(found, settings=replace(settings, count=count)))  # and so out of date
         local = found

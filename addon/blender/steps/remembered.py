@@ -10,18 +10,19 @@ from typing import Any
 
 import bpy
 
-from ...core.keep import Before
-from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, binding_from
+from ...core.keep import Before, as_placed
+from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, binding_from
 from ...core.rest import AtRest
 from ...core.solve import Scattered, Solved
-from ...core.surface import SurfaceArrays
+from ...core.surface import Ints, SurfaceArrays
 from ..base.handlers import Handlers, unwatch, watch
-from ..data.points import own_columns, points_digest
+from ..data.points import own_columns, point_columns_of, points_digest
 from ..data.store import write_scattered
+from ..data.touched import touched_places
 
 _MOST = 4  # as each has a surface with all that is known of it
 
-_known: OrderedDict[str, Solved] = OrderedDict()
+_known: OrderedDict[str, tuple[Solved, Ints]] = OrderedDict()  # with the ids of the points
 
 
 def write_solved(
@@ -30,17 +31,35 @@ def write_solved(
     """Store a result, and remember how it was solved."""
     write_scattered(obj, arrays, scattered, rest)
     if scattered.solved is not None and not scattered.settings.classes:
-        _known[obj.dapple.solved_points] = scattered.solved
-        _known.move_to_end(obj.dapple.solved_points)
-        while len(_known) > _MOST:
-            _known.popitem(last=False)
+        _remember(obj.dapple.solved_points, scattered.solved, scattered.columns["id"])
+
+
+def known_as_placed(obj: bpy.types.Object, before: str, binding: Binding) -> None:
+    """Have what is known of a solution be that of the same points once some were placed by hand;
+    before is the digest of the points as they were solved.
+    """
+    if before not in _known:
+        return
+    (solved, ids), columns = _known[before], point_columns_of(obj)
+    if obj.dapple.surface_topology.split() != [solved.arrays.topology]:
+        return
+    placed = as_placed(solved, ids, binding, columns["id"], columns["dapple_class"])
+    _remember(points_digest(obj), placed, columns["id"])
+
+
+def _remember(points: str, solved: Solved, ids: Ints) -> None:
+    _known[points] = solved, ids
+    _known.move_to_end(points)
+    while len(_known) > _MOST:
+        _known.popitem(last=False)
 
 
 def before_of(obj: bpy.types.Object) -> Before:
     """The points of a scatter as they are stored, with their solution if it is remembered."""
     columns = own_columns(obj, {**POINT_ATTRIBUTES, "dapple_rank": "FLOAT"})
     binding = binding_from(own_columns(obj, ROW_ATTRIBUTES))
-    return Before(binding, columns, _known.get(points_digest(obj)))
+    solved, _ = _known.get(points_digest(obj), (None, None))
+    return Before(binding, columns, solved, touched_places(obj))
 
 
 def _forget(*_arguments: Any) -> None:

@@ -18,7 +18,8 @@ from ..base.quiet import quiet
 from ..base.times import time_of
 from ..data.points import locked_points
 from ..data.scatter import is_fluid, settings_of
-from ..status.staleness import is_edited, needs_solving
+from ..status.point_edits import is_edited
+from ..status.staleness import needs_solving
 from ..surface.parts import read_parts
 from ..surface.resting import kind_of_binding
 from .joining import surface_for

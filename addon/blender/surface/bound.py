@@ -4,13 +4,22 @@
 from dataclasses import replace
 
 import bpy
+import numpy as np
 
-from ...core.records import Binding, Columns
+from ...core.errors import ScatterError
+from ...core.records import (
+    ROW_ATTRIBUTES,
+    Binding,
+    Columns,
+    binding_from,
+    check_binding,
+    unbound,
+)
 from ...core.rest import AtRest, at_rest, bound_at_rest
 from ...core.steps import Steps, Task, run_now
 from ...core.surface import SurfaceArrays
 from ..base.meshio import to_local
-from ..data.points import point_columns_of, read_at_rest, read_binding
+from ..data.points import own_columns, point_columns_of, read_at_rest, read_binding
 from ..data.scatter import is_fluid
 from .surface_mesh import read_rest
 
@@ -39,6 +48,24 @@ def rest_of(
 ) -> AtRest | None:
     """Places on the rest shape, if the points are to be bound to it."""
     return at_rest(binding, with_rest(arrays, surface)) if kind == "REST" else None
+
+
+def binding_now(obj: bpy.types.Object, surface: bpy.types.Object, arrays: SurfaceArrays) -> Binding:
+    """Where all stored points are on the surface as it is now, among them some that were added by
+    hand, which are nowhere yet.
+    """
+    reason = other_faces(obj, arrays)
+    if reason and obj.dapple.bound_to != "REST":
+        raise ScatterError(f"Scatter '{obj.name}' is out of date: {reason}. Optimize it first")
+    stored = binding_from(own_columns(obj, ROW_ATTRIBUTES))
+    blank = unbound(stored)
+    if not reason:
+        there = Binding(stored.corners[~blank], stored.barycentric[~blank], stored.carry[~blank])
+        check_binding(there, len(arrays.vertices), obj.name)
+        return stored
+    rest = read_at_rest(obj)
+    found = bound_at_rest(rest.columns, replace(with_rest(arrays, surface), rest_parts=rest.parts))
+    return replace(found, barycentric=np.where(blank[:, None], 0.0, found.barycentric))
 
 
 def current_binding(

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Placing single points: in Edit Mode, or one by one."""
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from bpy.props import FloatVectorProperty, IntProperty
+
+from ...core.errors import ScatterError
+from ..base.job import OPTIONS, Status
+from ..base.translation import reported, told
+from ..data.library import read_only
+from ..live import watcher
+from ..steps.editing import add_vertex, begin_editing, edited_scatter, end_editing
+from ..steps.single_points import add_point, move_point, remove_point
+from .mouse import place_under_mouse
+from .polls import ready
+
+
+def _editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter whose points may be placed."""
+    if not ready(cls, context, scatter=True):
+        return False
+    if context.object.dapple.baked_keys:
+        cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
+        return False
+    return True
+
+
+class DAPPLE_OT_edit_points(bpy.types.Operator):
+    """Add, move and remove single points in Edit Mode. Those that are added or moved are locked;
+    the others become even around them"""
+
+    bl_idname = "dapple.edit_points"
+    bl_label = "Edit Points"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _editable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        try:
+            begin_editing(context)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_edit_points_done(bpy.types.Operator):
+    """Leave Edit Mode, attach added and moved points to the surface and lock them"""
+
+    bl_idname = "dapple.edit_points_done"
+    bl_label = "Done"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = edited_scatter(context)
+        if obj is None:
+            cls.poll_message_set(told("No points of a scatter are being edited"))
+        elif read_only(obj):
+            cls.poll_message_set(read_only(obj))
+        else:
+            return True
+        return False
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        try:
+            placed, removed = end_editing(context)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        watcher.touch(context.object)
+        text = reported(
+            "{placed:,} points placed and locked, {removed:,} removed",
+            placed=placed,
+            removed=removed,
+        )
+        self.report({"INFO"}, text)
+        return {"FINISHED"}
+
+
+class _PlacesPoint:
+    """Places a point of the active scatter."""
+
+    report: Callable[[set[str], str], None]
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _editable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        try:
+            self.place(context.object)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        watcher.touch(context.object)
+        return {"FINISHED"}
+
+    def place(self, obj: bpy.types.Object) -> None:
+        """What is done."""
+        raise NotImplementedError
+
+
+class _PlacesThere(_PlacesPoint):
+    location: FloatVectorProperty(
+        name="Location",
+        description="Place in world space; the nearest one of the surface is taken",
+        subtype="XYZ",
+        unit="LENGTH",
+    )
+
+
+class DAPPLE_OT_add_point(_PlacesThere, bpy.types.Operator):
+    """Add a point and lock it"""
+
+    bl_idname = "dapple.add_point"
+    bl_label = "Add Point"
+    bl_options = OPTIONS
+
+    object_type: IntProperty(
+        name="Object Type", description="Number of its object type, from 0", min=0
+    )
+
+    def place(self, obj: bpy.types.Object) -> None:
+        add_point(obj, np.array(self.location), self.object_type)
+
+
+class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
+    """Add a point under the mouse while the points of a scatter are edited"""
+
+    bl_idname = "dapple.place_point"
+    bl_label = "Place Point"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return edited_scatter(context) is not None and context.mode == "EDIT_MESH"
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Where the mouse is."""
+        try:
+            place = place_under_mouse(context, event)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if place is None:
+            self.report({"WARNING"}, reported("The surface is not under the mouse"))
+            return {"CANCELLED"}
+        self.location = place
+        return self.execute(context)
+
+    def place(self, obj: bpy.types.Object) -> None:
+        add_vertex(obj, np.array(self.location))
+
+
+class _OfPoint:
+    id: IntProperty(name="Id", description="The id of the point", min=0)
+
+
+class DAPPLE_OT_move_point(_PlacesThere, _OfPoint, bpy.types.Operator):
+    """Move a point and lock it"""
+
+    bl_idname = "dapple.move_point"
+    bl_label = "Move Point"
+    bl_options = OPTIONS
+
+    def place(self, obj: bpy.types.Object) -> None:
+        move_point(obj, self.id, np.array(self.location))
+
+
+class DAPPLE_OT_remove_point(_PlacesPoint, _OfPoint, bpy.types.Operator):
+    """Remove a point"""
+
+    bl_idname = "dapple.remove_point"
+    bl_label = "Remove Point"
+    bl_options = OPTIONS
+
+    def place(self, obj: bpy.types.Object) -> None:
+        remove_point(obj, self.id)
+
+
+CLASSES = (
+    DAPPLE_OT_edit_points,
+    DAPPLE_OT_edit_points_done,
+    DAPPLE_OT_add_point,
+    DAPPLE_OT_place_point,
+    DAPPLE_OT_move_point,
+    DAPPLE_OT_remove_point,
+)
