@@ -71,7 +71,7 @@ def color_by_chance(
     return made
 
 
-def build_stud() -> bpy.types.Object:
+def build_stud(tips: list[tuple[float, Color]] = TIPS) -> bpy.types.Object:
     """A knob on a rim, turned about z, radius 1; it stands on z = 0."""
     turns = [2 * math.pi * side / STUD_SIDES for side in range(STUD_SIDES)]
     vertices = [(r * math.cos(t), r * math.sin(t), z) for r, z in STUD for t in turns]
@@ -88,7 +88,7 @@ def build_stud() -> bpy.types.Object:
     mesh.from_pydata(vertices, [], faces)
     mesh.shade_smooth()
     mesh.materials.append(material("Stud rim", RIM, 0.5))
-    mesh.materials.append(color_by_chance("Stud tip", "id", "INSTANCER", TIPS))
+    mesh.materials.append(color_by_chance("Stud tip", "id", "INSTANCER", tips))
     for index, face in enumerate(mesh.polygons):
         face.material_index = int(index >= STUD_RIM_RINGS * STUD_SIDES)
     stud = bpy.data.objects.new("Stud", mesh)

@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import bpy
 import child
 import numpy as np
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).parents[2]
 DUMPS = Path(__file__).parent / "dumps"  # of these counts: python -m blend_examples.NAME --width 0
@@ -37,24 +39,28 @@ print("shown", sum(one.is_instance for one in depsgraph.object_instances))
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
     """Folder with what every example writes; a picture of none."""
+    folder = tmp_path_factory.mktemp("examples")
+    for name, count in COUNTS.items():
+        run(name, "--count", count, "--width", 0, "--out", folder)
+    return folder
+
+
+def run(name, *arguments):
+    """What an example says."""
     if addon_host.TESTED_ZIP:
         pytest.skip("the examples import the add-on as it lies in the checkout")
     if bpy.app.binary_path:
         pytest.skip("the examples are run by the bpy module")
-    folder = tmp_path_factory.mktemp("examples")
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    for name, count in COUNTS.items():
-        arguments = ["--count", count, "--width", 0, "--out", folder]
-        done = subprocess.run(
-            [sys.executable, "-m", f"blend_examples.{name}", *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            cwd=ROOT,
-            env=environment,
-            timeout=120,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-    return folder
+    done = subprocess.run(
+        [sys.executable, "-m", f"blend_examples.{name}", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 @pytest.mark.parametrize("name", COUNTS)
@@ -64,6 +70,17 @@ def test_an_example_is_as_it_was(built, name):
     assert found["instances"] == before["instances"]
     assert found["polygons"] == pytest.approx(before["polygons"], rel=0.02)
     assert np.allclose(found["box"], before["box"], atol=0.1)
+
+
+def test_studs_side_by_side(tmp_path):
+    said = run(
+        "side_by_side", "--count", 60, "--frames", 4, "--only", 2, "--width", 40, "--out", tmp_path
+    )
+    kept = {name: figures for name, figures in re.findall(r"   (.*): (.*) per frame", said)}
+    assert kept["Dapple"] == "always 60 studs, 0 % replaced"
+    assert not kept["Blender: Poisson Disk"].endswith(" 0 % replaced")
+    with Image.open(tmp_path / "side_by_side.webp") as picture:
+        assert picture.n_frames == 2
 
 
 @pytest.mark.parametrize("name", COUNTS)
