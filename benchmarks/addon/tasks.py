@@ -10,6 +10,7 @@ import importlib
 import json
 import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Generator
 from dataclasses import asdict, dataclass
@@ -107,7 +108,10 @@ def classes(hand: Any) -> Story:
         yield from hand.press_button("dapple.edit_classes(action='ADD')")
         yield from hand_of.waited(lambda k=k: len(obj.dapple.classes) > k)
         obj.dapple.classes[k].instance = one
-    yield from hand.press_button("fit")
+    yield from hand.slide("classes[1].fit")
+    yield from hand.press_button("classes[0].name")
+    yield from hand_of.waited(lambda: obj.dapple.class_index == 0)
+    yield from hand.slide("classes[0].fit")
 
 
 def distance(hand: Any) -> Story:
@@ -135,6 +139,43 @@ def bake(hand: Any) -> Story:
     yield from hand_of.waited(lambda: bpy.context.scene.frame_current > 12)
     with over_view():
         bpy.ops.screen.animation_cancel(restore_frame=False)
+
+
+def reuse(hand: Any) -> Story:
+    """Dragged from the Asset Browser, in which one file is the library, onto a hill."""
+    folder = Path(tempfile.mkdtemp())
+    yield from on_ground()
+    bpy.ops.dapple.mark_asset()
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
+    bpy.ops.preferences.asset_library_add(directory=str(folder))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    yield
+    yield
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=2.0)
+    yield from shown(bpy.context.object)
+    yield READY
+    browser = yield from asset_browser()
+    hand.clicks += 2  # the menu of editors, and in it the Asset Browser
+    region = next(one for one in browser.regions if one.type == "WINDOW")
+    view = hand_of.viewport()
+    first = region.x + 60, region.y + region.height - 60
+    last = view.x + 0.4 * view.width, view.y + 0.5 * view.height
+    way = [(1 - k / 10) * first[0] + k / 10 * last[0] for k in range(11)]
+    rise = [(1 - k / 10) * first[1] + k / 10 * last[1] for k in range(11)]
+    yield from hand.drag(list(zip(way, rise, strict=True)))
+    yield from hand_of.waited(lambda: bool(scatters()) and len(scatters()[0].data.vertices) > 0)
+
+
+def asset_browser() -> Story:
+    """In place of the timeline."""
+    area = next(one for one in hand_of.window().screen.areas if one.type == "DOPESHEET_EDITOR")
+    area.ui_type = "ASSETS"
+    for _ in range(100):
+        yield
+    area.spaces.active.params.asset_library_reference = "ALL"
+    for _ in range(100):
+        yield
+    return area
 
 
 ONLY = os.environ.get("DAPPLE_TASKS", "")  # beginnings of names, by commas
@@ -177,6 +218,7 @@ TASKS = (  # name, goal of clicks, what is done, and the same with Blender's own
     ("Classes: two object types that fit", 6, classes, *_NEITHER),
     ("Mask: by the distance to a curve", 4, distance, *_DISTANCE),
     ("Bake: and play, each instance in its place", 3, bake, *_NEITHER),
+    ("Reuse: of an asset on another surface", 3, reuse, *_NEITHER),
 )
 
 

@@ -64,6 +64,11 @@ class Hand:
         place = yield from self.found(wanted)
         yield from self.click(*place)
 
+    def slide(self, wanted: str) -> Story:
+        """Drag a slider from its middle to its right end, and beyond."""
+        x, y = yield from self.found(wanted)
+        yield from self.drag([(x + 12 * k, y) for k in range(25)])
+
     def open_panel(self, title: str, wanted: str) -> Story:
         """Click the header of a closed panel: the one that shows the wanted button."""
         if (yield from self._seen(wanted)) is not None:

@@ -49,6 +49,15 @@ def density(chance):
     settings = scatter().dapple.density
     settings.use_height = chance.random() < 0.5
     settings.height_from = chance.uniform(-0.6, 0.0)
+    settings.use_noise = chance.random() < 0.3
+    settings.noise_strength = chance.uniform(0.2, 0.8)
+
+
+def instances(chance):
+    """What is solved from nothing of this."""
+    settings = scatter().dapple
+    settings.fit, settings.scale = chance.choice([0.0, 1.0]), chance.uniform(0.5, 2.0)
+    settings.display_as = chance.choice(["INSTANCES", "BOUNDS"])
 
 
 def obstacle(chance):
@@ -85,7 +94,10 @@ def render(_chance):
     assert bpy.ops.render.render() == {"FINISHED"}
 
 
-CHANGES = (stroke, stroke, setting, setting, density, obstacle, shape, scale, optimize, render)
+CHANGES = (
+    *(stroke, stroke, setting, setting, density, obstacle, shape, scale),
+    *(instances, optimize, render),
+)
 
 
 def prepared():
