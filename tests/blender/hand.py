@@ -25,6 +25,7 @@ class Hand:
     def __init__(self) -> None:
         self.clicks = 0  # and keys
         self.searched = 0.0  # seconds in which it looked for buttons
+        self.seen: list[str] = []  # what it found there the last time
 
     def move(self, x: float, y: float) -> Story:
         window().event_simulate("MOUSEMOVE", "NOTHING", x=int(x), y=int(y))
@@ -87,7 +88,8 @@ class Hand:
         """The place of a button."""
         place = yield from self._seen(wanted)
         if place is None:
-            raise LookupError(f"the sidebar has no button with {wanted}")
+            seen = ", ".join(dict.fromkeys(self.seen))
+            raise LookupError(f"the sidebar has no button with {wanted}, but {seen}")
         return place
 
     def _seen(self, wanted: str) -> Story:
@@ -97,12 +99,14 @@ class Hand:
         return place
 
     def _looked_for(self, wanted: str) -> Story:
-        region = sidebar()
+        region, self.seen = sidebar(), []
         for column in _COLUMNS:
             x = region.x + column * region.width
             for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
                 yield from self.move(x, y)
-                if any(wanted in one for one in under_pointer()):
+                there = under_pointer()
+                self.seen += there
+                if any(wanted in one for one in there):
                     return x, y
         return None
 

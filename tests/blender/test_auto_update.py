@@ -249,7 +249,7 @@ def test_in_background_mode_nothing_follows(obj):
     watcher = addon_host.part("blender.live.watcher")
     assert not watcher.is_active()
     assert watcher.tick() is None
-    assert not watcher._state.touched
+    assert not watcher._state.changes.any_noted()
 
 
 def test_scatters_that_avoid_each_other_come_to_rest(live):

@@ -11,7 +11,6 @@ undo step, made once the points are there.
 In background mode nothing follows by itself, unless a test says so and drives the timer by hand.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,23 +20,22 @@ from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
 from ..base.artist import is_operated
+from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.job import is_under_way
 from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
-from ..data.scatter import is_scatter
 from ..steps.asking import steps_of
 from . import pictures
+from .changes import NOBODY, Cause, Changes
 from .holds import is_held
-from .watched import dependencies, follows, scatters
+from .watched import follows, scatters
 from .written import follow_up
 
 _POLL = 0.005  # seconds between two looks at a worker
 _PART = 0.01  # seconds of a look in which the artist waits
 _HELD = 0.1  # seconds between two looks whether what holds it up is over
-
-_NOBODY: frozenset[int] = frozenset()
 
 enabled = not bpy.app.background
 
@@ -48,11 +46,11 @@ class _Job:
 
     scatter: Held
     stepper: Stepper
-    cause: frozenset[int]  # itself and the scatters because of which it is, see _spread
+    cause: Cause  # itself and the scatters because of which it is
     asked: bool  # by Optimize
     shown: int = -1  # hundredths that the panel shows
 
-    def writes(self) -> dict[int, frozenset[int]]:
+    def writes(self) -> dict[int, Cause]:
         """The cause of changes of what it writes, by session_uid."""
         try:
             obj = self.scatter.get()
@@ -66,17 +64,10 @@ class _State:
     """What the timer and the handlers share; file data is always looked up anew."""
 
     schedule: Schedule = field(default_factory=Schedule)
+    changes: Changes = field(default_factory=Changes)
     job: _Job | None = None
-    touched: set[int] = field(default_factory=set)  # session_uids of changed data-blocks
-    depends: dict[int, set[int]] = field(default_factory=dict)  # by the scatter's session_uid
-    images: set[int] = field(default_factory=set)  # session_uids of those that are watched
     ticking: bool = False  # whether the timer runs
-    relinked: bool = True  # whether that is to be looked up again
-    doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
-    all_doubtful: bool = False
-    passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
-    caused: dict[int, frozenset[int]] = field(default_factory=dict)  # by which updates, see _spread
-    wrote: dict[int, frozenset[int]] = field(default_factory=dict)  # the same of what was written
+    caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
     asked: dict[int, bool] = field(default_factory=dict)  # for Optimize; whether it may drop keys
 
@@ -100,7 +91,7 @@ def trouble(obj: bpy.types.Object) -> str:
 def touch(obj: bpy.types.Object) -> None:
     """A setting of a scatter was changed: of what it depends, too."""
     if enabled:
-        _state.relinked = True
+        _state.changes.relink()
         _change(obj.session_uid)
         _wake()
 
@@ -114,7 +105,7 @@ def ask(obj: bpy.types.Object) -> None:
     _change(obj.session_uid)
     _state.asked[obj.session_uid] = obj.dapple.baked_keys > 0
     _state.schedule.hurry(obj.session_uid)
-    _state.relinked = True
+    _state.changes.relink()
     _wake()
     redraw()
 
@@ -152,16 +143,16 @@ def tick() -> float | None:
         wait = _look()
     finally:
         _state.ticking = False
-    return 0.0 if _state.touched else wait
+    return 0.0 if _state.changes.any_noted() else wait
 
 
 def _look() -> float | None:
     if is_held():
         _spread()
         _step_aside()
-        return _HELD if is_active() or _state.images else None
-    if enabled and _state.job is None and _state.images:
-        _state.touched |= pictures.changed(_pictures())
+        return _HELD if is_active() or _state.changes.wait() is not None else None
+    if enabled and _state.job is None:
+        _state.changes.glance()
     _spread()
     if _state.job is None:
         _begin()
@@ -169,54 +160,23 @@ def _look() -> float | None:
         _go_on(_state.job)
     if _state.job is not None:
         return _POLL
-    waits = [_state.schedule.wait(), pictures.wait() if _state.images else None]
+    waits = [_state.schedule.wait(), _state.changes.wait()]
     return min((one for one in waits if one is not None), default=None)
 
 
-def _pictures() -> list[bpy.types.Image]:
-    """Those that densities are made of."""
-    return [image for image in bpy.data.images if image.session_uid in _state.images]
-
-
 def _spread() -> None:
-    """Note which scatters depend on what was changed.
-
-    One that was updated because of another does not have that updated in turn: two that avoid each
-    other would never rest.
-    """
-    touched, _state.touched = _state.touched, set()
-    causes = {uid: _state.wrote.pop(uid) for uid in touched & _state.wrote.keys()}
-    if _state.job is not None:
-        causes |= _state.job.writes()
-    for uid, depends in _depends().items():
-        found = {causes.get(block, _NOBODY) for block in touched & depends}
-        if _state.all_doubtful or uid in _state.doubtful or uid in touched & _state.passed_over:
-            found.add(_NOBODY)
-        for cause in found:
-            if uid not in cause:
-                _change(uid, cause)
-    _state.all_doubtful = False
-    _state.doubtful.clear()
+    """Note which scatters depend on what was changed."""
+    writes = _state.job.writes() if _state.job is not None else {}
+    for uid, cause in _state.changes.changed_scatters(writes):
+        _change(uid, cause)
+    for uid in (
+        _state.asked.keys() - _state.changes.known_scatters()
+    ):  # an undo may have removed them
+        del _state.asked[uid]
 
 
-def _depends() -> dict[int, set[int]]:
-    """What scatters depend on; where that is something else than before, it is a change."""
-    if _state.relinked:
-        _state.relinked = False
-        before = _state.depends
-        _state.depends = {obj.session_uid: dependencies(obj) for obj in scatters()}
-        for uid in _state.asked.keys() - _state.depends.keys():  # an undo may have removed them
-            del _state.asked[uid]
-        densities = [obj.dapple.density for obj in scatters() if follows(obj)]
-        _state.images = {one.image.session_uid for one in densities if one.image is not None}
-        _state.doubtful |= {
-            uid for uid, now in _state.depends.items() if now != before.get(uid, now)
-        }
-    return _state.depends
-
-
-def _change(uid: int, cause: frozenset[int] = _NOBODY) -> None:
-    _state.passed_over.discard(uid)
+def _change(uid: int, cause: Cause = NOBODY) -> None:
+    _state.changes.turn_to(uid)
     _state.troubles.pop(uid, None)
     _state.caused[uid] = cause
     _state.schedule.change(uid)
@@ -232,10 +192,10 @@ def _begin() -> None:
     held = Held(obj)
     asked = held.uid in _state.asked
     if asked or follows(obj):
-        cause = _state.caused.pop(held.uid, _NOBODY) | {held.uid}
+        cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
         _state.job = _Job(held, Stepper(steps_of(held, _state.asked.get(held.uid))), cause, asked)
     else:
-        _state.passed_over.add(held.uid)
+        _state.changes.pass_over(held.uid)
 
 
 def _go_on(job: _Job) -> None:
@@ -255,7 +215,7 @@ def _done(job: _Job) -> None:
     _state.job = None
     _state.asked.pop(job.scatter.uid, None)
     if job.stepper.result:
-        _state.wrote |= job.writes()
+        _state.changes.wrote(job.writes())
         follow_up(job.scatter.get(), job.asked)
 
 
@@ -288,27 +248,17 @@ def _wake() -> None:
 
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    """Note what was changed; objects that are merely evaluated after others are listed too."""
+    """Note what was changed, and look at it soon."""
     if not enabled or is_quiet():
         return
-    for one in depsgraph.updates:
-        block = one.id.original
-        if not isinstance(block, bpy.types.Object):
-            _state.touched.add(block.session_uid)
-            if isinstance(block, bpy.types.Collection | bpy.types.Scene):
-                _state.relinked = True  # other objects may be avoided, or another camera used
-        elif one.is_updated_geometry or one.is_updated_transform:
-            _state.touched.add(block.session_uid)
-            if block.session_uid not in _state.depends and is_scatter(block):
-                _state.relinked = True
-    if _state.touched:
+    if _state.changes.note(depsgraph):
         _wake()
 
 
 def _undone(*_arguments: Any) -> None:
     """An undo may have brought back anything."""
     if enabled:
-        _state.all_doubtful = _state.relinked = True
+        _state.changes.doubt_all()
         _give_up()
         _wake()
 
@@ -332,7 +282,7 @@ def _step_aside() -> None:
         _render_begins()
 
 
-_HANDLERS: dict[str, Callable[..., None]] = {
+_HANDLERS: Handlers = {
     "depsgraph_update_post": _updated,
     "undo_post": _undone,
     "redo_post": _undone,
@@ -343,17 +293,12 @@ _HANDLERS: dict[str, Callable[..., None]] = {
 def register() -> None:
     """Watch what happens to the file."""
     when_one_begins(_render_begins)
-    for name, handler in _HANDLERS.items():
-        bpy.app.handlers.persistent(handler)
-        getattr(bpy.app.handlers, name).append(handler)
+    watch(_HANDLERS)
 
 
 def unregister() -> None:
     """Update nothing and watch nothing."""
-    for name, handler in _HANDLERS.items():
-        handlers = getattr(bpy.app.handlers, name)
-        if handler in handlers:
-            handlers.remove(handler)
+    unwatch(_HANDLERS)
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
     _leaving()
