@@ -24,7 +24,6 @@ addon_host = importlib.import_module("addon_host")
 told = importlib.import_module("story")
 
 TICK = 0.2
-PANELS = ("instances", "amount", "density", "placement", "animation", "tiles", "advanced")
 Story = Iterator[None]
 
 
@@ -165,12 +164,13 @@ def window() -> Any:
 
 def only(names: tuple[str, ...]) -> None:
     """Open these of the sub-panels: Blender has no other way than to register them anew."""
-    panels = addon_host.part("blender.panels")
-    for name in PANELS:
-        panel = getattr(panels, f"DAPPLE_PT_{name}")
+    panels = addon_host.part("blender.panels").CLASSES
+    for panel in [one for one in panels if getattr(one, "bl_parent_id", "")]:
+        name = panel.__name__.removeprefix("DAPPLE_PT_")
         bpy.utils.unregister_class(panel)
         panel.bl_options = set() if name in names else {"DEFAULT_CLOSED"}
-        panel.bl_idname = f"DAPPLE_PT_{name}_{'_'.join(names)}"  # the old one remembers its state
+        # The old one remembers its state.
+        panel.bl_idname = f"DAPPLE_PT_{name}_{'_'.join(names) or 'closed'}"
         bpy.utils.register_class(panel)
 
 

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What docs/add-on.md says is so."""
 
+import json
 import re
 from pathlib import Path
 
 import addon_host
 import bpy
 import numpy as np
+import pytest
 import scenes
 
 DOCS = Path(__file__).parents[2] / "docs"
+MANUAL = sorted((DOCS / "manual").glob("*.md"))
+# Of Blender itself.
+BLENDERS_OWN = {"Compress", "Save As"}
 TEXT, OPTIONS = [(DOCS / name).read_text() for name in ("add-on.md", "options.md")]
 
 
@@ -45,3 +50,42 @@ def test_every_operator_and_property_is_told():
                 name in TEXT or (prefix and parts in TEXT) or (name in options and name in OPTIONS)
             )
             assert told or name.startswith(stored), f"no word of {prefix}{name}"
+
+
+def texts() -> set[str]:
+    """What the add-on says: test_translation.py holds that the translation lists all of it."""
+    contexts = json.loads((addon_host.CHECKOUT / "translations" / "de_DE.json").read_text())
+    return {text for context in contexts.values() for text in context}
+
+
+@pytest.mark.parametrize("page", MANUAL, ids=lambda page: page.stem)
+def test_the_manual_names_what_there_is(page):
+    text = page.read_text()
+    named = re.findall(r"(?<![*\w])\*([^*]+)\*(?!\*)", text)
+    assert {" ".join(name.split()) for name in named} - texts() - BLENDERS_OWN == set()
+
+
+@pytest.mark.parametrize("page", MANUAL, ids=lambda page: page.stem)
+def test_the_manual_quotes_what_the_panel_says(page):
+    said = set(re.findall(r"`([^`]+)`", page.read_text())) - {"NAME.dapple", "Default"}
+    assert {
+        message for message in said if not any(fits(message, text) for text in texts())
+    } == set()
+
+
+def fits(message: str, text: str) -> bool:
+    """Whether a message is a text with something in its places, or the beginning or end of one."""
+    pieces = re.split(r"\{[^}]*\}", text)
+    whole = re.fullmatch(".+".join(map(re.escape, pieces)), message)
+    part = any(piece.strip(" ,:") == message for piece in pieces)
+    return part or (whole is not None and len(max(pieces, key=len)) > len("{a}: {b}"))
+
+
+def test_the_manual_shows_its_pictures():
+    shown = {
+        page.parent / name
+        for page in MANUAL
+        for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", page.read_text())
+    }
+    assert shown == set((DOCS / "manual" / "images").iterdir())
+    assert all(picture.stat().st_size <= 150_000 for picture in shown)
