@@ -10,7 +10,7 @@ import bpy
 from . import copies, ui
 from .base import recent, renders, translation, under_way
 from .data import older_files
-from .live import modifier_tab, placing, watcher
+from .live import instanced, modifier_tab, placing, watcher
 from .ops import (
     add_operators,
     asset_operators,
@@ -83,7 +83,7 @@ def _steps() -> list[Step]:
     first: Any = (translation, properties)
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
-    last: Any = (overlay, remembered, watcher, placing, modifier_tab, keymaps)
+    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, keymaps)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

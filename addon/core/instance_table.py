@@ -24,6 +24,14 @@ INSTANCES = (
         Changes.INSTANCES,
     ),
     Setting(
+        "use_weights",
+        Kind.SWITCH,
+        False,
+        "Object Weights",
+        "Pick some objects of the collection more often than others",
+        Changes.INSTANCES,
+    ),
+    Setting(
         "scale",
         Kind.NUMBER,
         1.0,
@@ -184,6 +192,15 @@ CLASS = (
         low=0.0,
         soft_high=10.0,
         unit="LENGTH",
+    ),
+    Setting(
+        "radius_from_bounds",
+        Kind.SWITCH,
+        False,
+        "Radius from Bounds",
+        "The radius is that of the largest instance, and follows its bounds and scale. With Fit to "
+        "Spacing it becomes smaller where there is not enough room, and instances with it",
+        Changes.INDIRECTLY,
     ),
 )
 TILES = (

@@ -14,6 +14,7 @@ from .settings import Settings
 from .surface import Ints
 
 MOST_POINTS = 20_000_000
+_PACKED = 0.55  # of the surface that discs of different sizes cover without overlapping, about
 
 
 def class_counts(settings: Settings) -> list[int]:
@@ -68,6 +69,30 @@ def with_area(settings: Settings, mass: float) -> Settings:
     return replace(settings, count=max(count, 1))
 
 
+def shrunk(settings: Settings, surface: Any) -> Settings:
+    """The settings with the discs of classes that may shrink, so that all fit on a dapple.Surface;
+    their instances have less room then.
+    """
+    if not any(kind.shrinks for kind in settings.classes):
+        return settings
+    counts = class_counts(counted(surface, settings))
+    areas = [
+        count * np.pi * kind.radius**2 for count, kind in zip(counts, settings.classes, strict=True)
+    ]
+    rigid = sum(
+        area for area, kind in zip(areas, settings.classes, strict=True) if not kind.shrinks
+    )
+    left, asked = max(_PACKED * surface.area - rigid, 0.0), sum(areas) - rigid
+    factor = np.sqrt(left / asked) if asked > left else 1.0
+    classes = [
+        replace(kind, radius=factor * kind.radius, most_room=factor * kind.most_room)
+        if kind.shrinks
+        else kind
+        for kind in settings.classes
+    ]
+    return replace(settings, classes=tuple(classes))
+
+
 def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | None = None) -> Any:
     """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
 
@@ -77,7 +102,7 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
         ScatterError: more points of a class are locked than it has.
     """
     options = settings.sample_options()
-    settings = counted(ground.surface, settings)
+    settings = counted(ground.surface, shrunk(settings, ground.surface))
     counts = class_counts(settings) or [settings.count]
     groups = locked.of_classes(counts) if locked else [None] * len(counts)
     kept = [None if one is None else one.samples(ground.surface) for one in groups]
@@ -91,7 +116,7 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
 
 def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
     """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
-    options = settings.tracker_options()
+    options, settings = settings.tracker_options(), shrunk(settings, ground.surface)
     if not settings.classes:
         return package().Tracker(ground.surface, samples, **options)
     counts = _counts_of(samples.classes, settings)

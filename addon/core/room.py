@@ -8,6 +8,11 @@ from .settings import Settings
 from .surface import Floats, Ints
 
 
+def largest_scale(scale: float, growth: float, density_scale: float) -> float:
+    """Of instances with a random scale up and a scale by density."""
+    return abs(scale) * (1.0 + growth) * max(1.0, 1.0 - density_scale)
+
+
 def rooms(points: Floats, classes: Ints, settings: Settings) -> Floats:
     """Half the distance (n,) to the nearest point of the same class, at most what the class says.
 

@@ -53,6 +53,7 @@ class ClassSettings(_Values):
 
     count: int = 0  # exactly so many; 0: by its share
     most_room: float = 0.0  # that its instances are fitted to; 0: no limit
+    shrinks: bool = False  # where its discs would not fit: then its instances are smaller too
 
 
 @_fields_of(DENSITY)

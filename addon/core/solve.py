@@ -14,7 +14,7 @@ from .details import Details, details_of
 from .errors import ScatterError, StoppedError
 from .forward import pointing
 from .ground import Ground
-from .kinds import sampled
+from .kinds import sampled, shrunk
 from .locked import Locked, kept_ids, rows_of
 from .native import package
 from .records import Binding, Columns, own_random
@@ -90,7 +90,8 @@ def scatter(
     density = ground.densities(fine)
     columns["dapple_density"] = ground.shares(density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
-    columns["dapple_room"] = rooms(fine.positions, samples.classes, settings)
+    sized = shrunk(settings, ground.surface)
+    columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
     binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)

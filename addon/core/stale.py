@@ -116,7 +116,8 @@ def _solved_class(kind: Any) -> Any:
     if not isinstance(kind, dict):
         return kind
     own = {name: value for name, value in kind.items() if name != "most_room"}
-    return {**own, "density": bool(kind.get("density"))}
+    more = {"density": bool(kind.get("density")), "shrinks": bool(kind.get("shrinks"))}
+    return own | more
 
 
 def sketch(surface: SurfaceArrays) -> Floats:

@@ -139,15 +139,18 @@ class Builder:
         return node
 
     def each(
-        self, domain: str, geometry: Any, number: Callable[["Builder", Socket], Socket]
+        self, domain: str, geometry: Any, number: Callable[["Builder", Socket, Socket], Socket]
     ) -> tuple[Socket, Socket]:
-        """Geometry, and a field with a number of each element, which is made of it alone."""
+        """Geometry, and a field with a number of each element, which is made of it and its index
+        alone.
+        """
         begin = self.node("GeometryNodeForeachGeometryElementInput")
         end = self.node("GeometryNodeForeachGeometryElementOutput", domain=domain)
         begin.pair_with_output(end)
         end.main_items.new("FLOAT", "Number")
         self._feed(begin.inputs["Geometry"], geometry)
-        self._feed(end.inputs["Number"], number(self, begin.outputs["Element"]))
+        found = number(self, begin.outputs["Element"], begin.outputs["Index"])
+        self._feed(end.inputs["Number"], found)
         return end.outputs["Geometry"], end.outputs["Number"]
 
     def arrange(self) -> None:

@@ -32,7 +32,7 @@ def build() -> bpy.types.NodeTree:
     return tree
 
 
-def _radius(b: Builder, element: Socket) -> Socket:
+def _radius(b: Builder, element: Socket, _index: Socket) -> Socket:
     """Of all that one instance has; only its vertices are copied, not its faces."""
     points = b.out("GeometryNodeMeshToPoints", element)
     points = b.out("GeometryNodeRealizeInstances", points)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import fitting
+from . import fitting, weighted
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -26,6 +26,7 @@ def build() -> bpy.types.NodeTree:
             ("Spacing", "NodeSocketFloat"),
             ("Bounds", "NodeSocketBool"),
             ("Fit", "NodeSocketFloat"),
+            ("Weights", "NodeSocketString"),
         ],
         [("Instances", "NodeSocketGeometry")],
     )
@@ -36,13 +37,15 @@ def build() -> bpy.types.NodeTree:
     shape = b.switch("GEOMETRY", some, _one(b), several)
     fits = b.compare("GREATER_THAN", b.input("Fit"), 0.0, "FLOAT")
     fitted = inner(b, fitting, shape, b.input("Fit")).outputs[0]
+    pool = b.switch("GEOMETRY", fits, shape, fitted)
+    pool = _repeated(b, pool, count, some)
     placed = b.out(
         "GeometryNodeInstanceOnPoints",
         b.input("Points"),
         _chosen(b),
-        _boxed(b, b.switch("GEOMETRY", fits, shape, fitted)),
+        _boxed(b, pool),
         some,
-        b.switch("INT", some, 0, _picked(b, count)),
+        b.switch("INT", some, 0, _picked(b, b.count(pool, "INSTANCES"))),
         b.attribute("rotation", "QUATERNION"),
         _scale(b, fits),
     )
@@ -57,6 +60,15 @@ def _chosen(b: Builder) -> Socket:
     kind = b.input("Class")
     mine = b.boolean("AND", there, b.compare("EQUAL", b.attribute("dapple_class", "INT"), kind))
     return b.switch("BOOLEAN", b.compare("LESS_THAN", kind, 0), mine, there)
+
+
+def _repeated(b: Builder, pool: Socket, count: Socket, some: Socket) -> Socket:
+    """Objects of a collection as often as their weights say, if these are those of as many."""
+    length = b.out("FunctionNodeStringLength", b.input("Weights"))
+    fitting = b.compare("EQUAL", length, b.integer("MULTIPLY", count, weighted.WIDTH))
+    weighs = b.boolean("AND", some, fitting)
+    often = inner(b, weighted, pool, b.input("Weights")).outputs[0]
+    return b.switch("GEOMETRY", weighs, pool, often)
 
 
 def _boxed(b: Builder, source: Socket) -> Socket:

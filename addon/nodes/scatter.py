@@ -26,6 +26,7 @@ INSTANCE_INPUTS = [
     *((name, "NodeSocketFloat") for name in points.NUMBERS),
     ("Fit", "NodeSocketFloat"),
 ]
+KIND_INPUTS = [*INSTANCE_INPUTS, ("Weights", "NodeSocketString")]  # which no setting holds
 
 
 def ensure_group(classes: int = 0, detailed: bool = False) -> bpy.types.NodeTree:
@@ -63,7 +64,7 @@ def _kinds(classes: int) -> list[int | None]:
 
 def _inputs(classes: int) -> list[tuple[str, str]]:
     """Names and socket types."""
-    own = [(input_name(name, k), kind) for k in _kinds(classes) for name, kind in INSTANCE_INPUTS]
+    own = [(input_name(name, k), kind) for k in _kinds(classes) for name, kind in KIND_INPUTS]
     return INPUTS + own
 
 
@@ -122,6 +123,6 @@ def _instances(b: Builder, placed: Socket, kinds: list[int | None], boxes: Socke
 
 def _instanced(b: Builder, placed: Socket, kind: int | None, boxes: Socket) -> Socket:
     chosen = (b.input(input_name(name, kind)) for name in ("Instance", "Collection"))
-    of, fit = -1 if kind is None else kind, b.input(input_name("Fit", kind))
-    spacing = b.input("Spacing")
-    return inner(b, instances, placed, of, *chosen, spacing, boxes, fit).outputs[0]
+    of, spacing = -1 if kind is None else kind, b.input("Spacing")
+    sized = (b.input(input_name(name, kind)) for name in ("Fit", "Weights"))
+    return inner(b, instances, placed, of, *chosen, spacing, boxes, *sized).outputs[0]

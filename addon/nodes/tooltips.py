@@ -78,6 +78,8 @@ INPUTS = {
     "them",
     "Fit": "How far instances are scaled to the room of their points: 0 keeps their size, 1 makes "
     "them touch their nearest like but not overlap it",
+    "Weights": "How often each object of the collection is picked, as the add-on writes it. Empty: "
+    "all alike",
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
     "Class": "Only instance on points with this dapple_class. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",

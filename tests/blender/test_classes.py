@@ -325,6 +325,27 @@ def test_counts_of_classes_are_told_for_points_per_area():
     obj.dapple.points_per_area = 7.3
     told = labels(obj)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
-    assert told == labels(obj) == [f"{count:,}" for count in np.bincount(classes_of(obj))]
-    obj.dapple.solved_from = ""
+    assert labels(obj) == [f"{count:,}" for count in np.bincount(classes_of(obj))]
+    assert told == [f"~{label}" for label in labels(obj)]
+    obj.dapple.solved_from, obj.dapple.points_per_area = "", 8.0
     assert labels(obj) == ["?", "?"]
+
+
+def test_counts_of_classes_are_those_of_the_points_that_are_there():
+    labels = addon_host.part("blender.steps.classes").count_labels
+    obj = with_classes(scenes.sphere(), {"share": 2.0}, {"share": 1.0}, count=60)
+    assert labels(obj) == ["40", "20"]
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.verts.ensure_lookup_table()
+    gone = [edited.verts[row] for row in np.flatnonzero(classes_of(obj) == 0)[:3]]
+    bmesh.ops.delete(edited, geom=gone, context="VERTS")
+    edited.to_mesh(obj.data)
+    edited.free()
+    assert labels(obj) == ["37", "20"]
+    obj.dapple.classes[1].share = 2.0
+    assert labels(obj) == ["~30", "~30"]
+    assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    assert labels(obj) == ["~24", "~24", "~12"]
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert labels(obj) == ["24", "24", "12"]

@@ -165,6 +165,89 @@ def test_a_radius_limits_the_room():
     assert np.allclose(scales[:, 0] * np.sqrt(0.5), 0.05, rtol=1e-4)
 
 
+def following(obj):
+    """The first class, whose radius is that of its instances from now on."""
+    kind = obj.dapple.classes[0]
+    kind.radius_from_bounds = True
+    return kind
+
+
+def test_a_radius_follows_the_bounds_and_the_scale_of_its_instance():
+    thing, other = box("Thing", (0.6, 0.8, 1.0)), box("Other", (0.3, 0.4, 9.0))
+    obj = with_classes(scenes.sphere(), {"instance": thing}, {"instance": other}, count=40)
+    kind = following(obj)
+    assert kind.radius == pytest.approx(0.5)
+    assert obj.dapple.classes[1].radius == 0.0
+    kind.instance = other
+    assert kind.radius == pytest.approx(0.25)
+    kind.scale, kind.scale_x, kind.scale_y = 2.0, 0.5, 0.25
+    kind.scale_growth, kind.scale_randomness, kind.density_scale = 0.5, 0.5, -0.5
+    assert kind.radius == pytest.approx(0.25 * 2.0 * 0.5 * 1.5 * 1.5)
+    kind.radius = 7.0
+    assert kind.radius == pytest.approx(0.25 * 2.0 * 0.5 * 1.5 * 1.5)
+
+
+def test_a_radius_follows_an_instance_that_is_edited():
+    thing = box("Thing", (0.12, 0.16, 1.0))
+    obj = with_classes(scenes.sphere(), {"instance": thing}, {}, count=40)
+    kind = following(obj)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    reason = addon_host.part("blender.data.scatter").settings_reason
+    assert reason(obj) == ""
+    thing.data.transform(np.diag([2.0, 2.0, 1.0, 1.0]).tolist())
+    thing.data.update()
+    bpy.context.view_layer.update()
+    assert kind.radius == pytest.approx(0.2)
+    assert "Object Types" in reason(obj)
+    thing.modifiers.new("Array", "ARRAY").relative_offset_displace = (1.0, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    assert kind.radius == pytest.approx(np.hypot(0.36, 0.16))
+
+
+def test_a_radius_from_a_collection_is_that_of_its_largest_object():
+    small, large = box("Small", (0.1, 0.1, 0.1)), box("Large", (0.6, 0.8, 0.1))
+    large.scale = (3.0, 3.0, 3.0)  # which is not instanced
+    left, right = box("Left", (1, 1, 1), (-2.0, 0.0, 0.0)), box("Right", (1, 1, 1), (3.0, 0.0, 0.0))
+    chosen = collection_of(small, large, bpy.data.objects.new("Empty", None))
+    obj = with_classes(scenes.sphere(), {"collection": chosen}, {}, count=40)
+    kind = following(obj)
+    assert kind.radius == pytest.approx(0.5)
+    chosen.children.link(collection_of(left, right))
+    bpy.context.view_layer.update()
+    assert kind.radius == pytest.approx(np.hypot(3.5, 0.5))
+
+
+def test_instances_with_the_radius_of_their_bounds_are_only_made_smaller():
+    thing = box("Thing", (0.12, 0.16, 0.1))
+    kinds = [{"instance": thing, "fit": 1.0, "scale": 2.0}, {"share": 20.0}]
+    obj = with_classes(scenes.sphere(), *kinds, count=210)
+    kind = following(obj)
+    assert kind.radius == pytest.approx(0.2)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    scales = shown(obj)[2][:10]
+    assert np.allclose(scales, 2.0, rtol=1e-4), "there is room"
+
+
+def test_instances_that_are_too_large_for_the_surface_become_as_large_as_fits():
+    houses, trees = box("House", (3.0, 4.0, 1.0)), box("Tree", (1.0, 1.0, 2.0))
+    obj = with_classes(scenes.sphere(), {"instance": houses}, {"instance": trees}, count=60)
+    for kind in obj.dapple.classes:
+        kind.radius_from_bounds = True
+    with pytest.raises(RuntimeError, match="radii ask for discs"):
+        bpy.ops.dapple.optimize()
+    for kind in obj.dapple.classes:
+        kind.fit = 1.0
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert addon_host.part("blender.data.scatter").settings_reason(obj) == ""
+    names, places, scales = shown(obj)
+    radii = scales[:, 0] * np.where(np.array(names) == "House", 2.5, np.sqrt(0.5))
+    distances = np.linalg.norm(places[:, None] - places[None], axis=2) + 9.0 * np.eye(60)
+    overlap = 1.0 - distances / (radii[:, None] + radii[None])
+    assert overlap.max() < 0.1
+    assert radii[:30].mean() > 2.0 * radii[30:].mean(), "they stay larger"
+    assert (np.pi * radii**2).sum() > 0.4 * 4.0 * np.pi
+
+
 def test_points_of_older_files_have_the_room_of_the_mean_spacing():
     obj = scenes.scattered(scenes.sphere())
     obj.dapple.instance, obj.dapple.fit = box("Thing", (1.0, 1.0, 1.0)), 1.0
@@ -184,3 +267,114 @@ def test_a_new_setting_gives_a_scatter_of_an_older_version_the_group_of_this_one
     obj.dapple.scale_z = 2.0
     assert obj.modifiers[0].node_group == nodes.ensure_group()
     assert np.allclose(shown(obj)[2], (2.0, 2.0, 4.0), atol=1e-5)
+
+
+ODD_NAMES = [
+    *("a", "B", "a.001", "a 1", "a10", "a9", "A9", "a09", "a009", "a1b", "a01a", "ab", "a1", "A"),
+    *(
+        "Rock",
+        "rock.01",
+        "rock 01",
+        "Röck",
+        "Zebra",
+        "Österreich",
+        "é",
+        "e",
+        "_",
+        "Tree2",
+        "Tree10",
+    ),
+    *("tree2a", "Tree 2", "10", "9", "1.5", "1.05", "-1", "日本", "x0", "x", "x00y", "x0z"),
+]
+
+
+def test_members_are_in_the_order_in_which_nodes_have_them():
+    things = [box(name, (0.1, 0.1, 0.1)) for name in ODD_NAMES]
+    chosen = collection_of(*things[::2])
+    for thing in things[1::2]:
+        chosen.children.link(collection_of(thing))
+        chosen.children[-1].name = f"{thing.name}c"
+    obj = scenes.scattered(scenes.sphere(), count=30 * len(things))
+    obj.dapple.collection, obj.dapple.use_weights = chosen, True
+    inner = {f"{thing.name}c": thing.name for thing in things[1::2]}
+    for entry in obj.dapple.weights:
+        for other in obj.dapple.weights:
+            other.weight = float(other == entry)
+        name = entry.object.name if entry.object else inner[entry.collection.name]
+        assert set(shown(obj)[0]) == {name}
+
+
+def test_weights_say_how_often_objects_are_picked():
+    things = [box(name, (0.1, 0.1, 0.1)) for name in ("A", "B", "C")]
+    obj = scenes.scattered(scenes.sphere(), count=1000)
+    obj.dapple.collection = collection_of(*things)
+    before = shown(obj)[0]
+    obj.dapple.use_weights = True
+    assert [one.object for one in obj.dapple.weights] == things
+    assert shown(obj)[0] == before, "all are picked alike"
+    obj.dapple.weights[1].weight = 3.0
+    counts = [shown(obj)[0].count(name) for name in "ABC"]
+    assert np.allclose(counts, (200, 600, 200), atol=60)
+    obj.dapple.weights[0].weight = 0.0
+    assert "A" not in shown(obj)[0]
+    found = shown(obj)[0]
+    obj.dapple.scale, obj.dapple.seed = 2.0, 5
+    assert shown(obj)[0] == found
+    obj.dapple.use_weights = False
+    assert shown(obj)[0] == before
+
+
+def test_weights_and_fit_work_together():
+    things = [box("A", (0.5, 0.5, 1.0)), box("B", (3.0, 4.0, 1.0))]
+    obj = scenes.scattered(scenes.sphere(), count=100)
+    obj.dapple.collection, obj.dapple.fit = collection_of(*things), 1.0
+    obj.dapple.use_weights, obj.dapple.weights[1].weight = True, 4.0
+    names, places, scales = shown(obj)
+    own = np.array([{"A": np.sqrt(0.125), "B": 2.5}[name] for name in names])
+    assert np.allclose(scales[:, 0] * own, half_distances(places), rtol=1e-4)
+    assert names.count("B") > 60
+
+
+def test_a_weight_stays_with_its_object():
+    things = [box(name, (0.1, 0.1, 0.1)) for name in ("B", "C")]
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    obj.dapple.collection = chosen = collection_of(*things)
+    obj.dapple.use_weights, obj.dapple.weights[0].weight = True, 0.0
+    assert set(shown(obj)[0]) == {"C"}
+    chosen.objects.link(box("A", (0.1, 0.1, 0.1)))
+    bpy.context.view_layer.update()
+    assert [one.object.name for one in obj.dapple.weights] == ["A", "B", "C"]
+    assert [one.weight for one in obj.dapple.weights] == [1.0, 0.0, 1.0]
+    assert set(shown(obj)[0]) == {"A", "C"}
+    chosen.objects.unlink(things[1])
+    bpy.context.view_layer.update()
+    assert set(shown(obj)[0]) == {"A"}
+    obj.dapple.weights[1].weight = 1.0
+    things[0].name = "0"
+    obj.dapple.weights[0].weight = 0.5
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    assert [one.object.name for one in obj.dapple.weights] == ["0", "A"]
+
+
+def test_each_class_has_its_weights_and_the_first_takes_over_those_of_the_scatter():
+    things = [box(name, (0.1, 0.1, 0.1)) for name in ("A", "B")]
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    obj.dapple.collection, obj.dapple.use_weights = collection_of(*things), True
+    obj.dapple.weights[0].weight = 0.0
+    for _ in range(2):
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+    first, second = obj.dapple.classes
+    assert [one.weight for one in first.weights] == [0.0, 1.0]
+    second.collection, second.use_weights = first.collection, True
+    second.weights[1].weight = 0.0
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert shown(obj)[0] == ["B"] * 30 + ["A"] * 30
+    first.radius_from_bounds = True
+    assert first.radius == pytest.approx(np.hypot(0.05, 0.05))
+    things[0].data.transform(np.diag([9.0, 9.0, 1.0, 1.0]).tolist())
+    things[0].data.update()
+    bpy.context.view_layer.update()
+    assert first.radius == pytest.approx(np.hypot(0.05, 0.05)), "A is never picked"
+    first.weights[0].weight = 0.1
+    assert first.radius == pytest.approx(np.hypot(0.45, 0.45))

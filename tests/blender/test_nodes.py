@@ -163,6 +163,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Standing",
             "Surface",
             "Viewport",
+            "Weighted",
         )
     ]
     others = [nodes.ensure_group(classes) for classes in (1, 2, 5)]

@@ -23,7 +23,9 @@ from ...nodes import (
 )
 from ..base.translation import english
 from .scatter import is_fluid, settings_reason
+from .weights import weights_text
 
+_WEIGHTS = "Weights"
 _DISPLAYS = [name for name, *_ in DISPLAY_AS]
 
 
@@ -105,6 +107,9 @@ def write_instance_inputs(obj: bpy.types.Object) -> None:
         _exchange_group(obj, modifier)
     for tied in tied_inputs(obj, modifier):
         set_input(modifier, tied.name, tied.value())
+    for index, kind in _kinds(obj):
+        if has_input(modifier, input_name(_WEIGHTS, index)):
+            set_input(modifier, input_name(_WEIGHTS, index), weights_text(kind))
     obj.update_tag()
 
 
@@ -126,7 +131,9 @@ def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> b
 def _lacks_own(
     modifier: bpy.types.NodesModifier, kind: bpy.types.PropertyGroup, index: int | None
 ) -> bool:
-    """Whether a number is not as when it was not there yet, and the group does not know it."""
+    """Whether a setting is not as when it was not there yet, and the group does not know it."""
+    if weights_text(kind) and not has_input(modifier, input_name(_WEIGHTS, index)):
+        return True
     numbers = [name for name, socket in INSTANCE_INPUTS if socket == "NodeSocketFloat"]
     return any(
         getattr(kind, property_name(name)) != kind.bl_rna.properties[property_name(name)].default

@@ -9,6 +9,7 @@ from ...core.density_table import DENSITY
 from ...core.descriptors import DATA_BLOCKS
 from ...core.errors import ScatterError
 from ...core.records import SCHEMA_KEY
+from ...core.room import largest_scale
 from ...core.settings import (
     BakeSettings,
     ClassSettings,
@@ -156,10 +157,23 @@ def tile_settings_of(obj: bpy.types.Object) -> TileSettings:
 
 
 def _class_settings(kind: bpy.types.PropertyGroup) -> ClassSettings:
-    names = {field.name for field in fields(ClassSettings)} - {"most_room"}
-    values = {name: getattr(kind, name) for name in names} | {"most_room": kind.radius}
+    names = {field.name for field in fields(ClassSettings)} - {"most_room", "shrinks"}
+    values = {name: getattr(kind, name) for name in names} | {"most_room": _most_room(kind)}
+    values["shrinks"] = kind.radius_from_bounds and kind.fit == 1.0
     values |= {"share": 0.0} if kind.use_count else {"count": 0}
     return ClassSettings(**values)
+
+
+def _most_room(kind: bpy.types.PropertyGroup) -> float:
+    """That instances are fitted to before they are scaled; the radius of bounds is scaled."""
+    scale = scale_of(kind) if kind.radius_from_bounds else 1.0
+    return float(kind.radius / scale) if scale > 0.0 else 0.0
+
+
+def scale_of(kind: bpy.types.PropertyGroup) -> float:
+    """The largest scale that instances of an object type may have across."""
+    across = max(abs(kind.scale_x), abs(kind.scale_y))
+    return largest_scale(kind.scale * across, kind.scale_growth, kind.density_scale)
 
 
 def write_report(obj: bpy.types.Object, report: Report) -> None:

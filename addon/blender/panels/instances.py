@@ -48,11 +48,21 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(owner, "instance")
         column.prop(owner, "collection")
+        if owner.collection:
+            _draw_weights(column, owner)
         _draw_size(layout, owner)
         if settings.report.worst_overlap > 0:
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
+
+
+def _draw_weights(column: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    column.prop(owner, "use_weights")
+    for one in owner.weights if owner.use_weights else ():
+        member = one.object or one.collection
+        if member:
+            column.prop(one, "weight", text=member.name, translate=False)
 
 
 def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
@@ -105,5 +115,9 @@ def _draw_class(layout: bpy.types.UILayout, kind: bpy.types.AnyType) -> None:
     part = layout.row()
     part.active = not kind.use_count
     part.prop(kind, "share")
-    layout.prop(kind, "radius")
+    row = layout.row(align=True)
+    part = row.row(align=True)
+    part.active = not kind.radius_from_bounds
+    part.prop(kind, "radius")
+    row.prop(kind, "radius_from_bounds", text="", icon="PIVOT_BOUNDBOX")
     layout.prop(kind, "density")

@@ -23,6 +23,7 @@ from .property_groups import (
     DAPPLE_PG_part,
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
+    DAPPLE_PG_weight,
 )
 from .updates import follow_by_itself, follows_by_itself, quality_chosen, quality_shown
 
@@ -50,6 +51,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         get=quality_shown,
         set=quality_chosen,
     )
+    weights: CollectionProperty(name="Weights", type=DAPPLE_PG_weight)
     classes: CollectionProperty(name="Object Types", type=DAPPLE_PG_class)
     class_index: IntProperty(
         name="Active Object Type", description="Object type shown in the panel", options=STILL
@@ -121,6 +123,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
 
 CLASSES = (
     DAPPLE_PG_report,
+    DAPPLE_PG_weight,
     DAPPLE_PG_class,
     DAPPLE_PG_density,
     DAPPLE_PG_tiles,

@@ -16,6 +16,7 @@ from bpy.props import (
 from ...core.density_table import SHOWN_TERMS
 from ...core.tables import GROUPS
 from .making import STILL, with_settings
+from .updates import weight_changed
 
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
@@ -103,9 +104,27 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
     )
 
 
+class DAPPLE_PG_weight(bpy.types.PropertyGroup):
+    """How often an object of a collection is picked, or a collection in it."""
+
+    object: PointerProperty(name="Object", type=bpy.types.Object)
+    collection: PointerProperty(name="Collection", type=bpy.types.Collection)
+    weight: FloatProperty(
+        name="Weight",
+        description="How often the object is picked, relative to the others of the collection",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+        options=STILL,
+        update=weight_changed,
+    )
+
+
 @with_settings(GROUPS["classes"])
 class DAPPLE_PG_class(bpy.types.PropertyGroup):
     """One object type among several; its `name` is what the list shows."""
+
+    weights: CollectionProperty(name="Weights", type=DAPPLE_PG_weight)
 
 
 class DAPPLE_PG_part(bpy.types.PropertyGroup):

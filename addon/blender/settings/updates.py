@@ -7,23 +7,45 @@ from ...core.quality import CUSTOM, QUALITIES, quality_of, quality_settings
 from ...core.solver_options import EVENNESS
 from ..data.modifier import write_instance_inputs, write_warning
 from ..data.scatter import is_automatic
+from ..data.weights import follow_members, is_listed
 from ..live import placing, watcher
 from ..status import freshness
+from ..surface.footprint import follow_bounds
 from ..viewport import overlay
 
 
 def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of what is placed."""
+    follow_members(settings)
     write_instance_inputs(settings.id_data)
+    if getattr(settings, "radius_from_bounds", False):
+        settings_changed(settings, context)
 
 
 def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of what a result was solved with."""
+    _renew_radius(settings)
     write_warning(settings.id_data)
     overlay.touch(settings.id_data)
     freshness.touch(settings.id_data)
     watcher.touch(settings.id_data)
     placing.touch(settings.id_data)
+
+
+def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Update function of how often an object of a collection is picked."""
+    obj = entry.id_data
+    kinds = [kind for kind in (obj.dapple, *obj.dapple.classes) if kind.use_weights]
+    if all(map(is_listed, kinds)):  # else they are being listed
+        write_instance_inputs(obj)
+        for kind in obj.dapple.classes:
+            _renew_radius(kind)
+
+
+def _renew_radius(settings: bpy.types.PropertyGroup) -> None:
+    """Of an object type that has it from its instances."""
+    if getattr(settings, "radius_from_bounds", False):
+        follow_bounds(settings, bpy.context.evaluated_depsgraph_get())
 
 
 def follows_by_itself(settings: bpy.types.PropertyGroup) -> bool:

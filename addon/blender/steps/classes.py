@@ -8,13 +8,16 @@ from mathutils import Vector
 from ...core.errors import ScatterError
 from ...core.kinds import class_counts, with_area
 from ...core.sources import sources_from
+from ...core.stale import changed_settings
 from ...core.surface import Floats, Ints
 from ...nodes import INSTANCE_INPUTS
 from ..base.times import show_time
 from ..data.modifier import ensure_modifier, property_name, write_instance_inputs, write_warning
-from ..data.points import point_columns_of
+from ..data.points import own_columns, point_columns_of
 from ..data.scatter import settings_of
 from ..surface.played import places_now
+
+_COUNTING = {"count", "per_area", "density", "classes"}  # what the number of points depends on
 
 
 def change_classes(obj: bpy.types.Object, action: str) -> None:
@@ -46,24 +49,38 @@ def _add(obj: bpy.types.Object) -> None:
     for label, _ in INSTANCE_INPUTS:  # what is placed now stays
         name = property_name(label)
         setattr(kind, name, getattr(obj.dapple, name))
+    kind.use_weights = obj.dapple.use_weights
+    for one, own in zip(kind.weights, obj.dapple.weights, strict=False):
+        one.weight = own.weight
 
 
 def count_labels(obj: bpy.types.Object) -> list[str]:
-    """The number of points that each class will get, for the list; the trouble if they cannot.
-
-    Points per area are as many as the density of the last solution makes them.
+    """The number of points that each class has, for the list; where it is to get another one, that
+    with a tilde, the trouble if it cannot.
     """
     settings = settings_of(obj)
+    changed = changed_settings(obj.dapple.solved_settings, settings)
     try:
+        if obj.dapple.solved_settings and not _COUNTING.intersection(changed):
+            return [f"{count:,}" for count in _counted(obj)]
         if settings.per_area:
-            mass = _solved_mass(obj)
-            settings = with_area(settings, mass)
-        return [f"{count:,}" for count in class_counts(settings)]
+            settings = with_area(settings, _solved_mass(obj))
+        return [f"~{count:,}" for count in class_counts(settings)]
     except ScatterError:
         return ["?"] * len(obj.dapple.classes)
 
 
+def _counted(obj: bpy.types.Object) -> list[int]:
+    """The points of each class that are there."""
+    classes, most = (
+        own_columns(obj, {"dapple_class": "INT"})["dapple_class"],
+        len(obj.dapple.classes),
+    )
+    return np.bincount(classes, minlength=most)[:most].tolist()
+
+
 def _solved_mass(obj: bpy.types.Object) -> float:
+    """As large as the density of the last solution has made it."""
     sources = sources_from(obj.dapple.solved_from)
     if sources is None or not sources.mass:
         raise ScatterError(f"Scatter '{obj.name}' was not solved by this version")
