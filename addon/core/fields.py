@@ -91,7 +91,7 @@ def fields_of(arrays: SurfaceArrays, settings: DensitySettings) -> list[Field]:
     found: list[Field] = []
     around, mask = arrays.around, mask_of(settings, "distance")
     if mask is not None and (around.targets or len(around.lines)):
-        found.append(Distance(mask, Nearest(around.targets, around.lines)))
+        found.append(Distance(mask, Nearest(around.targets, around.lines, settings.distance_plan)))
     mask = mask_of(settings, "border")
     border = border_of(arrays.vertices, arrays.faces) if mask else np.empty((0, 2, 3))
     if mask is not None and len(border):

@@ -121,6 +121,14 @@ DISTANCE = (
         "the scatter makes and places do not count",
         under="use_distance",
     ),
+    Setting(
+        "distance_plan",
+        Kind.SWITCH,
+        False,
+        "Ignore Height",
+        "Measure seen from above, so that a path need not lie on the ground",
+        under="use_distance",
+    ),
     _number(
         "distance",
         "from",

@@ -4,7 +4,7 @@
 Lines are given to it as triangles that are hardly wider than them.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -69,16 +69,24 @@ class Lines:
 
 
 class Nearest:
-    """The nearest of meshes and lines; the inside of closed meshes belongs to them."""
+    """The nearest of meshes and lines; the inside of closed meshes belongs to them.
 
-    def __init__(self, meshes: Iterable[Mesh], segments: Floats) -> None:
-        meshes = list(meshes)
-        self._bodies = [Body(*mesh) for mesh in meshes]
-        self._meshes = package().Surface(*_joined(meshes), weld=None) if meshes else None
+    In plan all is seen from above: only horizontal distances count, and a mesh is its outline with
+    what that encloses.
+    """
+
+    def __init__(self, meshes: Sequence[Mesh], segments: Floats, plan: bool = False) -> None:
+        self._scale = np.array([1.0, 1.0, 0.0 if plan else 1.0])
+        self._bodies = [] if plan else [Body(*mesh) for mesh in meshes]
+        joined = _joined(meshes)
+        if plan:
+            joined, segments = _in_plan(joined, segments * self._scale)
+        self._meshes = package().Surface(*joined, weld=None) if len(joined[1]) else None
         self._lines = Lines(segments) if len(segments) else None
 
     def distances(self, points: Floats) -> Floats:
         """Distances (n,) of points (n, 3)."""
+        points = points * self._scale
         found = np.full(len(points), np.inf)
         if self._meshes is not None:
             found = np.minimum(found, package().project(self._meshes, points).distances)
@@ -89,7 +97,21 @@ class Nearest:
         return found
 
 
-def _joined(meshes: list[Mesh]) -> Mesh:
+def _in_plan(mesh: Mesh, segments: Floats) -> tuple[Mesh, Floats]:
+    """A mesh seen from above; faces that are seen from the side are lines."""
+    vertices, faces = mesh[0] * [1.0, 1.0, 0.0], mesh[1]
+    if not len(faces):
+        return mesh, segments
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    size = float(np.ptp(vertices, axis=0).max())
+    thin = np.abs(np.cross(b - a, c - a)[:, 2]) <= (_THIN * size) ** 2
+    sides = [np.stack([one[thin], other[thin]], axis=1) for one, other in ((a, b), (b, c), (c, a))]
+    return (vertices, faces[~thin]), np.concatenate([segments, *sides])
+
+
+def _joined(meshes: Sequence[Mesh]) -> Mesh:
+    if not meshes:
+        return np.empty((0, 3)), np.empty((0, 3), dtype=np.int32)
     counts = [len(vertices) for vertices, _ in meshes]
     firsts = np.cumsum([0, *counts[:-1]]).astype(np.int32)
     faces = [faces + first for (_, faces), first in zip(meshes, firsts, strict=True)]

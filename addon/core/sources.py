@@ -141,7 +141,8 @@ def surface_sources(outline: Outline, values: dict[str, str], settings: Settings
 def _standing(outline: Outline, density: DensitySettings) -> dict[str, Floats]:
     """How a surface stands in the world, and where the origin of its object is, if it counts."""
     pose, found = outline.pose, {}
-    if density.use_slope or density.use_height or density.use_aspect:
+    in_plan = density.use_distance and density.distance_plan
+    if density.use_slope or density.use_height or density.use_aspect or in_plan:
         height = pose.center[2] / pose.size if density.use_height else 0.0
         found["up"] = np.array([[*pose.turn[2], height]])
     if density.use_aspect:

@@ -57,6 +57,16 @@ def test_points_lie_near_a_curve_that_has_no_faces():
     assert away(found, curve).min() > 0.2 - 0.02
 
 
+def test_a_curve_above_the_surface_counts_if_height_is_ignored():
+    curve = path()
+    curve.location.z = 3.0
+    obj, _ = on_plane(60)
+    with pytest.raises(RuntimeError, match="density is 0"):
+        optimized(obj, use_distance=True, distance_object=curve, distance_to=0.2, distance_fade=0.0)
+    found = optimized(obj, distance_plan=True)
+    assert away(found + np.array([0.0, 0.0, 3.0]), curve).max() < 0.22
+
+
 def test_points_thin_out_over_the_falloff():
     curve = path(((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)))
     _, found = on_plane(
@@ -106,6 +116,18 @@ def test_empties_wires_and_points_count_where_they_are():
     assert np.minimum(beside, loose).max() < 0.22
     assert (loose < 0.22).any()
     assert (beside < 0.22).any()
+
+
+def test_strands_count_by_their_lines():
+    hair = bpy.data.hair_curves.new("Hair")
+    hair.add_curves([2, 3])
+    places = [(-0.8, -0.5, 0), (-0.8, 0.5, 0), (0.8, -0.5, 0), (0.8, 0.0, 0), (0.8, 0.5, 0)]
+    hair.attributes["position"].data.foreach_set("vector", np.ravel(places))
+    made = linked(bpy.data.objects.new("Hair", hair))
+    _, found = on_plane(200, use_distance=True, distance_object=made, distance_fade=0.0)
+    beside = np.hypot(np.abs(found[:, 0]) - 0.8, np.maximum(np.abs(found[:, 1]) - 0.5, 0.0))
+    assert beside.max() < 0.52
+    assert (beside < 0.1).any()
 
 
 def test_the_nearest_object_of_a_collection_counts():
@@ -308,7 +330,12 @@ def another_of_the_collection(obj, curve):
     bpy.data.collections["Guides"].objects.link(made)
 
 
-CHANGES = [moved_curve, edited_curve, another_object, another_of_the_collection]
+def given_faces(obj, curve):
+    curve.location.z = 0.2
+    curve.data.bevel_depth = 0.05  # it has faces now
+
+
+CHANGES = [moved_curve, edited_curve, another_object, another_of_the_collection, given_faces]
 SAID = "Objects that a distance is measured to were moved or changed"
 
 
@@ -353,6 +380,20 @@ def test_an_object_no_mask_uses_any_more_is_not_followed(live):
     assert reason(obj) == ""
 
 
+def test_an_object_that_is_deleted_leaves_the_others(live):
+    obj, curve = by_curve()
+    obj.dapple.auto_update_choice = "ON"
+    live.settle()
+    bpy.data.objects.remove(curve)
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    assert scenes.positions(obj)[:, 1].min() > -0.3
+    bpy.data.collections.remove(bpy.data.collections["Guides"])
+    assert live.settle() == 1
+    assert reason(obj) == ""
+    assert scenes.positions(obj)[:, 1].min() < -0.7
+
+
 MASK_SETTINGS = {
     "use_border": True,
     "use_aspect": True,
@@ -362,6 +403,7 @@ MASK_SETTINGS = {
     "noise_scale": 0.3,
     "distance_fade": 0.2,
     "distance_invert": True,
+    "distance_plan": True,
     "distance_strength": 0.5,
 }
 

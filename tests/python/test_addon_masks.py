@@ -135,6 +135,21 @@ def test_the_nearest_of_several_counts():
     np.testing.assert_allclose(both.distances(points), expected, atol=1e-12)
 
 
+def test_distances_seen_from_above():
+    points = RANDOM.normal(size=(200, 3))
+    flat = points * [1.0, 1.0, 0.0]
+    found = nearest.Nearest((), winding() + np.array([0.0, 0.0, 7.0]), plan=True).distances(points)
+    np.testing.assert_allclose(found, by_hand(flat, winding() * [1.0, 1.0, 0.0]), atol=1e-12)
+    outside = np.maximum(np.abs(flat) - [0.5, 0.5, 0.0], 0.0)
+    for mesh in ((CUBE * 0.5 + [0, 0, 9.0], CUBE_FACES), (CUBE * 0.5, CUBE_FACES[2:])):
+        found = nearest.Nearest([mesh], np.empty((0, 2, 3)), plan=True).distances(points)
+        np.testing.assert_allclose(found, np.linalg.norm(outside, axis=1), atol=1e-9)
+    wall = (np.array([[0.0, -1, 0], [0, 1, 0], [0, 1, 3]]), np.array([[0, 1, 2]], dtype=np.int32))
+    found = nearest.Nearest([wall], np.empty((0, 2, 3)), plan=True).distances(points)
+    expected = by_hand(flat, np.array([[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]]))
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
 def test_a_line_far_from_the_origin_and_a_line_without_length():
     far = winding() + np.array([1e5, 0.0, 0.0])
     points = RANDOM.normal(size=(50, 3)) + np.array([1e5, 0.0, 0.0])
@@ -410,6 +425,12 @@ def test_what_masks_depend_on_is_compared():
     assert differing(before, plane(lines=other), use_distance=True) == ["targets"]
     assert differing(before, plane(lines=line[1:]), use_distance=True) == ["targets"]
     assert differing(before, plane(), use_distance=True) == ["targets"]
+    tipped = np.eye(4)
+    tipped[1:3, 1:3] = [[math.cos(0.3), -math.sin(0.3)], [math.sin(0.3), math.cos(0.3)]]
+    turned_line = line @ tipped[:3, :3].T
+    assert differing(before, plane(tipped, lines=turned_line), use_distance=True) == []
+    seen = {"use_distance": True, "distance_plan": True}
+    assert differing(before, plane(tipped, lines=turned_line), **seen) == ["up"]
     turned = plane(turned_by(0.3, [0.0, 0.0, 0.0]))
     assert differing(plane(), turned, use_aspect=True) == ["north"]
     assert differing(plane(), turned, use_slope=True, use_noise=True) == []

@@ -25,6 +25,8 @@ def read_lines(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats 
         found = _points(to_world(obj, read_points(obj.data)))
     elif obj.type in _MESHES:
         found = _of_mesh(evaluated)
+    elif obj.type == "CURVES":
+        found = _of_strands(evaluated)
     else:
         found = _points(matrix_of(evaluated)[None, :3, 3])
     if found is not None:
@@ -50,6 +52,22 @@ def _of_mesh(evaluated: bpy.types.Object) -> Floats | None:
     loose = np.ones(len(places), dtype=bool)
     loose[edges] = False
     return np.concatenate([places[edges.reshape(-1, 2)], _points(places[loose])])
+
+
+def _of_strands(evaluated: bpy.types.Object) -> Floats:
+    """Lines through the control points of strands, such as hair."""
+    curves = evaluated.data.curves
+    if not len(curves):
+        return np.empty((0, 2, 3))
+    lengths = np.empty(len(curves), dtype=np.int32)
+    curves.foreach_get("points_length", lengths)
+    stored = np.empty(3 * int(lengths.sum()), dtype=np.float32)
+    evaluated.data.attributes["position"].data.foreach_get("vector", stored)
+    places = to_world(evaluated, stored.reshape(-1, 3).astype(np.float64))
+    inner = np.ones(len(places), dtype=bool)
+    inner[np.cumsum(lengths) - 1] = False  # the last of each
+    first = np.flatnonzero(inner)
+    return np.stack([places[first], places[first + 1]], axis=1)
 
 
 def _points(places: Floats) -> Floats:
