@@ -20,6 +20,7 @@ from .ops import (
     operators,
     paint_operators,
     point_operators,
+    point_tool,
     scatter_operators,
     tools,
     viewport_operators,
@@ -40,6 +41,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         tools,
         paint_operators,
         point_operators,
+        point_tool,
         scatter_operators,
         asset_operators,
     ),
@@ -83,7 +85,8 @@ def _steps() -> list[Step]:
     first: Any = (translation, properties)
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
-    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, keymaps)
+    edge: Any = (keymaps, point_tool)
+    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, *edge)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Single points placed by hand: added, moved, removed, and the others even around them."""
 
+import importlib
+from functools import partial
+from types import SimpleNamespace
+
 import addon_host
 import bmesh
 import bpy
@@ -330,3 +334,89 @@ def test_done_is_undone_into_edit_mode_and_redone(obj):
     assert obj.mode == "OBJECT"
     assert "dapple_placed" not in obj.data.attributes
     assert not obj.dapple.locked_count
+
+
+class Mouse:
+    """Events over a place, in a window that notes what it is told."""
+
+    def __init__(self, monkeypatch):
+        self.tool = addon_host.part("blender.ops.point_tool")
+        self.reported, self.cursor = [], []
+        monkeypatch.setattr(self.tool, "place_under_mouse", lambda _, event: event.place)
+
+    def event(self, kind, value, place, at):
+        return SimpleNamespace(type=kind, value=value, place=place, mouse_x=at, mouse_y=0)
+
+    def press(self, place, remove=False):
+        kind = self.tool.DAPPLE_OT_pull_point
+        self.button = SimpleNamespace(
+            remove=remove, report=lambda kinds, text: self.reported.append((*kinds, text))
+        )
+        for name in ("_tried", "_begin", "_end", "_place", "_let_go", "modal"):
+            setattr(self.button, name, partial(getattr(kind, name), self.button))
+        return kind.invoke(self.button, self.context(), self.event("LEFTMOUSE", "PRESS", place, 0))
+
+    def to(self, kind, value, place, at=50):
+        return self.button.modal(self.context(), self.event(kind, value, place, at))
+
+    def context(self):
+        cursor = SimpleNamespace(
+            cursor_modal_set=self.cursor.append, cursor_modal_restore=self.cursor.clear
+        )
+        manager = SimpleNamespace(modal_handler_add=lambda _: None)
+        return SimpleNamespace(object=bpy.context.object, window=cursor, window_manager=manager)
+
+
+def test_the_tool_adds_pulls_and_removes_points(obj, monkeypatch):
+    mouse = Mouse(monkeypatch)
+    there, before = scenes.positions(obj), stored(obj)
+    between = off_surface(there[3] + 0.3 * there[9], 1.0)
+    gap = max(
+        (off_surface(one, 1.0) for one in np.random.default_rng(0).normal(size=(300, 3))),
+        key=lambda one: np.linalg.norm(there - one, axis=1).min(),
+    )
+    assert mouse.press(gap) == {"FINISHED"}
+    assert locked(obj) == {600}
+    assert mouse.press(there[3]) == {"RUNNING_MODAL"}
+    assert mouse.cursor == ["SCROLL_XY"]
+    assert mouse.to("MOUSEMOVE", "NOTHING", between) == {"RUNNING_MODAL"}
+    assert mouse.to("LEFTMOUSE", "RELEASE", between) == {"FINISHED"}
+    assert mouse.cursor == []
+    assert locked(obj) == {3, 600}
+    assert np.linalg.norm(place(obj, 3) - between) < 0.01
+    assert mouse.press(there[9], remove=True) == {"FINISHED"}
+    assert 9 not in ids(obj)
+    after = stored(obj)
+    assert all(before[key] == after[key] for key in before.keys() - {3, 9})
+    clear_cut(obj)
+
+
+def test_the_tool_leaves_what_is_not_meant(obj, monkeypatch):
+    mouse = Mouse(monkeypatch)
+    there, before = scenes.positions(obj), stored(obj)
+    assert mouse.press(None) == {"CANCELLED"}
+    assert mouse.reported == [("WARNING", "The surface is not under the mouse")]
+    for kind, value, at in (("ESC", "PRESS", 50), ("LEFTMOUSE", "RELEASE", 2)):
+        assert mouse.press(there[3]) == {"RUNNING_MODAL"}
+        assert mouse.to(kind, value, there[30], at) == {"CANCELLED"}
+        assert mouse.cursor == []
+    assert mouse.press(there[3]) == {"RUNNING_MODAL"}
+    assert mouse.to("LEFTMOUSE", "RELEASE", None) == {"CANCELLED"}
+    assert mouse.press(off_surface((0, 0, 1), 3.0), remove=True) == {"CANCELLED"}
+    assert stored(obj) == before
+    assert reason(obj) == ""
+
+
+def test_the_tool_is_added_and_taken_back():
+    tools = importlib.import_module("bl_ui.space_toolsystem_toolbar").VIEW3D_PT_tools_active
+    tool = addon_host.part("blender.ops.point_tool")
+    before = list(tools._tools["OBJECT"])
+    tool.add_tool()
+    assert "dapple.points" in [getattr(one, "idname", "") for one in flat(tools._tools["OBJECT"])]
+    tool.unregister()
+    assert tools._tools["OBJECT"] == before
+
+
+def flat(tools):
+    for one in tools:
+        yield from one if isinstance(one, tuple) and not hasattr(one, "idname") else (one,)

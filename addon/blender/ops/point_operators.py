@@ -15,17 +15,7 @@ from ..live import watcher
 from ..steps.editing import add_vertex, begin_editing, edited_scatter, end_editing
 from ..steps.single_points import add_point, move_point, remove_point
 from .mouse import place_under_mouse
-from .polls import ready
-
-
-def _editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether the active object is a scatter whose points may be placed."""
-    if not ready(cls, context, scatter=True):
-        return False
-    if context.object.dapple.baked_keys:
-        cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
-        return False
-    return True
+from .polls import editable
 
 
 class DAPPLE_OT_edit_points(bpy.types.Operator):
@@ -38,7 +28,7 @@ class DAPPLE_OT_edit_points(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _editable(cls, context)
+        return editable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Status:
         try:
@@ -90,7 +80,7 @@ class _PlacesPoint:
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _editable(cls, context)
+        return editable(cls, context)
 
     def execute(self, context: bpy.types.Context) -> Status:
         try:

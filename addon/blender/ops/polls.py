@@ -51,3 +51,13 @@ def writable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     else:
         return True
     return False
+
+
+def editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active object is a scatter whose points may be placed."""
+    if not ready(cls, context, scatter=True):
+        return False
+    if context.object.dapple.baked_keys:
+        cls.poll_message_set(told("The scatter is baked: clear the bake to edit points"))
+        return False
+    return True

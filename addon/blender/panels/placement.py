@@ -7,6 +7,7 @@ import bpy
 
 from ..base.translation import counted
 from ..ops.point_operators import DAPPLE_OT_edit_points
+from ..ops.point_tool import DAPPLE_TOOL_points
 from ..ops.tools import DAPPLE_OT_lock
 from .base import ScatterPanel
 from .instances import active_type
@@ -32,7 +33,10 @@ class DAPPLE_PT_placement(ScatterPanel, bpy.types.Panel):
 
 
 def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    layout.operator(DAPPLE_OT_edit_points.bl_idname, icon="EDITMODE_HLT")
+    row = layout.row(align=True)
+    row.operator(DAPPLE_OT_edit_points.bl_idname, icon="EDITMODE_HLT")
+    tool = row.operator("wm.tool_set_by_id", text="Point Tool", icon="RESTRICT_SELECT_OFF")
+    tool.name = DAPPLE_TOOL_points.bl_idname
     row = layout.row(align=True)
     row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
     row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False

@@ -29,6 +29,17 @@ def add_point(obj: bpy.types.Object, place: Floats, kind: int) -> int:
     return int(point_columns_of(obj)["id"][row])
 
 
+def nearest_point(obj: bpy.types.Object, place: Floats, within: float) -> int | None:
+    """The id of the point that is nearest to a place and no farther than that; None: none is."""
+    surface = surface_of(obj)
+    arrays = read(surface)
+    away = binding_now(obj, surface, arrays).positions(arrays.vertices) - place
+    distances = np.linalg.norm(away, axis=1)
+    if not len(distances) or distances.min() > within:
+        return None
+    return int(point_columns_of(obj)["id"][distances.argmin()])
+
+
 def move_point(obj: bpy.types.Object, identity: int, place: Floats) -> None:
     """Move a point to the place of the surface that is nearest."""
     row = _row_of(obj, identity)
