@@ -105,7 +105,7 @@ def classes(hand: Any) -> Story:
     things = [thing(name) for name in ("Tree", "Bush")]
     yield READY
     for k, one in enumerate(things):
-        yield from hand.press_button("dapple.edit_classes()")
+        yield from hand.press_button("dapple.edit_classes(action='ADD')")
         yield from hand_of.waited(lambda k=k: len(obj.dapple.classes) > k)
         obj.dapple.classes[k].instance = one
     yield from hand.slide("classes[1].fit")
