@@ -109,7 +109,7 @@ def classes(hand: Any) -> Story:
         yield from hand_of.waited(lambda k=k: len(obj.dapple.classes) > k)
         obj.dapple.classes[k].instance = one
     yield from hand.slide("classes[1].fit")
-    yield from hand.press_button("classes[0].name")
+    yield from hand.press_button("dapple.class_index")
     yield from hand_of.waited(lambda: obj.dapple.class_index == 0)
     yield from hand.slide("classes[0].fit")
 

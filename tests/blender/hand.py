@@ -15,7 +15,7 @@ import bpy
 
 Story = Generator[Any, None, Any]
 _ROW = 7  # pixels between two places that are looked at
-_COLUMNS = (0.62, 0.75, 0.9, 0.3, 0.97)  # parts of the sidebar's width
+_COLUMNS = (0.62, 0.75, 0.84, 0.3, 0.46)  # parts of the sidebar's width, its tabs included
 _PATIENCE = 120.0  # seconds
 
 
