@@ -21,7 +21,7 @@ class Layout:
     def row(self, **_):
         return type(self)(self.shown)
 
-    column = box = row
+    column = box = split = row
 
     def label(self, text="", icon="NONE", translate=True):
         assert icon in ICONS

@@ -68,14 +68,23 @@ def _draw_weights(column: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
 def _draw_size(layout: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
     column = layout.column(align=True)
     column.prop(owner, "scale")
-    row = column.row(heading="Scale XYZ", align=True)
-    for name in _AXES:
-        row.prop(owner, name, text="")
-    column.prop(owner, "scale_randomness")
-    column.prop(owner, "scale_growth")
+    _draw_axes(column.split(factor=0.4), owner)
+    column.prop(owner, "scale_randomness", text="Random Down")
+    column.prop(owner, "scale_growth", text="Random Up")
     column = layout.column(align=True)
     column.prop(owner, "fit")
     column.prop(owner, "density_scale")
+
+
+def _draw_axes(split: bpy.types.UILayout, owner: bpy.types.AnyType) -> None:
+    """Three numbers side by side, which a layout of labels and values has no room for."""
+    split.use_property_split = False
+    label = split.row()
+    label.alignment = "RIGHT"
+    label.label(text="Scale XYZ")
+    row = split.row(align=True)
+    for name in _AXES:
+        row.prop(owner, name, text="")
 
 
 def active_type(settings: bpy.types.AnyType) -> bpy.types.AnyType:
