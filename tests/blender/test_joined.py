@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Several objects as one surface: terrain in tiles, characters of several meshes, instances."""
 
+from contextlib import contextmanager
+
 import addon_host
 import bpy
 import following
@@ -417,3 +419,104 @@ def test_a_part_lists_the_scatters_and_optimize_works_while_they_are_hidden():
     obj.hide_viewport = False
     assert scenes.positions(obj)[:, 2].max() == pytest.approx(2.0)
     assert not obj.dapple.surface.users_collection
+
+
+def test_a_hidden_scatter_is_not_called_out_of_date():
+    obj = over(*tiles(), count=30)
+    obj.hide_viewport = True
+    staleness = addon_host.part("blender.status.staleness")
+    found = staleness.verdict(obj, bpy.context)
+    assert (found.reason, bool(found.note)) == ("", True)
+    obj.hide_viewport = False
+    assert (reason(obj), staleness.verdict(obj, bpy.context).note) == ("", "")
+
+
+@contextmanager
+def local_view():
+    """The 3D View of a window, where only what is selected is seen."""
+    (window,) = bpy.context.window_manager.windows
+    area = next(one for one in window.screen.areas if one.type == "VIEW_3D")
+    region = next(one for one in area.regions if one.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        assert bpy.ops.view3d.localview() == {"FINISHED"}
+        yield area.spaces.active
+        assert bpy.ops.view3d.localview() == {"FINISHED"}
+
+
+def test_what_is_added_in_local_view_is_seen_there():
+    made = tiles()
+    lone = scenes.sphere()
+    select(*made)
+    with local_view() as space:
+        obj = over(*made, count=30)
+        assert obj.visible_get(viewport=space)
+        assert bpy.ops.dapple.optimize() == {"FINISHED"}
+        assert bpy.ops.dapple.paint_density() == {"FINISHED"}
+        bpy.ops.dapple.paint_done()
+        assert bpy.context.object == obj
+        obj.dapple.surface = lone
+        obj.dapple.density.attribute = ""
+        select(obj)
+        with pytest.raises(RuntimeError, match="Surface 'Sphere' is hidden: show it first"):
+            bpy.ops.dapple.paint_density()
+
+
+@pytest.fixture
+def library(tmp_path):
+    """A file with a collection 'Creature': body and cloth on a rig, and a scatter over both."""
+    body = scenes.tail(frames=4)
+    coat = cloth(body)
+    obj = over(body, coat, count=60)
+    collection_of(body, coat, bpy.data.objects["Rig"], obj, name="Creature")
+    path = str(tmp_path / "creature.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.context.scene.frame_set(3)
+    expected = scenes.positions(obj)
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    bpy.context.scene.frame_end = 4
+    return path, expected
+
+
+def brought(path, link):
+    with bpy.data.libraries.load(path, link=link) as (_, wanted):
+        wanted.collections = ["Creature"]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    return wanted.collections[0]
+
+
+@pytest.mark.parametrize("how", ["append", "link", "override"])
+def test_a_scatter_over_several_objects_plays_in_another_file(library, how):
+    path, expected = library
+    found = brought(path, link=how != "append")
+    if how == "override":
+        scene, layer = bpy.context.scene, bpy.context.view_layer
+        own = found.override_hierarchy_create(scene, layer, do_fully_editable=True)
+        scene.collection.children.unlink(found)
+        found = own
+    obj = next(one for one in found.all_objects if one.dapple.surface)
+    bpy.context.scene.frame_set(3)
+    assert np.allclose(scenes.positions(obj), expected, atol=1e-5)
+    shown = [one.name for one in bpy.context.view_layer.objects if one.visible_get()]
+    assert not [name for name in shown if "Surface" in name]
+    if how != "link":
+        select(obj)
+        obj.dapple.count = 30
+        assert bpy.ops.dapple.optimize() == {"FINISHED"}
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert len(scenes.positions(obj)) == 30
+
+
+def test_linked_parts_are_scattered_on_and_not_written_to(library):
+    found = brought(library[0], link=True)
+    body, coat = (found.all_objects[name] for name in ("Tail", "Cloth"))
+    obj = over(body, coat, count=40)
+    assert obj.library is None
+    assert obj.dapple.surface.library is None
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match=r"'(Tail|Cloth)' is linked from"):
+        bpy.ops.dapple.paint_density()
+    obj.dapple.bind_to = "REST"
+    with pytest.raises(RuntimeError, match="Rest Position of the surface is off, and"):
+        bpy.ops.dapple.optimize()
+    assert obj.dapple.bound_to == "FACES"

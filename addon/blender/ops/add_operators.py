@@ -50,7 +50,7 @@ def _into_local_views(seen: bpy.types.Object, new: bpy.types.Object) -> None:
     """Have a new object be seen wherever another one is, also where only some are."""
     areas = [area for window in bpy.context.window_manager.windows for area in window.screen.areas]
     for space in (area.spaces.active for area in areas if area.type == "VIEW_3D"):
-        if space.local_view is not None and seen.local_view_get(space):
+        if space.local_view is not None and seen.visible_get(viewport=space):
             new.local_view_set(space, True)
 
 

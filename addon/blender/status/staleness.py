@@ -47,6 +47,8 @@ def verdict(
 
 
 def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Present) -> Verdict:
+    if _is_unseen(obj, depsgraph):
+        return Verdict("", told("Not compared with its surface while it is hidden"))
     reason = _object_reason(obj, depsgraph)
     if reason:
         return Verdict(reason)
@@ -61,6 +63,13 @@ def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Pre
     if obj.dapple.baked_keys:
         return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
     return Verdict("", note)
+
+
+def _is_unseen(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether nothing that is shown needs a joined surface: then Blender does not evaluate it."""
+    surface = obj.dapple.surface
+    joined = surface is not None and is_joined(surface)
+    return joined and not surface.evaluated_get(depsgraph).is_evaluated
 
 
 def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
