@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Painting on the surface of a scatter: there with one click, back with another."""
 
+from types import SimpleNamespace
+
 import addon_host
 import bpy
 import following
@@ -104,6 +106,30 @@ def test_the_group_of_another_scatter_is_left_alone(obj):
     paint("paint_density")
     assert second.dapple.density.attribute != obj.dapple.density.attribute
     assert len(surface.vertex_groups) == 2
+
+
+def test_a_result_is_compared_while_its_surface_is_painted(obj, monkeypatch):
+    """A sidebar shows the scatter then, though another object is active."""
+    sidebars = addon_host.part("blender.base.sidebars")
+    monkeypatch.setattr(sidebars, "bpy", one_window())
+    assert sidebars.is_shown(obj)
+    paint("paint_density")
+    assert sidebars.is_shown(obj)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert not sidebars.is_shown(obj)
+
+
+def one_window():
+    """A stand-in for bpy with a 3D View that has a sidebar."""
+    sidebar = SimpleNamespace(active=SimpleNamespace(show_region_ui=True))
+    area = SimpleNamespace(type="VIEW_3D", spaces=sidebar, regions=[SimpleNamespace(type="UI")])
+    window = SimpleNamespace(
+        screen=SimpleNamespace(areas=[area]),
+        scene=bpy.context.scene,
+        view_layer=bpy.context.view_layer,
+    )
+    managers = [SimpleNamespace(windows=[window])]
+    return SimpleNamespace(data=SimpleNamespace(window_managers=managers), types=bpy.types)
 
 
 def test_points_follow_a_stroke_while_one_paints(obj):

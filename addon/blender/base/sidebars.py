@@ -9,7 +9,7 @@ import bpy
 def is_shown(obj: bpy.types.Object) -> bool:
     """Whether a sidebar may show an object."""
     return any(
-        window.view_layer.objects.active == obj
+        window.view_layer.objects.active == obj or _is_painted(obj, window)
         for manager in bpy.data.window_managers
         for window in manager.windows
         if any(_sidebars(window))
@@ -22,6 +22,13 @@ def redraw() -> None:
         for window in manager.windows:
             for region in (*_sidebars(window), *_preferences(window)):
                 region.tag_redraw()
+
+
+def _is_painted(obj: bpy.types.Object, window: bpy.types.Window) -> bool:
+    """Whether a window shows a scatter because its surface, which is active, is painted."""
+    active = window.view_layer.objects.active
+    painting = active is not None and active.mode == "WEIGHT_PAINT"
+    return painting and window.scene.dapple_painted == obj.name
 
 
 def _sidebars(window: bpy.types.Window) -> Iterator[bpy.types.Region]:
