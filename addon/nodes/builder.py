@@ -190,6 +190,8 @@ def new_group(
     for label, kind in inputs:
         socket = tree.interface.new_socket(label, in_out="INPUT", socket_type=kind)
         socket.description = tooltips.of_input(label)
+        if tooltips.is_machine_text(label):
+            socket.hide_in_modifier = True
         if tooltips.default(label) is not None:
             socket.default_value = tooltips.default(label)
     for label, kind in outputs:

@@ -111,6 +111,11 @@ def of_input(name: str) -> str:
     return INPUTS.get(name) or INPUTS.get(name.rstrip(_OF_CLASSES), "")
 
 
+def is_machine_text(name: str) -> bool:
+    """Whether an input is nothing that a person reads or writes."""
+    return name.rstrip(_OF_CLASSES) == "Weights"
+
+
 def of_output(name: str) -> str:
     """Tooltip of a group's output."""
     return OUTPUTS.get(name, "")
