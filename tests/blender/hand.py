@@ -14,7 +14,7 @@ from typing import Any
 import bpy
 
 Story = Generator[Any, None, Any]
-_ROW = 7  # pixels between two places that are looked at
+_ROW = 12  # pixels between two places that are looked at
 _COLUMNS = (0.62, 0.75, 0.84, 0.3, 0.46)  # parts of the sidebar's width, its tabs included
 _PATIENCE = 120.0  # seconds
 
@@ -30,10 +30,10 @@ class Hand:
     def move(self, x: float, y: float) -> Story:
         window().event_simulate("MOUSEMOVE", "NOTHING", x=int(x), y=int(y))
         yield
-        yield
 
     def click(self, x: float, y: float) -> Story:
         yield from self.move(x, y)
+        yield
         for value in ("PRESS", "RELEASE"):
             window().event_simulate("LEFTMOUSE", value, x=int(x), y=int(y))
             yield
@@ -120,7 +120,7 @@ class Hand:
                 free = 0
                 continue
             free += 1
-            if free % 3 == 2:
+            if free % 2 == 1:
                 found.append((x, y))
         return found
 

@@ -243,6 +243,19 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterwards(
     followed(live, obj)
 
 
+@pytest.mark.parametrize("action", ["ADD", "REMOVE", "DOWN"])
+def test_the_list_of_object_types_is_followed(live, obj, action):
+    for _ in range(2):
+        bpy.ops.dapple.edit_classes(action="ADD")
+    obj.dapple.classes[0].share, obj.dapple.class_index = 3.0, 0
+    live.settle()
+    assert reason(obj) == ""
+    bpy.ops.dapple.edit_classes(action=action)
+    assert reason(obj)
+    assert live.settle() == 1
+    assert reason(obj) == ""
+
+
 def test_in_background_mode_nothing_follows(obj):
     obj.dapple.count = 70
     bpy.context.view_layer.update()

@@ -8,6 +8,7 @@ from ...core.errors import ScatterError
 from ..base.job import OPTIONS, Status
 from ..base.translation import reported, told
 from ..data.locking import lock_points
+from ..settings.updates import settings_changed
 from ..steps.classes import change_classes, select_overlap
 from .polls import writable
 
@@ -44,6 +45,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Status:
         change_classes(context.object, self.action)
+        settings_changed(context.object.dapple, context)
         return {"FINISHED"}
 
 

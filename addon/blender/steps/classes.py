@@ -12,7 +12,7 @@ from ...core.stale import changed_settings
 from ...core.surface import Floats, Ints
 from ...nodes import INSTANCE_INPUTS
 from ..base.times import show_time
-from ..data.modifier import ensure_modifier, property_name, write_instance_inputs, write_warning
+from ..data.modifier import ensure_modifier, property_name, write_instance_inputs
 from ..data.points import own_columns, point_columns_of
 from ..data.scatter import settings_of
 from ..surface.played import places_now
@@ -37,7 +37,6 @@ def change_classes(obj: bpy.types.Object, action: str) -> None:
     obj.dapple.class_index = max(at, 0)
     ensure_modifier(obj)
     write_instance_inputs(obj)
-    write_warning(obj)
 
 
 def _add(obj: bpy.types.Object) -> None:
