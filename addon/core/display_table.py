@@ -75,12 +75,12 @@ DETAIL = (
         subtype="FACTOR",
     ),
     Setting(
-        "detail_enlarge",
+        "detail_widen",
         Kind.NUMBER,
-        0.0,
-        "Enlarge",
-        "How much larger the remaining instances are at a distance: with 1 they cover as much as "
-        "all of them",
+        0.5,
+        "Widen",
+        "How much wider the remaining instances are at a distance: with 1 they cover as much "
+        "ground as all of them. They get no taller",
         Changes.INSTANCES,
         low=0.0,
         high=1.0,

@@ -58,27 +58,26 @@ def build() -> bpy.types.NodeTree:
 
 def _seen(b: Builder) -> Socket:
     """The point in the camera's axes, in lengths of the world, whatever the camera's scale."""
-    self_object, camera = (
-        b.out(f"GeometryNode{kind}") for kind in ("SelfObject", "InputActiveCamera")
+    own, camera = (
+        b.node("GeometryNodeObjectInfo", b.out(f"GeometryNode{kind}"), transform_space="ORIGINAL")
+        for kind in ("SelfObject", "InputActiveCamera")
     )
-    own = b.node("GeometryNodeObjectInfo", self_object, transform_space="ORIGINAL")
-    info = b.node("GeometryNodeObjectInfo", camera, transform_space="ORIGINAL")
-    position = b.out("GeometryNodeInputPosition")
-    there = b.out("FunctionNodeTransformPoint", position, own.outputs["Transform"])
-    back = b.out("FunctionNodeInvertRotation", info.outputs["Rotation"])
-    away = b.vector("SUBTRACT", there, info.outputs["Location"])
-    return b.out("FunctionNodeRotateVector", away, back)
+    place = (camera.outputs["Location"], camera.outputs["Rotation"])
+    back = b.out("FunctionNodeInvertMatrix", b.out("FunctionNodeCombineTransform", *place))
+    whole = b.out("FunctionNodeMatrixMultiply", back, own.outputs["Transform"])
+    return b.out("FunctionNodeTransformPoint", b.out("GeometryNodeInputPosition"), whole)
 
 
 def _past(b: Builder, axis: str, at: Socket, depth: Socket, flat: Socket) -> Socket:
     """Distance to the frame's sides across an axis, below 0 between them."""
     long = "x*u" if axis == "x" else "y*v"
     half = _driven(b, f"Half {axis.upper()}", f"{_HALF}*{long}/{_SIDE}")
-    middle = _driven(b, f"Middle {axis.upper()}", f"2*{_HALF}*shift_{axis}")
-    off = b.number("ABSOLUTE", b.number("SUBTRACT", at, b.number("MULTIPLY", middle, depth)))
-    past = b.number("SUBTRACT", off, b.number("MULTIPLY", half, depth))
+    middle = _driven(b, f"Middle {axis.upper()}", f"-2*{_HALF}*shift_{axis}")
+    off = b.number("ABSOLUTE", b.number("MULTIPLY_ADD", depth, middle, at))
     slope = b.switch("FLOAT", flat, half, 0.0)
-    return b.number("DIVIDE", past, b.number("SQRT", b.number("MULTIPLY_ADD", slope, slope, 1.0)))
+    length = b.number("SQRT", b.number("MULTIPLY_ADD", slope, slope, 1.0))
+    across = b.number("DIVIDE", half, b.number("MULTIPLY", length, -1.0))
+    return b.number("MULTIPLY_ADD", depth, across, b.number("DIVIDE", off, length))
 
 
 def _driven(b: Builder, name: str, expression: str) -> Socket:

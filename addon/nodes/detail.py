@@ -21,7 +21,7 @@ INPUTS = [
     ("Detail Outside", "NodeSocketFloat"),
     ("Detail Margin", "NodeSocketFloat"),
     ("Detail Fade", "NodeSocketFloat"),
-    ("Detail Enlarge", "NodeSocketFloat"),
+    ("Detail Widen", "NodeSocketFloat"),
 ]
 _TINY = 1e-6
 
@@ -31,23 +31,31 @@ def build() -> bpy.types.NodeTree:
     geometry = [("Points", "NodeSocketGeometry")]
     tree = new_group(NAME, [*geometry, *INPUTS, ("Hidden", "NodeSocketFloat")], geometry)
     b = Builder(tree)
-    viewport = b.out("GeometryNodeIsViewport")
-    view = inner(b, camera_view)
-    asked = b.switch(
-        "BOOLEAN", viewport, b.input("Detail in Renders"), b.input("Detail in Viewport")
-    )
+    viewport, view = b.out("GeometryNodeIsViewport"), inner(b, camera_view)
+    where = (b.input(f"Detail in {name}") for name in ("Renders", "Viewport"))
     camera = b.compare("GREATER_EQUAL", view.outputs["Kind"], 0.0, "FLOAT")
+    used = b.boolean("AND", b.switch("BOOLEAN", viewport, *where), camera)
     near = _near(b, view.outputs["Distance"])
     share = b.number("MULTIPLY", near, _inside(b, view.outputs["Outside"]))
-    size = b.number("MULTIPLY", _size(b, share, _rank(b, viewport)), _larger(b, near))
-    sized = b.captured(b.input("Points"), Size=("FLOAT", size))
-    gone = b.compare("LESS_EQUAL", sized.outputs["Size"], 0.0, "FLOAT")
-    left = b.out("GeometryNodeDeleteGeometry", sized.outputs[0], gone, domain="POINT")
-    shown = _resized(b, left, sized.outputs["Size"])
-    used = b.boolean("AND", asked, camera)
-    b.output("Points", b.switch("GEOMETRY", used, b.input("Points"), shown))
+    size = _size(b, share, _rank(b, viewport))
+    b.output("Points", b.switch("GEOMETRY", used, b.input("Points"), _left(b, size, near)))
     b.arrange()
     return tree
+
+
+def _left(b: Builder, size: Socket, near: Socket) -> Socket:
+    """Points that have a size, with the scale that it gives them."""
+    sized = b.captured(b.input("Points"), Size=("FLOAT", size), Wider=("FLOAT", _wider(b, near)))
+    size, wider = sized.outputs["Size"], sized.outputs["Wider"]
+    gone = b.compare("LESS_EQUAL", size, 0.0, "FLOAT")
+    left = b.out("GeometryNodeDeleteGeometry", sized.outputs[0], gone, domain="POINT")
+    before = b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0))
+    wide = b.number("MULTIPLY", size, wider)
+    scale = b.vector("MULTIPLY", before, b.out("ShaderNodeCombineXYZ", wide, wide, size))
+    most = b.number("MAXIMUM", b.input("Detail Fade"), b.input("Detail Widen"))
+    changes = b.compare("GREATER_THAN", most, 0.0, "FLOAT")
+    scaled = b.store(left, "scale", scale, "FLOAT_VECTOR")
+    return b.switch("GEOMETRY", changes, left, scaled)
 
 
 def _near(b: Builder, distance: Socket) -> Socket:
@@ -59,8 +67,10 @@ def _near(b: Builder, distance: Socket) -> Socket:
 
 def _inside(b: Builder, outside: Socket) -> Socket:
     """1 in the view, and the share that is kept outside."""
+    kept = b.input("Detail Outside")
     out = b.compare("GREATER_THAN", outside, b.input("Detail Margin"), "FLOAT")
-    return b.switch("FLOAT", out, 1.0, b.input("Detail Outside"))
+    some = b.compare("LESS_THAN", kept, 1.0, "FLOAT")
+    return b.switch("FLOAT", some, 1.0, b.switch("FLOAT", out, 1.0, kept))
 
 
 def _rank(b: Builder, viewport: Socket) -> Socket:
@@ -78,12 +88,12 @@ def _size(b: Builder, share: Socket, rank: Socket) -> Socket:
     return b.number("MAXIMUM", b.number("MINIMUM", size, 1.0), 0.0)
 
 
-def _larger(b: Builder, near: Socket) -> Socket:
-    """Factor by which those that are kept at a distance are larger: at most to the same area."""
-    power = b.number("MULTIPLY", b.input("Detail Enlarge"), -0.5)
-    return b.number("POWER", b.number("MAXIMUM", near, _TINY), power)
+def _wider(b: Builder, near: Socket) -> Socket:
+    """Factor by which those that are kept at a distance are wider: at most to the same area.
 
-
-def _resized(b: Builder, points: Socket, size: Socket) -> Socket:
-    before = b.attribute_or("scale", "FLOAT_VECTOR", "VECTOR", (1.0, 1.0, 1.0))
-    return b.store(points, "scale", b.scaled(before, size), "FLOAT_VECTOR")
+    They grow no taller: that would be seen against the sky.
+    """
+    widen = b.input("Detail Widen")
+    power = b.number("MULTIPLY", widen, -0.5)
+    wider = b.number("POWER", b.number("MAXIMUM", near, _TINY), power)
+    return b.switch("FLOAT", b.compare("GREATER_THAN", widen, 0.0, "FLOAT"), 1.0, wider)

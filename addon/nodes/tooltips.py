@@ -11,6 +11,7 @@ DEFAULTS = {
     "Detail Margin": 1.0,
     "Detail Minimum": 0.05,
     "Detail Outside": 0.1,
+    "Detail Widen": 0.5,
     "Detail in Renders": True,
     "Detail in Viewport": True,
     "First Frame": 1,
@@ -59,7 +60,7 @@ INPUTS = {
     "Detail Outside": "Fraction of these points that is left outside the camera's view",
     "Detail Margin": "Distance from the camera's view up to which points count as inside",
     "Detail Fade": "Points shrink before they vanish, in this fraction of those that are left",
-    "Detail Enlarge": "Enlarge points that are left at a distance: with 1 they cover the same area",
+    "Detail Widen": "Widen instances that are left at a distance: with 1 they cover the same area",
     "Instance": "Object to instance on the points",
     "Collection": "Collection whose objects are instanced on the points, one picked at random for "
     "each",

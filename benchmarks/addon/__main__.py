@@ -21,7 +21,7 @@ import addon
 from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
 from benchmarks.addon.following import CASES, measure_following
-from benchmarks.addon.playback import DISPLAYED, OWN, measure_playback
+from benchmarks.addon.playback import DISPLAYED, OWN, measure_listing, measure_playback
 from benchmarks.addon.redraw import measure_redraw
 
 PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
@@ -89,9 +89,16 @@ def _playback(options: argparse.Namespace) -> None:
             f"  {name}: {_ms(more)} more, {_ms(found.wall - shaded.wall)} over the surface with "
             f"its normals, {_ms(found.cpu - shaded.cpu)} of all processors{judged}"
         )
-    plain = taken[OWN[0]].wall - shaded.wall
+    _empty_file()
+    listed = measure_listing(options.sites, options.rounds)
+    frames = {name: taken[name].cpu - shaded.cpu for name in listed}
+    print(
+        f"  processor time of a frame, and of a redraw that goes through its instances; {OWN[0]} 1"
+    )
     for name in DISPLAYED:
-        print(f"  {name}: {(taken[name].wall - shaded.wall) / plain:.2f} of {OWN[0]}")
+        frame, redraw = (found[name] / found[OWN[0]] for found in (frames, listed))
+        both = (frames[name] + listed[name]) / (frames[OWN[0]] + listed[OWN[0]])
+        print(f"    {name}: frame {frame:.2f}, redraw {redraw:.2f}, together {both:.2f}")
 
 
 def _redraw(options: argparse.Namespace) -> None:

@@ -47,6 +47,24 @@ class _Case:
     draws: bool = True  # what a window draws, the normals of the surface, is read too
 
 
+def measure_listing(sites: int, rounds: int) -> dict[str, float]:
+    """Seconds to go through all instances, as each redraw and each render does."""
+    surface = _swelling_sphere(_FRAMES.stop)
+    scatters = _scatters(surface, sites, nodes, "") | _displayed(surface, sites)
+    taken: dict[str, list[float]] = {name: [] for name in (OWN[0], *DISPLAYED)}
+    for frame in range(1, 1 + rounds):
+        bpy.context.scene.frame_set(frame)
+        for name, times in taken.items():
+            for other in scatters.values():
+                if other.shown:
+                    other.shown.hide_viewport = other.shown != scatters[name].shown
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            begin = time.process_time()
+            len(depsgraph.object_instances)
+            times.append(time.process_time() - begin)
+    return {name: float(np.median(times)) for name, times in taken.items()}
+
+
 def measure_playback(
     sites: int, rounds: int, moved: bool = False, against: Path | None = None
 ) -> dict[str, Taken]:

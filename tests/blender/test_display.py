@@ -40,7 +40,14 @@ def over_the_field():
 
 def detailed(obj, **settings):
     """Switch the level of detail on, with nothing but the distance unless told."""
-    plain = {"outside": 1.0, "margin": 0.0, "fade": 0.0, "minimum": 0.0, "distance": 5.0}
+    plain = {
+        "outside": 1.0,
+        "margin": 0.0,
+        "fade": 0.0,
+        "minimum": 0.0,
+        "distance": 5.0,
+        "widen": 0.0,
+    }
     for name, value in (plain | settings).items():
         setattr(obj.dapple, f"detail_{name}", value)
     obj.dapple.detail_in_viewport = True
@@ -112,6 +119,20 @@ def corners(obj):
             local = np.array([vertex.co for vertex in one.object.data.vertices])
             found.append((local.min(axis=0), local.max(axis=0)))
     return np.array(found)
+
+
+def test_boxes_are_fitted_as_their_instances_are():
+    obj = field(60)
+    obj.dapple.collection = things()
+    obj.dapple.fit = 1.0
+    fitted, whole = scenes.instance_matrices(obj), corners(obj)
+    obj.dapple.display_as = "BOUNDS"
+    sizes = [
+        matrices[:, :3, :3] @ (found[:, 1] - found[:, 0])[:, :, None]
+        for matrices, found in ((fitted, whole), (scenes.instance_matrices(obj), corners(obj)))
+    ]
+    assert np.allclose(*sizes, atol=1e-5)
+    assert len(np.unique(sizes[0].round(3))) > 10
 
 
 def test_a_cone_and_several_object_types_have_boxes_too():
@@ -305,14 +326,16 @@ def test_instances_shrink_before_they_vanish():
     assert np.allclose(sizes[near], 1.0, atol=1e-5)
 
 
-def test_what_is_left_covers_as_much_as_all_did():
-    obj = detailed(field(), distance=6.0, minimum=0.1, enlarge=1.0)
+def test_what_is_left_covers_as_much_ground_as_all_did():
+    obj = detailed(field(), distance=6.0, minimum=0.1, widen=1.0)
     obj.dapple.scale = 2.0
     over_the_field()
-    sizes = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, 0], axis=1)
-    assert sizes.min() == pytest.approx(2.0, abs=1e-4)
-    assert sizes.max() == pytest.approx(2.0 / math.sqrt(0.1), rel=1e-4)
-    assert (sizes**2).sum() == pytest.approx(4.0 * 1500, rel=0.05)
+    wide, deep, tall = np.linalg.norm(scenes.instance_matrices(obj)[:, :3, :3], axis=1).T
+    assert np.allclose(tall, 2.0, atol=1e-4)
+    assert np.allclose(wide, deep, atol=1e-4)
+    assert wide.min() == pytest.approx(2.0, abs=1e-4)
+    assert wide.max() == pytest.approx(2.0 / math.sqrt(0.1), rel=1e-4)
+    assert (wide * deep).sum() == pytest.approx(4.0 * 1500, rel=0.05)
 
 
 def test_object_types_keep_their_shares():
@@ -445,3 +468,30 @@ def test_it_is_played_without_the_add_on_and_without_python(tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     said = child.bare(PLAYED, path, obj.name).splitlines()
     assert [line for line in said if line.startswith("shown")] == [f"shown {n}" for n in counts]
+
+
+def test_cameras_bound_to_markers_are_followed(tmp_path):
+    obj = detailed(field(400), outside=0.0, distance=1000.0)
+    obj.dapple.detail_in_renders = True
+    scene = bpy.context.scene
+    render = scene.render
+    render.resolution_x = render.resolution_y = 8
+    counts = []
+    for frame, lens in ((1, 30.0), (3, 90.0)):
+        made = camera((0, 0, 20), (0, 0, 0), lens=lens)
+        counts.append(len(scenes.positions(obj)))
+        scene.timeline_markers.new(f"{lens}", frame=frame).camera = made
+    with probe.registered():
+        probe.render(obj, 1)
+        probe.ProbeEngine.seen = ()
+        scene.frame_end = 4
+        scene.render.filepath = str(tmp_path / "frame")
+        bpy.ops.render.render(animation=True)
+        rendered = [len(one["positions"]) for one in probe.ProbeEngine.seen]
+    shown = []
+    for frame in range(1, 5):
+        scene.frame_set(frame)
+        shown.append(len(scenes.positions(obj)))
+    assert rendered == [counts[0], counts[0], counts[1], counts[1]]
+    if bpy.app.version >= (4, 4):  # drivers of older versions read the camera of the frame before
+        assert shown == rendered
