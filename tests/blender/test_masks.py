@@ -118,6 +118,9 @@ def test_empties_wires_and_points_count_where_they_are():
     assert (beside < 0.22).any()
 
 
+@pytest.mark.skipif(
+    "add_curves" not in bpy.types.Curves.bl_rna.functions, reason="strands cannot be made here"
+)
 def test_strands_count_by_their_lines():
     hair = bpy.data.hair_curves.new("Hair")
     hair.add_curves([2, 3])
@@ -440,6 +443,14 @@ def test_another_origin_under_noise_is_told():
         vertex.co.x += 1.0
     surface.location.x = -1.0
     assert "has another origin, and the noise depends on it" in reason(obj)
+
+
+@pytest.mark.parametrize("density", [{"use_noise": True}, {"use_noise": True, "use_height": True}])
+def test_a_shape_that_was_edited_is_told_before_what_follows_from_that(density):
+    surface = scenes.sphere()
+    obj = solved(surface, **density)
+    surface.data.vertices[17].co *= 1.5
+    assert "has another shape or scale than before" in reason(obj)
 
 
 def test_what_moves_by_itself_is_a_note_on_another_frame():

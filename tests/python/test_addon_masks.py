@@ -102,6 +102,29 @@ def test_a_mask_without_strength_is_none():
         assert masks.mask_of(off, name) is None
 
 
+def test_slope_and_height_can_be_inverted_and_weak():
+    points = somewhere()
+    tipped = turned_up(0.8)
+    there = points @ tipped[:3, :3].T
+    range_of = {"height_from": -0.5, "height_to": 0.5, "height_fade": 0.3}
+    weak = {"height_invert": True, "height_strength": 0.6}
+    found = density_at(plane(tipped), there, use_height=True, **range_of, **weak)
+    expected = [falls(z, -0.5, 0.5, 0.3, True, 0.6) for z in there[:, 2]]
+    assert np.abs(found - expected).mean() < 0.01
+    for angle in (0.1, 0.5, 0.8, 1.2):
+        found = density_at(
+            plane(turned_up(angle)), points[:1], use_slope=True, slope_invert=True,
+            slope_strength=0.7, slope_to=0.4, slope_fade=0.5,
+        )  # fmt: skip
+        assert found == pytest.approx(falls(angle, 0.0, 0.4, 0.5, True, 0.7))
+
+
+def turned_up(angle: float) -> np.ndarray:
+    found = np.eye(4)
+    found[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return found
+
+
 def test_faces_on_which_a_mask_falls():
     mask = masks.Mask(0.0, 1.0, 0.5)
     for least, most, changes in (
@@ -425,8 +448,7 @@ def test_what_masks_depend_on_is_compared():
     assert differing(before, plane(lines=other), use_distance=True) == ["targets"]
     assert differing(before, plane(lines=line[1:]), use_distance=True) == ["targets"]
     assert differing(before, plane(), use_distance=True) == ["targets"]
-    tipped = np.eye(4)
-    tipped[1:3, 1:3] = [[math.cos(0.3), -math.sin(0.3)], [math.sin(0.3), math.cos(0.3)]]
+    tipped = turned_up(0.3)
     turned_line = line @ tipped[:3, :3].T
     assert differing(before, plane(tipped, lines=turned_line), use_distance=True) == []
     seen = {"use_distance": True, "distance_plan": True}

@@ -52,6 +52,7 @@ def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[lis
     roles = [role for role in differing(before, now) if role != "faces"]
     same = before.exact.get("faces") == now.exact.get("faces")
     roles = [role for role in roles if not (role == "scale" if same else is_of_faces(role))]
+    roles.sort(key=lambda role: role != "shape")  # where all else is depends on it
     if before.frame == now.frame:
         return [_said(obj, role) for role in roles], _unknown(before)
     if obj.dapple.baked_keys:  # it is known what moves; shapes have sketches in every frame
