@@ -30,6 +30,8 @@ KEEPING = {"count", "per_area", "density", "forward"}  # settings that may be ot
 _SAME = 1e-5  # of a surface's extent: vertices that are moved by less are where they were
 _SPARE_POINTS, _SPARE = 2, 0.001  # points by area that may be missing, in all and as a share
 _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no measure of points
+_HANDFUL = 3  # points that come or go at a place without many others giving way
+_YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
 
 _ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
@@ -64,11 +66,14 @@ def kept(
         given, changed = _given(before, arrays, ground)
         touched = _touched(before, arrays, ground)
         if len(touched) and not len(changed):
-            fine = _evened_around(ground, given, touched, settings, context, locked)
+            solved = _evened_around(ground, given, touched, settings, context, locked)
+            fine = _with_ids_of(given, solved, ground)
         else:
             changed = np.union1d(changed, touched).astype(np.int32)
-            fine = _relaxed(ground, given, changed, settings, context, locked)
-        return _scattered(before, arrays, ground, given, fine, settings, locked)
+            solved = fine = _relaxed(ground, given, changed, settings, context, locked)
+        found = _scattered(before, arrays, ground, given, fine, settings, locked)
+        effort = {name: getattr(report_of(solved.report), name) for name in _EFFORT}
+    return replace(found, report=replace(found.report, **effort))
 
 
 def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes: Ints) -> Solved:
@@ -260,16 +265,46 @@ def _evened_around(
     context: Any,
     locked: Locked | None,
 ) -> Any:
-    """As many points as there are, even around these faces."""
-    return package().relax(
-        ground.surface,
-        given,
-        faces,
-        count=len(given),
-        locked=_rows(given, locked),
-        context=context,
-        **settings.sample_options(),
-    )
+    """As many points as there are, even around these faces.
+
+    Points come and go there first: neighbors alone would leave a ring where several were removed.
+    Then as many go or come, if they are many among so many around that each gives way by little.
+    """
+
+    def relaxed(samples: Any, where: Ints, count: int | None) -> Any:
+        rows, options = _rows(samples, locked), settings.sample_options()
+        return package().relax(
+            ground.surface, samples, where, count=count, locked=rows, context=context, **options
+        )
+
+    found = relaxed(given, faces, None)
+    spare = abs(len(found) - len(given))
+    if not spare:
+        return found
+    if spare > _HANDFUL:
+        faces = _faces_around(ground, found, faces, spare)
+    return relaxed(found, faces, len(given))
+
+
+def _faces_around(ground: Ground, samples: Any, faces: Ints, spare: int) -> Ints:
+    """These faces, and those of the samples around that share what is spare among them."""
+    corners = ground.surface.vertices[ground.surface.faces[faces]]
+    middles = corners.mean(axis=1)
+    away = np.min([np.linalg.norm(samples.positions - one, axis=1) for one in middles], axis=0)
+    nearest = np.argsort(away)[: round(spare / _YIELDS)]
+    return np.union1d(faces, samples.faces[nearest]).astype(np.int32)
+
+
+def _with_ids_of(given: Any, found: Any, ground: Ground) -> Any:
+    """As many samples as before with the same ids: new ones take those of which went."""
+    gone = np.setdiff1d(given.ids, found.ids)
+    new = ~np.isin(found.ids, given.ids)
+    if not len(gone) or len(gone) != new.sum():
+        return found
+    ids = found.ids.copy()
+    ids[new] = gone
+    places = (found.faces, found.barycentric)
+    return package().Samples(ground.surface, *places, ids=ids, classes=found.classes)
 
 
 def _resampled(

@@ -285,7 +285,7 @@ def test_auto_update_evens_the_others_around_them(live, obj, amount):
     assert len(far) > 1000
     assert np.mean([before[key] == after.get(key) for key in far]) >= 0.99
     apart = np.linalg.norm(scenes.positions(obj) - side, axis=1)
-    assert apart.min() < obj.dapple.report.spacing  # the hole is closed
+    assert apart.min() < 0.75 * obj.dapple.report.spacing  # the hole is closed
     assert obj.dapple.report.capacity_variation < 0.02
     assert live.settle() == 0
 

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from shapes import torus
 
-from addon.core.keep import Before, evened, is_whole, keeps, kept, measured
+from addon.core.keep import Before, as_placed, evened, is_whole, keeps, kept, measured
 from addon.core.locked import Locked
+from addon.core.records import Binding
 from addon.core.settings import ClassSettings, DensitySettings, Settings
 from addon.core.solve import Scattered, scatter
 from addon.core.surface import SurfaceArrays, Surroundings
 
+ROWS = ("corners", "barycentric", "carry")
 BY_AREA = Settings(per_area=60.0)
 PAINTED = DensitySettings(attribute="Grass")
 
@@ -215,3 +217,25 @@ def test_quads_that_are_cut_along_the_other_diagonal_are_the_same_faces() -> Non
     faces[0], faces[beside] = (own, first, other), (own, other, second)
     found = updated(solved, replace(painted(surface, 0.3), faces=faces), settings)
     check_far(solved, found, surface, 0.45)
+
+
+@pytest.mark.parametrize(("removed", "reach"), [(1, 5), (3, 8), (6, 12)])
+def test_where_points_were_removed_by_hand_the_others_close_the_hole(removed, reach) -> None:
+    settings, surface = Settings(count=3000), arrays()
+    solved = scatter(surface, settings, dapple.Context())
+    stays = np.sort(np.argsort(away(solved.positions, surface))[removed:])
+    columns = {name: values[stays] for name, values in solved.columns.items()}
+    rows = Binding(*(getattr(solved.binding, name)[stays] for name in ROWS))
+    ids = solved.columns["id"], columns["id"]
+    assert solved.solved is not None
+    placed = as_placed(solved.solved, ids[0], rows, ids[1], columns["dapple_class"])
+    assert np.array_equal(placed.samples.positions, solved.positions[stays])
+    before = Before(rows, columns, placed, middle(surface)[None])
+    fewer = replace(settings, count=3000 - removed)
+    found = kept(before, surface, fewer, dapple.Context(), None)
+    assert is_whole(found)
+    assert set(found.columns["id"]) == set(ids[1])
+    check(found, surface)
+    assert away(found.positions, surface).min() < 0.75 * solved.report.spacing
+    check_far(solved, found, surface, (reach - 3) * solved.report.spacing)
+    assert found.report.evaluations > 0
