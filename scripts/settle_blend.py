@@ -65,6 +65,7 @@ def settled(data: bytes) -> bytes:
             _clear_after_text(result, block)
         if structures.name(block.structure) == "AssetMetaData":
             _clear_asset(result, block, structures)
+        _clear_chance(result, block, structures)
     _number_nodes(result, blocks, structures)
     return bytes(result)
 
@@ -146,6 +147,18 @@ def _clear_asset(result: bytearray, block: _Block, structures: "_Structures") ->
             result[block.start + begin : block.start + end] = bytes(end - begin)
 
 
+def _clear_chance(result: bytearray, block: _Block, structures: "_Structures") -> None:
+    """Numbers that are others in each session: of a node tree inside a material, which Blender
+    counts when it reads one, and for the colors of a mesh's face sets.
+    """
+    for name, kind, begin, end in structures.members(block.structure):
+        if name == "face_sets_color_seed":
+            result[block.start + begin : block.start + end] = bytes(end - begin)
+        elif name == "id" and structures.is_head(kind):
+            at = block.start + begin + structures.offset_in(kind, "session_uid")
+            result[at : at + 4] = bytes(4)
+
+
 class _Structures:
     """What a file tells of its structures (block DNA1): their members, in their order."""
 
@@ -171,6 +184,14 @@ class _Structures:
         """Where the member of this name begins."""
         found = (start for member, _, start, _ in self.members(structure) if member == name)
         return next(found)
+
+    def is_head(self, kind: int) -> bool:
+        """Whether a type is that with which each data-block begins."""
+        return self._types[kind] == "ID"
+
+    def offset_in(self, kind: int, name: str) -> int:
+        """Where the member of this name begins in a type."""
+        return self.offset(self._of_type[kind], name)
 
     def _pointers(self, structure: int, start: int = 0) -> Iterator[int]:
         for name, kind, begin, end in self.members(structure):

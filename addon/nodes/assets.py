@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node groups that are of use alone, behind other nodes: what an asset browser says of them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from types import ModuleType
 
@@ -87,7 +88,7 @@ def mark(asset: Asset) -> bpy.types.NodeTree:
     return group
 
 
-def write(path: str) -> None:
-    """Write all assets, and the groups inside them, to a .blend of their own."""
+def write(path: str, more: Iterable[bpy.types.ID] = ()) -> None:
+    """Write all assets, and the groups inside them, to a .blend of their own; others with them."""
     groups = {mark(asset) for asset in ASSETS}
-    bpy.data.libraries.write(path, groups, fake_user=True)
+    bpy.data.libraries.write(path, {*groups, *more}, fake_user=True)

@@ -101,7 +101,7 @@ def test_the_manifest_asks_for_work_files_only_and_names_the_minimum():
     manifest = tomllib.loads((addon_host.sources() / "blender_manifest.toml").read_text())
     assert manifest["id"] == "dapple"
     assert manifest["blender_version_min"] == "4.3.0"
-    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert manifest["license"] == ["SPDX:GPL-3.0-or-later", "SPDX:CC0-1.0"]  # assets: CC0
     assert list(manifest["permissions"]) == ["files"]
 
 

@@ -269,6 +269,69 @@ def test_instances_stand_on_points_of_any_others_too(appended):
     assert np.allclose(sizes, 1.0, atol=1e-6)
 
 
+READY = {
+    "Conifer Forest": {"Conifers"},
+    "Grass Meadow": {"Dry Grass", "Flowers", "Grass"},
+    "Mushrooms": {"Brown Mushrooms", "Red Mushrooms"},
+    "Pebbles": {"Pebbles"},
+    "Reptile Scales": {"Scale"},
+    "Studs": {"Stud"},
+}
+
+
+def linked(assets):
+    """The ready scatters, as an asset browser finds them."""
+    with bpy.data.libraries.load(str(assets), link=True, assets_only=True) as (found, wanted):
+        wanted.objects = list(found.objects)
+    return wanted.objects
+
+
+def test_ready_scatters_say_what_they_are_and_that_they_are_free(assets):
+    found = {obj.name: obj for obj in linked(assets)}
+    assert found.keys() == READY.keys()
+    for obj in found.values():
+        said = obj.asset_data
+        assert len(said.description) > 20
+        assert said.license == "CC0-1.0"
+        assert {"scatter", "blue noise"} < {tag.name for tag in said.tags}
+        assert catalogs()[said.catalog_id] == "Dapple-Scatters"
+        assert tuple(obj.preview.image_size) == (128, 128)
+        pixels = np.array(obj.preview.image_pixels_float).reshape(-1, 4)
+        assert pixels[:, :3].std() > 0.05
+        assert obj.dapple.surface is None
+        assert len(obj.data.vertices) == 0
+
+
+@pytest.mark.parametrize("name", READY)
+def test_a_ready_scatter_is_placed(assets, name):
+    bpy.ops.wm.append(directory=f"{assets}/Object/", filename=name)
+    obj = bpy.data.objects[name]
+    surface = scenes.sphere()
+    bpy.context.view_layer.objects.active = obj
+    obj.dapple.count = 60
+    assert bpy.ops.dapple.place(surface=surface.name) == {"FINISHED"}
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [
+        (one.parent.original, one.object.data.name)
+        for one in depsgraph.object_instances
+        if one.is_instance
+    ]
+    assert [parent for parent, _ in shown] == 60 * [obj]
+    names = {mesh for _, mesh in shown}
+    kinds = {kind for kind in READY[name] if any(mesh.startswith(kind) for mesh in names)}
+    assert kinds == READY[name]
+    visible = [one.name for one in bpy.context.view_layer.objects if one.visible_get()]
+    assert sorted(visible) == sorted([name, surface.name])
+    for mesh in bpy.data.meshes:
+        assert not mesh.validate()
+
+
+def test_the_same_assets_are_the_same_bytes(assets, tmp_path):
+    child.run(WRITE, ROOT, tmp_path / "again.blend")
+    assert (tmp_path / "again.blend").read_bytes() == assets.read_bytes()
+    assert assets.stat().st_size < 800_000
+
+
 @pytest.fixture
 def library(monkeypatch, assets):
     """The module, in an add-on whose folder has the assets; the preferences stay as they were."""

@@ -136,6 +136,18 @@ def test_what_the_surface_lacks_is_left_out_with_a_word(saved, capfd):
     assert len(scenes.positions(obj)) == 50
 
 
+def test_a_collection_does_not_lie_about(made, tmp_path):
+    """Alone it was shown: Blender did not find the hidden collection around it."""
+    made.dapple.class_index = 0
+    bpy.ops.dapple.edit_classes(action="REMOVE")
+    bpy.ops.dapple.mark_asset()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    obj = appended(tmp_path / "library.blend")
+    bpy.context.view_layer.update()
+    assert [one for one in bpy.context.view_layer.objects if one.visible_get()] == [obj]
+
+
 def test_what_is_instanced_does_not_lie_about(saved):
     obj = appended(saved[0])
     bpy.context.view_layer.update()

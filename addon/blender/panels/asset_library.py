@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node groups as an asset library of Blender's preferences, if the user wants it there."""
+"""Node groups and ready scatters as an asset library of the preferences, if the user wants that."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -44,8 +44,8 @@ class _LibraryOperator:
 
 
 class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Add the folder of Dapple's node groups to the asset libraries in the preferences, so that
-    the asset browser shows them"""
+    """Add Dapple's ready scatters and node groups to the asset libraries in the preferences, so
+    that the asset browser shows them"""
 
     bl_idname = "dapple.add_asset_library"
     bl_label = "Add Asset Library"
@@ -64,13 +64,15 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
             return {"FINISHED"}
         libraries = context.preferences.filepaths.asset_libraries
         added = libraries.new(name=NAME, directory=str(FOLDER))
+        added.import_method = "APPEND_REUSE"  # a linked scatter could not be placed
         context.preferences.is_dirty = True
         self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
         return {"FINISHED"}
 
 
 class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
-    """Remove Dapple's node groups from the asset browser; groups in use stay in their files"""
+    """Remove Dapple's ready scatters and node groups from the asset browser; what is in use stays
+    in its files"""
 
     bl_idname = "dapple.remove_asset_library"
     bl_label = "Remove Asset Library"

@@ -24,7 +24,7 @@ class DAPPLE_AP_preferences(bpy.types.AddonPreferences):
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         draw_removal(layout.column())
-        layout.label(text="The node groups can also be used on their own, from the asset browser.")
+        layout.label(text="Ready scatters, and node groups on their own, for the asset browser:")
         assets = shown.ASSETS.of()
         if not assets.there:
             layout.operator(DAPPLE_OT_add_asset_library.bl_idname, icon="ASSET_MANAGER")

@@ -98,17 +98,16 @@ def _leave_result(asset: bpy.types.Object) -> None:
 def keep_together(asset: bpy.types.Object) -> None:
     """Put what is instanced into a hidden collection of the asset's own.
 
-    Blender puts appended objects into the scene, those of a collection with it: there they lie in
-    one that shows nothing.
+    Blender puts appended objects into the scene, those of a collection with it, which it looks for
+    beside each object: so that it finds the hidden one, all objects are in that one itself.
     """
     parts = bpy.data.collections.new(f"{asset.name} Instances")
     parts.hide_viewport = parts.hide_render = True
     for kind in _kinds(asset):
         if kind.collection is not None and kind.collection.name not in parts.children:
             parts.children.link(kind.collection)
-    for kind in _kinds(asset):
-        if kind.instance is not None and kind.instance.name not in parts.all_objects:
-            parts.objects.link(kind.instance)
+    for obj in sorted(instanced(asset), key=lambda one: one.name_full):
+        parts.objects.link(obj)
     asset[_PARTS] = parts
 
 
