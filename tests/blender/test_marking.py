@@ -105,6 +105,27 @@ def test_an_asset_brings_no_surface_no_points_and_no_bake(made, tmp_path):
         assert "Avoided" not in found.collections
 
 
+def test_how_often_each_object_is_picked_comes_along(tmp_path):
+    rocks = bpy.data.collections.new("Rocks")
+    for name in ("Big", "Small"):
+        rocks.objects.link(thing(name, 0.1))
+    obj = scenes.scattered(scenes.sphere(), count=50)
+    obj.dapple.collection, obj.dapple.use_weights = rocks, True
+    obj.dapple.weights[0].weight = 0.0
+    bpy.ops.dapple.mark_asset()
+    listed = asset_of(obj).dapple.weights
+    assert [(one.object.name, one.weight) for one in listed] == [("Big", 0.0), ("Small", 1.0)]
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    placed = appended(tmp_path / "library.blend", "Sphere Scatter Asset")
+    surface = scenes.sphere()
+    bpy.context.view_layer.objects.active = placed
+    bpy.ops.dapple.place(surface=surface.name)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shown = [one.object.name for one in depsgraph.object_instances if one.is_instance]
+    assert shown == ["Small"] * 50
+
+
 def test_appended_it_is_placed_on_another_surface_with_its_settings(saved):
     path, kept = saved
     sphere = scenes.sphere(location=(5.0, 0.0, 0.0))
