@@ -8,6 +8,7 @@ from . import panels
 from .base.labels import lines_of
 from .base.translation import told
 from .data.scatter import active_surface, is_scatter, rest_note
+from .ops.add_operators import DAPPLE_OT_surface_from_selected
 from .ops.operators import DAPPLE_OT_optimize
 from .ops.scatter_operators import DAPPLE_OT_select_surface
 from .ops.viewport_operators import DAPPLE_OT_match_subdivision
@@ -47,6 +48,8 @@ def _draw_scatter(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     row = layout.row()
     part = row.row(align=True)
     part.prop(settings, "surface")
+    if len(context.selected_objects) > 1:
+        part.operator(DAPPLE_OT_surface_from_selected.bl_idname, text="", icon="IMPORT")
     part.operator(DAPPLE_OT_select_surface.bl_idname, text="", icon="RESTRICT_SELECT_OFF")
     draw_presets(row)
     row = layout.row()

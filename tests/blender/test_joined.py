@@ -520,3 +520,27 @@ def test_linked_parts_are_scattered_on_and_not_written_to(library):
     with pytest.raises(RuntimeError, match="Rest Position of the surface is off, and"):
         bpy.ops.dapple.optimize()
     assert obj.dapple.bound_to == "FACES"
+
+
+def test_the_surface_of_a_scatter_is_made_of_other_objects():
+    left, middle, right = tiles()
+    obj = over(left, middle, count=60)
+    obj.dapple.auto_update_choice = "ON"
+    select(obj)
+    assert not bpy.ops.dapple.surface_from_selected.poll()
+    assert "dapple.surface_from_selected" not in test_panels.drawn()
+    select(obj, right, middle, left)
+    assert "dapple.surface_from_selected" in test_panels.drawn()
+    with following.driven() as live:
+        assert bpy.ops.dapple.surface_from_selected() == {"FINISHED"}
+        joined = addon_host.part("blender.data.joined")
+        assert joined.parts_of(obj.dapple.surface) == [left, middle, right]
+        assert "The points are on 'Left Surface'" in reason(obj)
+        assert live.settle() == 1
+        assert np.allclose(share(obj), [20, 20, 20], atol=3)
+        assert reason(obj) == ""
+    select(obj, right)
+    assert bpy.ops.dapple.surface_from_selected() == {"FINISHED"}
+    assert obj.dapple.surface == right
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert share(obj) == [0, 0, 60]

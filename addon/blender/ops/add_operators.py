@@ -9,12 +9,13 @@ from bpy.props import StringProperty
 from ...core.errors import ScatterError
 from ...core.steps import Steps
 from ...core.tables import SCATTER
-from ..base.job import OPTIONS, StepsOperator
+from ..base.job import OPTIONS, Status, StepsOperator
 from ..base.translation import reported, told
 from ..base.under_way import Outcome
 from ..data.scatter import rest_note
 from ..settings.making import with_arguments
 from ..steps.adding import add_steps
+from ..steps.joining import put_on_selected, selected_beside
 from .polls import free, ready
 
 _ADDED_WITH = [setting for setting in SCATTER if setting.name in ("count", "seed", "bind_to")]
@@ -102,4 +103,30 @@ class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
         raise ScatterError(f"There is no collection '{self.collection}' with objects")
 
 
-CLASSES = (DAPPLE_OT_add, DAPPLE_OT_add_over_collection)
+class DAPPLE_OT_surface_from_selected(bpy.types.Operator):
+    """Have the surface be the other selected objects, several as one. The points are put on it when
+    they are next optimized"""
+
+    bl_idname = "dapple.surface_from_selected"
+    bl_label = "Surface from Selected"
+    bl_options = OPTIONS
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if not ready(cls, context, scatter=True):
+            return False
+        if not selected_beside(context):
+            cls.poll_message_set(told("Needs other selected objects to be the surface"))
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        try:
+            put_on_selected(context)
+        except ScatterError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (DAPPLE_OT_add, DAPPLE_OT_add_over_collection, DAPPLE_OT_surface_from_selected)

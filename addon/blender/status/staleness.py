@@ -48,7 +48,9 @@ def verdict(
 
 def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Present) -> Verdict:
     if _is_unseen(obj, depsgraph):
-        return Verdict("", told("Not compared with its surface while it is hidden"))
+        reason = other_surface(obj) or _parts_reason(obj.dapple.surface)
+        note = told("Not compared with its surface while it is hidden")
+        return Verdict(solve_again(obj, reason)) if reason else Verdict("", note)
     reason = _object_reason(obj, depsgraph)
     if reason:
         return Verdict(reason)
@@ -69,7 +71,7 @@ def _is_unseen(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Whether nothing that is shown needs a joined surface: then Blender does not evaluate it."""
     surface = obj.dapple.surface
     joined = surface is not None and is_joined(surface)
-    return joined and not surface.evaluated_get(depsgraph).is_evaluated
+    return joined and not len(surface.evaluated_get(depsgraph).data.vertices)
 
 
 def _object_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:

@@ -11,11 +11,13 @@ from contextlib import contextmanager, suppress
 import bpy
 
 from ...core.errors import ScatterError
+from ...nodes import get_input, has_input
 from ..base.held import Held
 from ..base.quiet import quiet
 from ..data.joined import Piece, is_joined, pieces_kept, pieces_of, write_pieces
 from ..data.library import open_collections, read_only
 from ..data.members import is_member, pieces_in, pieces_of_collection, wanted
+from ..data.modifier import scatter_modifier
 from ..data.scatter import is_scatter, is_surface, surface_of
 
 _SUFFIX = " Surface"  # of the names of joined surfaces
@@ -50,6 +52,37 @@ def surface_over(
         return
     with _new(pieces, collection) as new, evaluated(new):
         yield new
+
+
+def selected_beside(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """What is selected beside the active scatter and can be its surface, or a part of it."""
+    return [
+        obj
+        for obj in context.selected_objects
+        if obj != context.object and not is_scatter(obj) and (is_surface(obj) or is_member(obj))
+    ]
+
+
+def put_on_selected(context: bpy.types.Context) -> None:
+    """Have the active scatter's surface be what is selected beside it; its points are out of date.
+
+    Parts that the surface has already stay in their order.
+    """
+    scatter, objects = context.object, selected_beside(context)
+    if len(objects) == 1 and is_surface(objects[0]):
+        scatter.dapple.surface = objects[0]
+        return
+    pieces = _pieces(objects, None)
+    before = scatter.dapple.surface
+    known = pieces_of(before) if before is not None else []
+    ordered = [piece for piece in known if piece in pieces]
+    ordered += [piece for piece in pieces if piece not in known]
+    found = _known(pieces, None)
+    if found is None:
+        with _new(ordered, None) as found:
+            scatter.dapple.surface = found.get()
+    else:
+        scatter.dapple.surface = found.get()
 
 
 @contextmanager
@@ -119,11 +152,24 @@ def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterat
         raise
 
 
+def _is_played(surface: bpy.types.Object) -> bool:
+    """Whether a scatter that is shown has Blender evaluate a joined surface."""
+    shown = (obj for obj in bpy.context.view_layer.objects if is_scatter(obj) and obj.visible_get())
+    return any(_plays(obj, surface) for obj in shown)
+
+
+def _plays(scatter: bpy.types.Object, surface: bpy.types.Object) -> bool:
+    modifier = scatter_modifier(scatter)
+    if modifier is None or not modifier.show_viewport or not has_input(modifier, "Surface"):
+        return False
+    return bool(get_input(modifier, "Surface") == surface)
+
+
 @contextmanager
 def evaluated(surface: Held) -> Iterator[None]:
     """Have a joined surface be evaluated inside, even while no scatter on it is shown."""
     obj, scene = surface.get(), bpy.context.scene
-    if obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).is_evaluated:
+    if _is_played(obj):
         yield
         return
     with quiet():
