@@ -23,6 +23,7 @@ import addon  # noqa: E402  (the add-on as it lies in the repository)
 from blend_examples.studio import add_floor, add_light, aim, set_render, use_nodes  # noqa: E402
 
 Vector = Sequence[float]
+HAZE, SKY = (0.60, 0.67, 0.74), (0.26, 0.44, 0.72)
 
 
 def options(text: str, count: int, of: str) -> argparse.ArgumentParser:
@@ -67,9 +68,18 @@ def hidden(thing: bpy.types.Object) -> bpy.types.Object:
     return thing
 
 
-def grid(name: str, size: float, cells: int) -> tuple[bpy.types.Object, NDArray[np.float64]]:
-    """A flat square around the origin, and its vertices (v, 3)."""
+def grid(
+    name: str, size: float, cells: int, around: float = 0.0
+) -> tuple[bpy.types.Object, NDArray[np.float64]]:
+    """A flat square around the origin, and its vertices (v, 3).
+
+    around: so far beyond the square it goes on, in ever larger cells.
+    """
     line = np.linspace(-size / 2, size / 2, cells + 1)
+    if around:
+        beyond = size / 2 + around * np.linspace(0.0, 1.0, 15)[1:] ** 2
+        line = np.concatenate([-beyond[::-1], line, beyond])
+        cells = len(line) - 1
     x, y = np.meshgrid(line, line)
     vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     low = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
@@ -137,6 +147,54 @@ def build_studio(
     scene.camera = camera
     set_render(scene, max(width, 1), max(height, 1))
     scene.cycles.samples = 32
+
+
+def build_outdoors(width: int, height: int, place: Vector, target: Vector, lens: float) -> None:
+    """A low sun, a sky that is bright at the horizon, and a camera at the place."""
+    scene = bpy.context.scene
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.data.energy, sun.data.angle, sun.data.color = 5.5, 0.03, (1.0, 0.84, 0.62)
+    scene.collection.objects.link(sun)
+    aim(sun, (-6.0, 1.5, 4.2), (0.0, 0.0, 0.0))
+    scene.world = sky()
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.lens = lens
+    scene.collection.objects.link(camera)
+    aim(camera, place, target)
+    scene.camera = camera
+    set_render(scene, max(width, 1), max(height, 1))
+    scene.cycles.samples = 16
+
+
+def sky() -> bpy.types.World:
+    """Haze at the horizon, blue above it."""
+    world = bpy.data.worlds.new("Sky")
+    use_nodes(world)
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    up = nodes.new("ShaderNodeSeparateXYZ")
+    ramp = nodes.new("ShaderNodeValToRGB")
+    for element, at, color in zip(ramp.color_ramp.elements, (0.0, 0.35), (HAZE, SKY), strict=True):
+        element.position, element.color = at, (*color, 1)
+    links.new(nodes.new("ShaderNodeTexCoord").outputs["Generated"], up.inputs[0])
+    links.new(up.outputs["Z"], ramp.inputs["Fac"])
+    links.new(ramp.outputs["Color"], nodes["Background"].inputs["Color"])
+    return world
+
+
+def fade_into_haze(made: bpy.types.Material, start: float, end: float) -> bpy.types.Material:
+    """At these distances from the camera a material becomes the horizon, so that no edge shows."""
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    share, mixed = nodes.new("ShaderNodeMapRange"), nodes.new("ShaderNodeMixShader")
+    far, out = nodes.new("ShaderNodeEmission"), nodes["Material Output"].inputs["Surface"]
+    share.interpolation_type = "SMOOTHERSTEP"
+    share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = start, end
+    far.inputs["Color"].default_value = (*HAZE, 1)
+    links.new(nodes.new("ShaderNodeCameraData").outputs["View Distance"], share.inputs["Value"])
+    links.new(share.outputs["Result"], mixed.inputs["Fac"])
+    links.new(out.links[0].from_socket, mixed.inputs[1])
+    links.new(far.outputs["Emission"], mixed.inputs[2])
+    links.new(mixed.outputs["Shader"], out)
+    return made
 
 
 def dump() -> dict[str, Any]:
