@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scatters as assets: making one, and placing one that was dropped into a scene."""
 
+from contextlib import suppress
 from typing import Any
 
 import bpy
@@ -33,9 +34,21 @@ class DAPPLE_OT_mark_asset(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Status:
         made = marked(context.object)
+        if not bpy.app.background:
+            _draw_preview(context, made)
         text = reported("Asset '{name}' added: save the file in an asset library", name=made.name)
         self.report({"INFO"}, text)
         return {"FINISHED"}
+
+
+def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
+    """Have Blender draw what the active scatter instances, as the asset itself shows nothing.
+
+    An asset without a picture is one, too.
+    """
+    draw = bpy.ops.ed.lib_id_generate_preview_from_object
+    with context.temp_override(id=asset), suppress(AttributeError, RuntimeError):
+        draw()
 
 
 class DAPPLE_OT_place(StepsOperator, bpy.types.Operator):
