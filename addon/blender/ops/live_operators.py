@@ -43,7 +43,7 @@ class DAPPLE_OT_dismiss(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.object is not None
+        return context.object is not None and bool(under_way.notes(context.object))
 
     def execute(self, context: bpy.types.Context) -> Status:
         under_way.dismiss(context.object)
