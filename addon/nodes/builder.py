@@ -147,6 +147,8 @@ class Builder:
         begin = self.node("GeometryNodeForeachGeometryElementInput")
         end = self.node("GeometryNodeForeachGeometryElementOutput", domain=domain)
         begin.pair_with_output(end)
+        _keep_quiet(begin)
+        _keep_quiet(end)
         end.main_items.new("FLOAT", "Number")
         self._feed(begin.inputs["Geometry"], geometry)
         found = number(self, begin.outputs["Element"], begin.outputs["Index"])
@@ -167,6 +169,12 @@ class Builder:
             places += (column * 220.0, -row * 220.0)
             columns[column] = row + 1
         self.tree.nodes.foreach_set("location", places)
+
+
+def _keep_quiet(node: bpy.types.Node) -> None:
+    """Have a zone not warn of a geometry without elements; before Blender 5 none does."""
+    if hasattr(node, "warning_propagation"):
+        node.warning_propagation = "NONE"
 
 
 def _plain(value: Any) -> Any:

@@ -64,10 +64,18 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
             return {"FINISHED"}
         libraries = context.preferences.filepaths.asset_libraries
         added = libraries.new(name=NAME, directory=str(FOLDER))
-        added.import_method = "APPEND_REUSE"  # a linked scatter could not be placed
+        _append(added)
         context.preferences.is_dirty = True
         self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
         return {"FINISHED"}
+
+
+def _append(added: bpy.types.UserAssetLibrary) -> None:
+    """Have its assets be appended: a linked scatter could not be placed."""
+    try:
+        added.import_method = "APPEND_REUSE"
+    except TypeError:  # Blender 5.2 lists it, but takes it no more
+        added.import_method = "APPEND"
 
 
 class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
