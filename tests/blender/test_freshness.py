@@ -51,7 +51,7 @@ def counting(monkeypatch, module, name, reads):
 
 def drawn():
     """What the panels show, drawn without a way to evaluate anything."""
-    names = ("object", "scene", "mode", "screen", "view_layer", "workspace")
+    names = ("object", "selected_objects", "scene", "mode", "screen", "view_layer", "workspace")
     context = types.SimpleNamespace(**{name: getattr(bpy.context, name) for name in names})
     shown = []
     for kind in addon_host.part("blender.ui").CLASSES:
