@@ -49,13 +49,13 @@ measured: list[Measured] = []
 
 
 def story() -> Story:
+    head()
     chosen = [one for one in TASKS if one[0].startswith(tuple(ONLY.split(",")))]
     for name, goal, task, *own in chosen:
         bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
         yield  # now there are windows again
         yield
         yield from timed(name, goal, task, *(None if one is None else len(one) for one in own))
-    report()
 
 
 def timed(name: str, goal: int, task: Callable[..., Story], *own: int | None) -> Story:
@@ -69,6 +69,7 @@ def timed(name: str, goal: int, task: Callable[..., Story], *own: int | None) ->
     yield from hand_of.waited(settled)
     latency = time.monotonic() - clicked
     measured.append(Measured(name, goal, hand.clicks, seconds, latency, *own))
+    report(measured[-1])
     slug = name.split(":")[0].replace(" ", "-").lower()
     yield from hand_of.shot(OUT / f"task-{slug}.png")
 
@@ -289,16 +290,17 @@ def over_view() -> Any:
     )
 
 
-def report() -> None:
-    (OUT / "tasks.json").write_text(json.dumps([asdict(one) for one in measured], indent=2))
+def head() -> None:
     print("| task | clicks | goal | seconds | points follow in | Scatter on Surface | Nodes |")
-    print("|---|---|---|---|---|---|---|")
-    for one in measured:
-        own = " | ".join("-" if k is None else str(k) for k in (one.modifier, one.nodes))
-        print(
-            f"| {one.name} | {one.clicks} | {one.goal} | {one.seconds:.1f} | "
-            f"{one.latency:.2f} s | {own} |"
-        )
+    print("|---|---|---|---|---|---|---|", flush=True)
+
+
+def report(one: Measured) -> None:
+    """A row at once: what comes after it may end Blender."""
+    (OUT / "tasks.json").write_text(json.dumps([asdict(one) for one in measured], indent=2))
+    own = " | ".join("-" if k is None else str(k) for k in (one.modifier, one.nodes))
+    row = f"{one.name} | {one.clicks} | {one.goal} | {one.seconds:.1f} | {one.latency:.2f} s"
+    print(f"| {row} | {own} |", flush=True)
 
 
 if __name__ == "__main__":
