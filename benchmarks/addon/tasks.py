@@ -121,8 +121,9 @@ def distance(hand: Any) -> Story:
     curve = bpy.context.object
     yield from shown(obj)
     yield READY
-    yield from hand.open_panel("Density", "density.use_distance")
+    yield from hand.open_panel("density.use_distance", below="dapple.seed")
     yield from hand.press_button("density.use_distance")
+    yield from hand_of.waited(lambda: obj.dapple.density.use_distance)
     obj.dapple.density.distance_object = curve
 
 

@@ -70,19 +70,28 @@ class Hand:
         x, y = yield from self.found(wanted)
         yield from self.drag([(x + 12 * k, y) for k in range(25)])
 
-    def open_panel(self, title: str, wanted: str) -> Story:
-        """Click the header of a closed panel: the one that shows the wanted button."""
+    def open_panel(self, wanted: str, below: str) -> Story:
+        """Click the header of a closed panel below a button: the one that shows the wanted one."""
         if (yield from self._seen(wanted)) is not None:
             return
         begin, before = time.monotonic(), self.searched
-        for header in (yield from self._headers()):
+        _, top = yield from self.found(below)
+        for header in (yield from self._headers(top)):
             yield from self.click(*header)
             if (yield from self._seen(wanted)) is not None:
                 self.searched = before + time.monotonic() - begin
                 return
+            yield from self.rest()
             yield from self.click(*header)
+            yield from self.rest()
             self.clicks -= 2  # it was only looked for
-        raise LookupError(f"there is no panel '{title}' with {wanted}")
+        raise LookupError(f"there is no panel with {wanted}")
+
+    def rest(self) -> Story:
+        """So long that two clicks are no double click."""
+        end = time.monotonic() + 0.5
+        while time.monotonic() < end:
+            yield
 
     def found(self, wanted: str) -> Story:
         """The place of a button."""
@@ -110,11 +119,11 @@ class Hand:
                     return x, y
         return None
 
-    def _headers(self) -> Story:
+    def _headers(self, top: float) -> Story:
         """Places where a panel may have its header: rows without a button."""
         region, free, found = sidebar(), 0, []
         x = region.x + 0.35 * region.width
-        for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
+        for y in range(int(top) - _ROW, region.y + 10, -_ROW):
             yield from self.move(x, y)
             if under_pointer():
                 free = 0
