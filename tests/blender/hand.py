@@ -113,6 +113,9 @@ class Hand:
             x = region.x + column * region.width
             for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
                 yield from self.move(x, y)
+                if any(wanted in one for one in under_pointer()):
+                    yield from self.move(x, y)  # it may be the button of the place before
+                    yield
                 there = under_pointer()
                 self.seen += there
                 if any(wanted in one for one in there):
