@@ -148,6 +148,8 @@ def reuse(hand: Any) -> Story:
     folder = Path(tempfile.mkdtemp())
     yield from on_ground()
     bpy.ops.dapple.mark_asset()
+    for _ in range(200):  # Blender draws its picture meanwhile, and must not lose the file
+        yield
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
     bpy.ops.preferences.asset_library_add(directory=str(folder))
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
