@@ -16,10 +16,10 @@ import bpy
 
 from addon.blender.data.modifier import ensure_modifier, write_instance_inputs
 from addon.blender.steps.marking import CATALOG, TAGS, empty_mesh, keep_together
+from addon.nodes.assets import AUTHOR, LICENSE
 from scripts import ready_shapes as shapes
 from scripts.ready_shapes import Shape
 
-AUTHOR, LICENSE = "Dapple developers", "CC0-1.0"
 PREVIEWS = Path(__file__).parent / "previews"
 Color = tuple[float, float, float]
 

@@ -13,7 +13,7 @@ from .scatter import GROUP_NAME, ensure_group
 
 CATALOG = "f8f09e78-8d7a-4b5c-9bdd-e3485973ed0f"  # as in assets/blender_assets.cats.txt
 AUTHOR = "Dapple developers"
-LICENSE = "GPL-3.0-or-later"
+LICENSE = "CC0-1.0"  # of the groups: they become part of files that are others'
 
 
 @dataclass(frozen=True)

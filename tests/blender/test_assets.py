@@ -196,7 +196,7 @@ def test_each_asset_says_what_it_is_and_its_sockets_what_they_are(assets):
         said = group.asset_data
         assert len(said.description) > 40
         assert said.author
-        assert said.license == "GPL-3.0-or-later"
+        assert said.license == "CC0-1.0"
         assert len(said.tags) > 0
         assert catalogs()[said.catalog_id] == "Dapple"
         for item in group.interface.items_tree:

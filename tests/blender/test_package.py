@@ -137,6 +137,7 @@ def test_it_is_small_and_brings_the_licenses_of_what_is_bundled(archive):
     assert archive.stat().st_size < 30e6
     with ZipFile(archive) as files:
         assert "LICENSE" in files.namelist()
+        assert "CC0 1.0 Universal" in files.read("assets/LICENSE-CC0.txt").decode()
         with files.open(*wheels_of(archive)) as file, ZipFile(file) as inner:
             names = {Path(name).name for name in inner.namelist() if "/licenses/" in name}
     assert names >= {"LICENSE", "libembree-dev.txt", "libtbb-dev.txt", "libopenmesh-dev.txt"}
