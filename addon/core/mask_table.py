@@ -7,7 +7,8 @@ from typing import Any
 from .descriptors import Kind, Setting
 
 _ANGLE = {"high": math.pi, "subtype": "ANGLE"}
-_LENGTH = {"unit": "LENGTH"}
+_HEIGHT = {"soft_low": -1000.0, "soft_high": 1000.0, "unit": "LENGTH"}
+_LENGTH = {"soft_high": 100.0, "unit": "LENGTH"}
 _SHARE = {"high": 1.0, "subtype": "FACTOR"}
 
 
@@ -83,8 +84,8 @@ SLOPE = (
 )
 HEIGHT = (
     _switch("height", "Height", "Only scatter points where world Z is in a range"),
-    _number("height", "from", 0.0, "Min", "Lowest world Z with full density", **_LENGTH),
-    _number("height", "to", 1.0, "Max", "Highest world Z with full density", **_LENGTH),
+    _number("height", "from", 0.0, "Min", "Lowest world Z with full density", **_HEIGHT),
+    _number("height", "to", 1.0, "Max", "Highest world Z with full density", **_HEIGHT),
     _number(
         "height",
         "fade",
@@ -266,6 +267,7 @@ NOISE = (
         "Seed",
         "Seed of the noise; each seed gives other patches",
         low=0,
+        soft_high=10_000,
         under="use_noise",
     ),
     _number(

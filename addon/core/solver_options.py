@@ -19,6 +19,7 @@ _WORDS: dict[str, dict[str, Any]] = {
     "seed": {
         "label": "Seed",
         "tooltip": "Seed of the random start; each seed gives another scatter",
+        "soft_high": 10_000,
         "oldest": True,
     },
     "capacity_weight": {

@@ -104,6 +104,7 @@ _BAKE = (
         Changes.BAKE,
         low=1,
         high=25,
+        subtype="TIME",
     ),
     Setting(
         "bake_smoothing",
@@ -166,6 +167,7 @@ _BAKE = (
         Changes.BAKE,
         low=1,
         soft_high=100,
+        subtype="TIME",
         field="fade",
     ),
     Setting(

@@ -46,6 +46,7 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
 
     action: EnumProperty(
         name="Action",
+        description="What is done once the keyframes are deleted",
         items=[
             ("OPTIMIZE", "Optimize", "Optimize the points again"),
             ("REBIND", "Reattach", "Attach the points to the nearest places"),

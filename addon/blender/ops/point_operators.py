@@ -113,7 +113,7 @@ class DAPPLE_OT_add_point(_PlacesThere, bpy.types.Operator):
     bl_options = OPTIONS
 
     object_type: IntProperty(
-        name="Object Type", description="Number of its object type, from 0", min=0
+        name="Object Type", description="Number of its object type, from 0", min=0, soft_max=9
     )
 
     def place(self, obj: bpy.types.Object) -> None:
@@ -149,7 +149,7 @@ class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
 
 
 class _OfPoint:
-    id: IntProperty(name="Id", description="The id of the point", min=0)
+    id: IntProperty(name="Id", description="The id of the point", min=0, soft_max=100_000)
 
 
 class DAPPLE_OT_move_point(_PlacesThere, _OfPoint, bpy.types.Operator):

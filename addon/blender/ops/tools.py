@@ -22,6 +22,7 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     action: EnumProperty(
         name="Action",
+        description="What is done to the list",
         items=[
             (
                 "ADD",

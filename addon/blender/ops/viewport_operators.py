@@ -45,6 +45,7 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
 
     use: EnumProperty(
         name="Use",
+        description="Which levels are used for both",
         items=[
             ("RENDER", "Render", "Use the levels of renders in the viewport"),
             ("VIEWPORT", "Viewport", "Use the levels of the viewport in renders"),

@@ -51,10 +51,22 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         get=quality_shown,
         set=quality_chosen,
     )
-    weights: CollectionProperty(name="Weights", type=DAPPLE_PG_weight)
-    classes: CollectionProperty(name="Object Types", type=DAPPLE_PG_class)
+    weights: CollectionProperty(
+        name="Weights",
+        description="How often each object of the collection is picked",
+        type=DAPPLE_PG_weight,
+    )
+    classes: CollectionProperty(
+        name="Object Types",
+        description="Object types that are scattered together, if there are several",
+        type=DAPPLE_PG_class,
+    )
     class_index: IntProperty(
-        name="Active Object Type", description="Object type shown in the panel", options=STILL
+        name="Active Object Type",
+        description="Object type shown in the panel",
+        min=0,
+        soft_max=99,
+        options=STILL,
     )
     bound_parts: IntProperty(
         options=STILL,
@@ -62,10 +74,26 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         description="Equal ranges of faces that may overlap in the rest position",
         default=1,
     )
-    density: PointerProperty(name="Density", type=DAPPLE_PG_density)
-    tiles: PointerProperty(type=DAPPLE_PG_tiles)
-    joined: PointerProperty(type=DAPPLE_PG_joined)
-    report: PointerProperty(type=DAPPLE_PG_report)
+    density: PointerProperty(
+        name="Density",
+        description="Where there are more points, and where there are none",
+        type=DAPPLE_PG_density,
+    )
+    tiles: PointerProperty(
+        name="Tiles",
+        description="How the areas of the points become tiles",
+        type=DAPPLE_PG_tiles,
+    )
+    joined: PointerProperty(
+        name="Joined Surface",
+        description="Parts of a surface that is made of several objects",
+        type=DAPPLE_PG_joined,
+    )
+    report: PointerProperty(
+        name="Report",
+        description="Figures of the last optimization or bake",
+        type=DAPPLE_PG_report,
+    )
     solved: PointerProperty(
         name="Solved",
         description="Figures of the result that the bake started from",
@@ -79,7 +107,9 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
     locked_count: IntProperty(
         options=STILL, name="Locked Points", description="Number of points that stay in place"
     )
-    baked_start: IntProperty(name="First Baked Frame")
+    baked_start: IntProperty(
+        name="First Baked Frame", description="Frame of the scene that the bake starts at"
+    )
     bake_fingerprint: StringProperty(
         name="Bake Fingerprint",
         description="Digest of everything that the keyframes were solved from",

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Property groups inside a scatter's: report, density, tiles, one class."""
 
+from typing import Any
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -18,37 +20,56 @@ from ...core.tables import GROUPS
 from .making import STILL, with_settings
 from .updates import weight_changed
 
+_SHARE: dict[str, Any] = {"min": 0.0, "soft_max": 1.0, "subtype": "FACTOR"}
+
 
 class DAPPLE_PG_report(bpy.types.PropertyGroup):
     """Figures of the last optimization or bake."""
 
-    count: IntProperty(name="Points")
+    count: IntProperty(name="Points", description="Number of points", min=0, soft_max=100_000)
     spacing: FloatProperty(
         name="Spacing",
         description="Ideal spacing: the distance between neighbors if the points were packed as "
         "tightly as possible",
+        min=0.0,
+        soft_max=10.0,
         unit="LENGTH",
     )
     alpha_min: FloatProperty(
         name="Min Spacing",
         description="Smallest distance between two points, relative to the ideal spacing",
+        **_SHARE,
     )
     alpha_mean: FloatProperty(
         name="Mean Spacing",
         description="Mean distance to the nearest point, relative to the ideal spacing",
+        **_SHARE,
     )
     capacity_variation: FloatProperty(
         name="Area Variation",
         description="Standard deviation of the areas of the points, relative to their mean",
+        **_SHARE,
     )
     whole_count_variation: FloatProperty(
         name="Due to Whole Counts",
         description="Part of the area variation that arises because each separate part of the "
         "surface has a whole number of points",
+        **_SHARE,
     )
-    evaluations: IntProperty(name="Evaluations")
-    milliseconds: FloatProperty(name="Milliseconds")
-    converged: BoolProperty(name="Converged")
+    evaluations: IntProperty(
+        name="Evaluations",
+        description="How often the energy was evaluated, which is most of the work",
+        min=0,
+        soft_max=1000,
+    )
+    milliseconds: FloatProperty(
+        name="Milliseconds", description="How long the solution took, in milliseconds"
+    )
+    converged: BoolProperty(
+        name="Converged",
+        description="Whether the energy fell by less than the tolerance before the iterations "
+        "were used up",
+    )
     key_error_max: FloatProperty(
         name="Max Keyframe Error",
         description="Largest distance of a point from where it was solved, on frames without a "
@@ -69,8 +90,16 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         name="Details",
         description="Energies of the iterations and histogram of the spacings, as JSON",
     )
-    overlap_first: IntProperty(name="First Overlapping Point", default=-1)
-    overlap_second: IntProperty(name="Second Overlapping Point", default=-1)
+    overlap_first: IntProperty(
+        name="First Overlapping Point",
+        description="ID of one of the two points that overlap most, -1 if none do",
+        default=-1,
+    )
+    overlap_second: IntProperty(
+        name="Second Overlapping Point",
+        description="ID of the other of the two points that overlap most, -1 if none do",
+        default=-1,
+    )
     overlap_frame: IntProperty(
         name="Overlap Frame", description="Baked frame with the largest overlap"
     )
@@ -107,8 +136,16 @@ class DAPPLE_PG_tiles(bpy.types.PropertyGroup):
 class DAPPLE_PG_weight(bpy.types.PropertyGroup):
     """How often an object of a collection is picked, or a collection in it."""
 
-    object: PointerProperty(name="Object", type=bpy.types.Object)
-    collection: PointerProperty(name="Collection", type=bpy.types.Collection)
+    object: PointerProperty(
+        name="Object",
+        description="Object of the collection that the weight is for",
+        type=bpy.types.Object,
+    )
+    collection: PointerProperty(
+        name="Collection",
+        description="Collection in the collection that the weight is for",
+        type=bpy.types.Collection,
+    )
     weight: FloatProperty(
         name="Weight",
         description="How often the object is picked, relative to the others of the collection",
@@ -124,13 +161,19 @@ class DAPPLE_PG_weight(bpy.types.PropertyGroup):
 class DAPPLE_PG_class(bpy.types.PropertyGroup):
     """One object type among several; its `name` is what the list shows."""
 
-    weights: CollectionProperty(name="Weights", type=DAPPLE_PG_weight)
+    weights: CollectionProperty(
+        name="Weights",
+        description="How often each object of the collection is picked",
+        type=DAPPLE_PG_weight,
+    )
 
 
 class DAPPLE_PG_part(bpy.types.PropertyGroup):
     """An object that a joined surface consists of, or one that instances some of them."""
 
-    object: PointerProperty(name="Part", type=bpy.types.Object)
+    object: PointerProperty(
+        name="Part", description="Object of the scene that is the part", type=bpy.types.Object
+    )
     inside: IntProperty(
         name="Inside", description="Index of what instances it, -1 if it is in the scene"
     )
@@ -148,7 +191,9 @@ class DAPPLE_PG_part(bpy.types.PropertyGroup):
 class DAPPLE_PG_joined(bpy.types.PropertyGroup):
     """What a joined surface consists of; empty of other objects."""
 
-    entries: CollectionProperty(name="Parts", type=DAPPLE_PG_part)
+    entries: CollectionProperty(
+        name="Parts", description="Objects that are one surface", type=DAPPLE_PG_part
+    )
     collection: PointerProperty(
         name="Collection",
         description="Collection whose objects are the parts, if there is one",
