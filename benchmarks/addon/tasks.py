@@ -55,7 +55,11 @@ def story() -> Story:
         bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
         yield  # now there are windows again
         yield
-        yield from timed(name, goal, task, *(None if one is None else len(one) for one in own))
+        try:
+            yield from timed(name, goal, task, *(None if one is None else len(one) for one in own))
+        except (LookupError, TimeoutError):
+            yield from hand_of.shot(OUT / f"failed-{slug_of(name)}.png")
+            raise
 
 
 def timed(name: str, goal: int, task: Callable[..., Story], *own: int | None) -> Story:
@@ -70,8 +74,11 @@ def timed(name: str, goal: int, task: Callable[..., Story], *own: int | None) ->
     latency = time.monotonic() - clicked
     measured.append(Measured(name, goal, hand.clicks, seconds, latency, *own))
     report(measured[-1])
-    slug = name.split(":")[0].replace(" ", "-").lower()
-    yield from hand_of.shot(OUT / f"task-{slug}.png")
+    yield from hand_of.shot(OUT / f"task-{slug_of(name)}.png")
+
+
+def slug_of(name: str) -> str:
+    return name.split(":")[0].replace(" ", "-").lower()
 
 
 READY: Any = object()  # a task yields this once its scene is there
@@ -144,7 +151,7 @@ def bake(hand: Any) -> Story:
 
 
 def reuse(hand: Any) -> Story:
-    """Dragged from the Asset Browser, in which one file is the library, onto a hill."""
+    """Dragged from the Asset Browser, in which one file is the library, onto a sphere."""
     folder = Path(tempfile.mkdtemp())
     yield from on_ground()
     bpy.ops.dapple.mark_asset()
@@ -158,21 +165,22 @@ def reuse(hand: Any) -> Story:
     bpy.ops.mesh.primitive_uv_sphere_add(radius=2.0)
     yield from shown(bpy.context.object)
     yield READY
+    begin = time.monotonic()
     browser = yield from asset_browser()
+    hand.searched += time.monotonic() - begin  # a script did it, and waited for long
     hand.clicks += 2  # the menu of editors, and in it the Asset Browser
     region = next(one for one in browser.regions if one.type == "WINDOW")
     view = hand_of.viewport()
     first = region.x + 60, region.y + region.height - 60
     last = view.x + 0.4 * view.width, view.y + 0.5 * view.height
-    way = [(1 - k / 10) * first[0] + k / 10 * last[0] for k in range(11)]
-    rise = [(1 - k / 10) * first[1] + k / 10 * last[1] for k in range(11)]
+    way = [(1 - k / 40) * first[0] + k / 40 * last[0] for k in range(41)]
+    rise = [(1 - k / 40) * first[1] + k / 40 * last[1] for k in range(41)]
     yield from hand.drag(list(zip(way, rise, strict=True)))
-    yield from hand_of.waited(lambda: bool(scatters()) and len(scatters()[0].data.vertices) > 0)
 
 
 def asset_browser() -> Story:
-    """In place of the timeline."""
-    area = next(one for one in hand_of.window().screen.areas if one.type == "DOPESHEET_EDITOR")
+    """In place of the properties; the timeline is too low for a picture."""
+    area = next(one for one in hand_of.window().screen.areas if one.type == "PROPERTIES")
     area.ui_type = "ASSETS"
     for _ in range(100):
         yield
@@ -284,7 +292,7 @@ def settled() -> bool:
     if live.is_active() or hand_of.window().modal_operators or not scatters():
         return False
     stale = addon_host.part("blender.status.staleness").stale_reason
-    return not any(stale(obj, bpy.context) for obj in scatters())
+    return not any(stale(obj, bpy.context) or not obj.data.vertices for obj in scatters())
 
 
 def over_view() -> Any:

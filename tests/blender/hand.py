@@ -16,7 +16,7 @@ import bpy
 Story = Generator[Any, None, Any]
 _ROW = 12  # pixels between two places that are looked at
 _COLUMNS = (0.62, 0.75, 0.84, 0.3, 0.46)  # parts of the sidebar's width, its tabs included
-_PATIENCE = 120.0  # seconds
+_PATIENCE = 60.0  # seconds
 
 
 class Hand:
@@ -42,6 +42,7 @@ class Hand:
     def drag(self, places: list[tuple[float, float]]) -> Story:
         """Along these places with the button held: one click."""
         yield from self.move(*places[0])
+        yield from self.move(*places[0])  # what is there is under the pointer from now on
         self._mouse("PRESS", places[0])
         yield
         for place in places:
