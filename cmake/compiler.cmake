@@ -5,7 +5,7 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 # Nothing of the library is replaced at run time, so that calls within it need no table and may be inlined.
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 
@@ -20,11 +20,12 @@ endif()
 add_library(dapple_compiler INTERFACE)
 target_compile_features(dapple_compiler INTERFACE cxx_std_20)
 if(MSVC)
-  target_compile_options(dapple_compiler INTERFACE /W4 /WX /fp:precise /permissive- /utf-8)
+  target_compile_options(dapple_compiler INTERFACE /W4 $<$<BOOL:${DAPPLE_WERROR}>:/WX> /fp:precise /permissive- /utf-8)
 else()
   # Contraction is off: a fused multiply-add on one machine and not on another would change the bytes.
   target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-                         -Wno-sign-conversion -Werror -ffp-contract=off -fno-semantic-interposition)
+                         -Wno-sign-conversion $<$<BOOL:${DAPPLE_WERROR}>:-Werror>
+                         -ffp-contract=off -fno-semantic-interposition)
 endif()
 if(DAPPLE_SANITIZE)
   # The sanitizers' own code makes GCC see uninitialized values where there are none.

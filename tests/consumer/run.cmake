@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Install the library into an empty prefix, build the consumer against it, run it.
+# cmake -DWAY= -DBUILD= -DROOT= -DWORK= -DGENERATOR= -DCOMPILER= -DLAUNCHER= -P run.cmake
+# Builds the consumer and runs it. WAY says how it gets the library: `installed` by the build folder BUILD, or from the
+# sources in ROOT, `fetched` as a part of the consumer's project or built as the `port` of packaging/vcpkg builds it.
 file(REMOVE_RECURSE ${WORK})
 function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)
@@ -7,10 +9,50 @@ function(step)
     message(FATAL_ERROR "failed (${status}): ${ARGN}")
   endif()
 endfunction()
-step(${CMAKE_COMMAND} --install ${BUILD} --component library --prefix ${WORK}/prefix)
-step(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
-     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
-step(${CMAKE_COMMAND} --build ${WORK}/build)
+function(configure source build)
+  step(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+       -DCMAKE_CXX_COMPILER=${COMPILER} ${ARGN})
+endfunction()
+
+# Warnings are errors in the build that filled ccache, whose objects are taken here: the library is not compiled anew.
+set(cached -DDAPPLE_WERROR=ON)
+set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
+
+# What the library's project does by itself as a part of another one.
+function(check_defaults)
+  foreach(part BENCHMARKS INSTALL PYTHON TESTS WERROR)
+    file(STRINGS ${WORK}/build/CMakeCache.txt line REGEX "^DAPPLE_${part}:")
+    if(NOT line STREQUAL "DAPPLE_${part}:BOOL=OFF")
+      message(FATAL_ERROR "as a part of another project: '${line}'")
+    endif()
+  endforeach()
+endfunction()
+
+# The options that a portfile gives to CMake.
+function(port_options file result)
+  file(READ ${file} text)
+  string(REGEX MATCHALL "-DDAPPLE_[A-Z]+=(ON|OFF)" options "${text}")
+  if(NOT options)
+    message(FATAL_ERROR "${file} names no options")
+  endif()
+  set(${result} ${options} PARENT_SCOPE)
+endfunction()
+
+if(WAY STREQUAL "fetched")
+  configure(${ROOT}/tests/consumer ${WORK}/build -DDAPPLE_SOURCE=${ROOT})
+  check_defaults()
+  configure(${ROOT}/tests/consumer ${WORK}/build ${cached})
+else()
+  if(WAY STREQUAL "installed")
+    step(${CMAKE_COMMAND} --install ${BUILD} --component library --prefix ${WORK}/prefix)
+  else()
+    port_options(${ROOT}/packaging/vcpkg/dapple/portfile.cmake options)
+    configure(${ROOT} ${WORK}/port ${options} ${cached} -DCMAKE_INSTALL_PREFIX=${WORK}/prefix)
+    step(${CMAKE_COMMAND} --build ${WORK}/port --target install)
+  endif()
+  configure(${ROOT}/tests/consumer ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+endif()
+step(${CMAKE_COMMAND} --build ${WORK}/build --target consumer)
 file(WRITE ${WORK}/octahedron.off "OFF
 6 8 0
 1 0 0

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a package index gets: the wheel, as `pip install .` builds it, and the sdist."""
 
+import json
 import os
 import re
 import shutil
@@ -77,7 +78,7 @@ def test_the_sdist_holds_all_that_is_built_and_nothing_else(root, tmp_path):
     source = tmp_path / archive.name.removesuffix(".tar.gz")
     found = contents(source)
     check_metadata(found["PKG-INFO"].decode())
-    for folder in ("cmake", "native", "tests/native", "tests/consumer"):
+    for folder in ("cmake", "native", "packaging", "tests/native", "tests/consumer"):
         assert contents(source / folder) == contents(root / folder), folder
     assert {name.split("/")[0] for name in found} == {
         "CHANGELOG.md",
@@ -88,6 +89,7 @@ def test_the_sdist_holds_all_that_is_built_and_nothing_else(root, tmp_path):
         "benchmarks",
         "cmake",
         "native",
+        "packaging",
         "pyproject.toml",
         "tests",
     }
@@ -123,7 +125,8 @@ def copied(built, tmp_path) -> Path:
 
 
 def test_the_wheel_holds_what_the_set_up_installs(root, built, copied, tmp_path):
-    wheel = made("wheel", root, tmp_path / "wheel", f"-Cbuild-dir={copied}")
+    as_built = [f"-Cbuild-dir={copied}", "-Ccmake.define.DAPPLE_WERROR=ON"]
+    wheel = made("wheel", root, tmp_path / "wheel", *as_built)
     tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
     assert re.fullmatch(rf"dapple3d-[0-9.]+-{tag}-{tag}-\w+\.whl", wheel.name)
     with ZipFile(wheel) as files:
@@ -145,6 +148,20 @@ def test_the_wheel_holds_what_the_set_up_installs(root, built, copied, tmp_path)
 
 
 def test_every_part_has_the_same_version(root):
-    """CMakeLists.txt has it; the extension's manifest is read by Blender alone."""
+    """CMakeLists.txt has it; files that other programs read repeat it."""
     manifest = tomllib.loads((root / "addon" / "blender_manifest.toml").read_text())
-    assert manifest["version"] == dapple.__version__
+    port = json.loads((root / "packaging" / "vcpkg" / "dapple" / "vcpkg.json").read_text())
+    recipe = (root / "packaging" / "conda" / "recipe.yaml").read_text()
+    repeated = {
+        "Blender": manifest["version"],
+        "vcpkg": port["version"],
+        "conda": re.search(r'^  version: "(.*)"$', recipe, re.MULTILINE)[1],
+    }
+    assert repeated == dict.fromkeys(repeated, dapple.__version__)
+
+
+def test_the_page_of_the_package_index_links_nothing_of_the_checkout(root):
+    """There it has no folder beside it: what it shows or links must be found by an address."""
+    page = (root / "native" / "python" / "README.md").read_text()
+    targets = re.findall(r"\]\(([^)]+)\)|(?:src|href)=\"([^\"]+)\"", page)
+    assert [one for pair in targets for one in pair if one and "://" not in one] == []
