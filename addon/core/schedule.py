@@ -34,6 +34,10 @@ class Schedule:
         self._changed.pop(key, None)
         self._changed = {key: -math.inf, **self._changed}
 
+    def settle(self) -> None:
+        """What changed all of it has ended: none has to wait for more than its turn."""
+        self._changed = dict.fromkeys(self._changed, -math.inf)
+
     def forget(self, key: int) -> None:
         """It is not to be worked on, until it is changed again."""
         self._changed.pop(key, None)

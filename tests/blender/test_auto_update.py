@@ -61,6 +61,46 @@ def test_nothing_is_read_before_the_changes_rest(live, obj):
     assert obj.dapple.report.count == 69
 
 
+def grown_and_followed(live, obj):
+    """A vertex group that a stroke can change."""
+    group = grown(obj.dapple.surface)
+    obj.dapple.density.attribute = "Grass"
+    live.settle()
+    return group
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, monkeypatch):
+    group = grown_and_followed(live, obj)
+    monkeypatch.setattr(live.watcher, "is_using_tool", lambda: True)
+    if held:  # as by a brush
+        monkeypatch.setattr(live.watcher, "is_held", lambda: True)
+    for first in range(0, 60, 20):
+        group.add(range(first, first + 20), 0.0, "REPLACE")
+        obj.dapple.surface.data.update()
+        assert live.look() < 0.05
+        assert live.watcher._state.job is None
+    monkeypatch.undo()
+    live.look()
+    assert live.watcher._state.job is not None
+    followed(live, obj)
+
+
+def test_no_pause_follows_an_operator_that_has_ended(live, obj, monkeypatch):
+    group = grown_and_followed(live, obj)
+    group.add(range(30), 0.0, "REPLACE")
+    obj.dapple.surface.data.update()
+    monkeypatch.setattr(live.watcher, "last_operator", lambda: 7)
+    live.look()
+    assert live.watcher._state.job is not None
+    followed(live, obj)
+    for count in (61, 62):  # a dragged value is that of no operator
+        obj.dapple.count = count
+        live.look()
+        assert live.watcher._state.job is None
+    followed(live, obj)
+
+
 def test_a_stroke_and_an_edited_or_scaled_surface_are_followed(live, obj):
     surface = obj.dapple.surface
     grown(surface)

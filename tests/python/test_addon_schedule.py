@@ -60,6 +60,19 @@ def test_what_rests_longest_comes_first(schedule, clock) -> None:
     assert schedule.take() == 1
 
 
+def test_what_changes_no_more_does_not_wait(schedule, clock) -> None:
+    for key in (1, 2):
+        schedule.change(key)
+    schedule.settle()
+    schedule.change(3)
+    schedule.change(1)
+    assert schedule.wait() == 0.0
+    assert schedule.take() == 2
+    assert schedule.take() is None
+    clock.now += PAUSE + 0.01
+    assert schedule.take() == 3
+
+
 def test_what_is_forgotten_is_not_taken(schedule, clock) -> None:
     schedule.change(1)
     schedule.change(2)

@@ -31,6 +31,20 @@ def is_operated() -> bool:
     return any("UNDO" in one.bl_options for window in _windows() for one in window.modal_operators)
 
 
+def is_using_tool() -> bool:
+    """Whether a brush stroke or a move of an object has begun: what changes, will change again."""
+    return is_painting() or is_operated()
+
+
+def last_operator() -> int:
+    """What tells apart the operators that were finished: buttons and tools, no dragged values."""
+    return max((one.as_pointer() for one in _finished()), default=0)
+
+
+def _finished() -> list[bpy.types.Operator]:
+    return [one for manager in bpy.data.window_managers for one in manager.operators[-1:]]
+
+
 def _running() -> list[str]:
     return [one.bl_idname for window in _windows() for one in window.modal_operators]
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Auto Update: scatters are solved again once what they are solved from has rested for a moment.
-Optimize is one of these updates, from the seed, that is asked for.
+"""Auto Update: scatters are solved again once what they are solved from has rested for a moment,
+and at once when a stroke, a move or another operator has ended. Optimize is one of these updates,
+from the seed, that is asked for.
 
 Handlers and property updates only note what changed. An app timer reads what is there part by
 part, a worker solves, and the timer writes; until then the old points stay. A change meanwhile
@@ -19,7 +20,7 @@ import bpy
 from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
-from ..base.artist import is_operated
+from ..base.artist import is_operated, is_using_tool, last_operator
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.job import is_under_way
@@ -36,6 +37,7 @@ from .written import follow_up
 _POLL = 0.005  # seconds between two looks at a worker
 _PART = 0.01  # seconds of a look in which the artist waits
 _HELD = 0.1  # seconds between two looks whether what holds it up is over
+_TOOL = 0.02  # the same while the artist uses a tool, and waits for what follows
 
 enabled = not bpy.app.background
 
@@ -67,6 +69,9 @@ class _State:
     changes: Changes = field(default_factory=Changes)
     job: _Job | None = None
     ticking: bool = False  # whether the timer runs
+    used_tool: bool = False  # at the last look
+    last_operator: int = 0  # when something was changed last
+    ended: bool = False  # what has changed something
     caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
     asked: dict[int, bool] = field(default_factory=dict)  # for Optimize; whether it may drop keys
@@ -147,20 +152,37 @@ def tick() -> float | None:
 
 
 def _look() -> float | None:
+    _note_end()
     if is_held():
         _spread()
         _step_aside()
-        return _HELD if is_active() or _state.changes.wait() is not None else None
+        waits = is_active() or _state.changes.wait() is not None
+        return (_TOOL if _state.used_tool else _HELD) if waits else None
     if enabled and _state.job is None:
         _state.changes.glance()
     _spread()
+    if _state.ended:
+        _state.ended = False
+        _state.schedule.settle()
     if _state.job is None:
         _begin()
     if _state.job is not None:
         _go_on(_state.job)
     if _state.job is not None:
-        return _POLL
-    waits = [_state.schedule.wait(), _state.changes.wait()]
+        return _POLL if _state.job.stepper.waits else 0.0
+    return _rest()
+
+
+def _note_end() -> None:
+    """Note whether the artist has just put down a tool."""
+    before, _state.used_tool = _state.used_tool, is_using_tool()
+    _state.ended |= before and not _state.used_tool
+
+
+def _rest() -> float | None:
+    """Seconds until there may be something to do."""
+    tool = _TOOL if _state.used_tool and _state.schedule else None
+    waits = [_state.schedule.wait(), _state.changes.wait(), tool]
     return min((one for one in waits if one is not None), default=None)
 
 
@@ -251,7 +273,9 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Note what was changed, and look at it soon."""
     if not enabled or is_quiet():
         return
+    before, _state.last_operator = _state.last_operator, last_operator()
     if _state.changes.note(depsgraph):
+        _state.ended |= before != _state.last_operator
         _wake()
 
 
