@@ -33,6 +33,7 @@ _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no me
 _HANDFUL = 3  # points that come or go at a place without many others giving way
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
+_MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
 
 _ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
 
@@ -241,12 +242,26 @@ def _relaxed(
         return given
     if everything or not len(changed) or not len(given):
         return _resampled(ground, given, settings, context, locked)
+    if not settings.per_area and _coming(ground, given, changed) > _MANY * wanted:
+        return _resampled(ground, given, settings, context, locked)
     options = {"locked": _rows(given, locked), "context": context, **settings.sample_options()}
     found = package().relax(ground.surface, given, changed, **options)
     missing = abs(len(found) - wanted)
     if missing and missing <= _FEW * np.count_nonzero(~_stays(given, found)):
         return package().relax(ground.surface, given, changed, count=wanted, **options)
     return found
+
+
+def _coming(ground: Ground, given: Any, changed: Ints) -> float:
+    """About how many more points the changed faces need to be as dense as all others."""
+    corners = ground.surface.vertices[ground.surface.faces]
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    masses = areas * ground.at_corners().mean(axis=1)
+    inside = np.count_nonzero(np.isin(given.faces, changed))
+    mass = float(masses[changed].sum())
+    rest = float(masses.sum()) - mass
+    return mass / rest * (len(given) - inside) - inside if rest > 0.0 else float(len(given))
 
 
 def _touched(before: Before, arrays: SurfaceArrays, ground: Ground) -> Ints:

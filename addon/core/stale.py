@@ -50,10 +50,11 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
     if isinstance(before["density"], dict):
         before["density"] = defaults["density"] | before["density"]
     wanted = {name: value for name, value in _plain(now).items() if name not in _APART}
+    known = _of_effect(before)
     return [
         name
         for name, value in _of_effect(wanted).items()
-        if name not in before or _of_effect(before)[name] != value
+        if name not in before or known[name] != value
     ]
 
 

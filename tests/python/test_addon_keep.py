@@ -173,6 +173,20 @@ def test_an_exact_count_stays_where_density_is_taken_away() -> None:
     assert (away(found.positions, surface) > 0.25).all()
 
 
+def test_where_many_more_are_needed_all_points_move_at_once() -> None:
+    """First the many that an exact count takes away again would be added one after another."""
+    surface, settings = arrays(), Settings(count=1000, density=PAINTED)
+    solved = scatter(surface, settings, dapple.Context(), None)
+    denser = np.where(surface.vertices[:, 2] > 0.0, 3.0, 1.0)
+    found = kept(
+        before_of(solved), replace(surface, weights={"Grass": denser}), settings, None, None
+    )
+    assert is_whole(found)
+    old, _ = rows_of(solved, found)
+    assert len(old) > 700
+    assert measured(found, dapple.Context()).report.capacity_variation < 0.02
+
+
 def test_locked_points_stay() -> None:
     surface, settings = arrays(), Settings(count=1000, density=PAINTED)
     solved = scatter(surface, settings, dapple.Context())
