@@ -61,11 +61,11 @@ inline Image image_of(const char* name, const py::object& value) {
           {values.data(), values.data() + values.size()}};
 }
 
-/// Integer rows as int32; a C-contiguous int32 array is used as it is, a wider one is checked and
-/// copied.
+/// Integer rows as int32; a C-contiguous int32 array is used as it is, another one is checked and
+/// copied. pybind11 before 2.12 misreads the item size of numpy 2, so the types are compared.
 inline IntArray integers(const char* name, const py::object& value, py::ssize_t columns) {
   const py::array array = checked_array(name, value, "iu", columns);
-  if (array.size() > 0 && (array.itemsize() > 4 || array.dtype().kind() == 'u')) {
+  if (array.size() > 0 && !py::isinstance<py::array_t<std::int32_t>>(array)) {
     const auto low = py::float_(array.attr("min")()).cast<double>();
     const auto high = py::float_(array.attr("max")()).cast<double>();
     if (low < std::numeric_limits<std::int32_t>::min() ||
