@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sourced by the other scripts: where things are, and stages that log and show progress.
+# Sourced by the other scripts: where things are, stages that log and show progress, packages and stamps.
 # shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
@@ -65,3 +65,25 @@ build_jobs() {
   [ "$gigabytes" -ge 1 ] || gigabytes=1
   printf '%d' "$((cores < gigabytes ? cores : gigabytes))"
 }
+
+# Waits for another package manager that may be at work.
+apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@"; }
+install_packages() { apt update && apt install -y --no-install-recommends "$@"; }
+
+# need_packages NAME...: installs those of the distribution's packages that are missing.
+need_packages() {
+  local missing=() sudo=()
+  mapfile -t missing < <(comm -23 <(printf '%s\n' "$@" | sort) \
+    <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort))
+  [ "${#missing[@]}" -gt 0 ] || return 0
+  echo "   missing packages: ${missing[*]}"
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || fail 'they can be installed by root or with sudo only'
+    sudo=(sudo)
+  fi
+  stage 'system packages' install_packages "${missing[@]}"
+}
+
+# A stamp file holds the hash of all that went into what it stands beside.
+hash_of() { printf '%s\n' "$@" | sha256sum | cut -d ' ' -f 1; }
+up_to_date() { [ -f "$1" ] && [ "$(<"$1")" = "$2" ]; }

@@ -21,15 +21,6 @@ case $system in
 esac
 [ "$(uname -m)" = x86_64 ] || fail "this machine is $(uname -m); Blender's Python module needs x86_64"
 
-missing_packages() {
-  comm -23 <(printf '%s\n' "${packages[@]}" | sort) \
-    <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' | sed -n 's/^installed //p' | sort)
-}
-
-# Waits for another package manager that may be at work.
-apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@"; }
-install_packages() { apt update && apt install -y --no-install-recommends "${missing[@]}"; }
-
 create_venv() {
   [ ! -L "$venv" ] || fail 'build/venv is a link: making it anew would empty what it points to'
   /usr/bin/python3 -m venv --clear "$venv" &&
@@ -41,23 +32,10 @@ configure() {
   rm -rf build/release && cmake --preset release -DDAPPLE_PYTHON_INSTALL_DIR="$site_packages"
 }
 
-# A stamp file holds the hash of all that went into what it stands beside.
-hash_of() { printf '%s\n' "$@" | sha256sum | cut -d ' ' -f 1; }
-up_to_date() { [ -f "$1" ] && [ "$(<"$1")" = "$2" ]; }
-
 exec 9>build/setup.lock
 flock -n 9 || { echo '== waiting for another set-up of this folder'; flock 9; }
 
-mapfile -t missing < <(missing_packages)
-if [ "${#missing[@]}" -gt 0 ]; then
-  echo "   missing packages: ${missing[*]}"
-  sudo=()
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || fail 'they can be installed by root or with sudo only'
-    sudo=(sudo)
-  fi
-  stage 'system packages' install_packages
-fi
+need_packages "${packages[@]}"
 
 python_version=$(/usr/bin/python3 -c 'import platform; print(platform.python_version())')
 venv_hash=$(hash_of "$root" "$python_version" "$(<scripts/requirements.txt)")

@@ -16,6 +16,7 @@ MANUAL = sorted((DOCS / "manual").glob("*.md"))
 # Of Blender itself.
 BLENDERS_OWN = {"Compress", "Save As"}
 TEXT, OPTIONS = [(DOCS / name).read_text() for name in ("add-on.md", "options.md")]
+SCRIPTS = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
 
 def test_the_script_runs(capsys):
@@ -27,12 +28,25 @@ def test_the_script_runs(capsys):
     surface = scenes.tail(frames=2)
     values = np.ones(len(surface.data.vertices), np.float32)
     surface.data.attributes.new("Grass", "FLOAT", "POINT").data.foreach_set("value", values)
-    (script,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
-    exec(script.replace("count=2000", "count=60"), {})
+    exec(SCRIPTS[0].replace("count=2000", "count=60"), {})
     assert len(capsys.readouterr().out.split()) >= 2
     obj = bpy.context.object
     assert obj.dapple.baked_keys == 2
     assert obj.dapple.report.count == 60
+
+
+def test_the_script_for_assets_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    meadow = scenes.sphere()
+    meadow.name = "Meadow"
+    scenes.scattered(meadow, count=50)
+    bpy.ops.dapple.mark_asset()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    scenes.sphere().name = "Ground"
+    (script,) = SCRIPTS[1:]
+    exec(script, {"bpy": bpy})
+    assert bpy.data.objects["Meadow Scatter Asset"].dapple.report.count == 50
 
 
 def test_every_operator_and_property_is_told():

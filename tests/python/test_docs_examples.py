@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every example of the documentation is run: by the tests here, or by those that are named here."""
+
+import re
+import shlex
+from pathlib import Path
+
+import dapple3d as dapple
+import numpy as np
+import pytest
+import shapes
+from command_line import run
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PYTHON = [name for name in re.findall(r"^\w+$", (DOCS / "site/python/index.md").read_text(), re.M)]
+BLOCK = re.compile(r"^```(?P<language>[^\n]*)\n(?P<code>.*?)^```", re.DOTALL | re.MULTILINE)
+# Number of the examples in a language and who runs them.
+RUN = {
+    "README.md": {"sh": (1, "tests/run.sh runs the same set-up"), "python": (1, "test_module.py")},
+    "CONTRIBUTING.md": {"": (1, "a list of folders")},
+    "native/python/README.md": {
+        "sh": (1, "test_distribution.py installs what is built"),
+        "python": (1, "test_module.py"),
+    },
+    "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
+    "docs/command-line.md": {"console": (3, "here")},
+    "docs/cpp.md": {
+        "sh": (1, "tests/consumer"),
+        "cmake": (2, "tests/consumer"),
+        "cpp": (1, "tests/consumer, test_module.py"),
+    },
+    "docs/peers.md": {"sh": (1, "test_peers.py")},
+    "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
+    "docs/site/index.md": {"console": (1, "here")},
+    **{f"docs/site/python/{name}.md": {"python": (1, "here")} for name in ["index", *PYTHON]},
+}
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Languages and code of the examples of a page; directives of Sphinx are none."""
+    found = BLOCK.findall((ROOT / page).read_text())
+    return [(language, text) for language, text in found if not language.startswith("{")]
+
+
+def code(page: str, language: str) -> str:
+    """All examples of a page in one language."""
+    return "\n".join(text for found, text in blocks(page) if found == language)
+
+
+def test_every_example_is_run_by_a_test():
+    pages = [*ROOT.glob("*.md"), *DOCS.rglob("*.md"), ROOT / "native/python/README.md"]
+    pages += (ROOT / "blend_examples").glob("*.md")
+    found = {}
+    for page in pages:
+        name = str(page.relative_to(ROOT))
+        languages = [language for language, _ in blocks(name)]
+        if languages:
+            found[name] = {language: languages.count(language) for language in languages}
+    told = {
+        page: {language: count for language, (count, _) in by.items()} for page, by in RUN.items()
+    }
+    assert found == told
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", PYTHON)
+def test_python_pages_run(here, name):
+    """Each goes on from the example of the first page."""
+    namespace = {}
+    for page in ("index", name):
+        exec(code(f"docs/site/python/{page}.md", "python"), namespace)
+
+
+@pytest.fixture
+def files(here):
+    """What the commands read: a mesh, a motion, a mesh that is wrong, a picture."""
+    vertices, faces = shapes.torus()
+    dapple.write_mesh("bunny.ply", vertices, faces)
+    frames = np.array([shapes.bent(vertices, time) for time in np.linspace(0, 1, 10)])
+    np.savez("walk.npz", vertices=frames, faces=faces)
+    np.savez("waves.npz", vertices=vertices, faces=faces)
+    wrong = vertices.copy()
+    wrong[17, 0] = np.nan
+    np.savez("scan.npz", vertices=wrong, faces=faces)
+    pictures = pytest.importorskip("PIL.Image")
+    gray = (255 * np.hypot(*(np.indices((96, 96)) / 140)))[:, :, None].repeat(3, 2)
+    pictures.fromarray(gray.astype(np.uint8)).save("portrait.png")
+    return here
+
+
+def form(text: str) -> list[str]:
+    """Lines without their numbers and the spaces around them."""
+    return [
+        re.sub(r"[-\d.,e]*\d[-\d.e]*", "#", " ".join(line.split())) for line in text.splitlines()
+    ]
+
+
+def commands(text: str) -> list[tuple[str, str]]:
+    """Each command of a console with what it prints."""
+    parts = re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]
+    return [(part.partition("\n")[0], part.partition("\n")[2].strip()) for part in parts]
+
+
+def test_commands_print_what_the_pages_show(files):
+    shown = commands(
+        code("docs/site/index.md", "console") + code("docs/command-line.md", "console")
+    )
+    for command, expected in shown:
+        program, *arguments = shlex.split(command)
+        found = run(*arguments)
+        assert program == "dapple"
+        assert form(found.output.strip()) == form(expected), command
+        assert found.exit_code == int(expected.startswith("Error")), command
+
+
+def test_the_stippling_page_runs(files):
+    """With fewer dots than it shows."""
+    (command,) = code("docs/stippling.md", "sh").splitlines()
+    assert run(*shlex.split(command.replace("10000", "300"))[1:]).exit_code == 0
+    assert Path("portrait.svg").is_file()
+    namespace = {}
+    exec(code("docs/stippling.md", "python").replace("10_000", "300"), namespace)
+    assert any(Path().glob("*.svg"))
+    assert len(namespace["dots"]) == 300
