@@ -6,7 +6,7 @@
 #     --quick   all but clang-tidy
 #     --all     clang-tidy looks at every source: before a release
 #     --since   clang-tidy looks at what has changed since this commit
-#     --only    one of: clang-format rooms clang-tidy ruff mypy spelling shellcheck
+#     --only    one of: clang-format rooms clang-tidy ruff mypy spelling shellcheck workflows
 # clang-tidy takes by far the longest, so it looks at what has changed only: sources, and those that include a changed
 # header themselves. Without --since that is what has changed since the first of these commits that there is:
 #   the last one that clang-tidy found clean in this folder, if it is an ancestor
@@ -146,6 +146,7 @@ run_check ruff ruff_check
 [ "${#typed[@]}" -eq 0 ] || run_check mypy mypy "${typed[@]}"
 run_check spelling python3 scripts/spelling.py
 run_check shellcheck shellcheck "${shell[@]}" .ci/run
+run_check workflows check-jsonschema --quiet --builtin-schema vendor.github-workflows .github/workflows/*.yml
 [ -n "$quick" ] || run_check clang-tidy clang_tidy_check
 
 [ "${#failed[@]}" -eq 0 ] || fail "style: ${failed[*]} (scripts/check.sh --fix mends what can be mended)"

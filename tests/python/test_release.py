@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a release is told by, and its draft."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+_SPEC = importlib.util.spec_from_file_location("notes", ROOT / "scripts" / "release_notes.py")
+notes = importlib.util.module_from_spec(_SPEC)
+_SPEC.loader.exec_module(notes)
+
+CHANGELOG = """# Changelog
+
+## [1.2.0] - 2027-01-02
+
+### Added
+
+- One thing, told in two
+  lines ([docs/one.md](docs/one.md), [elsewhere](https://example.org)).
+- Another.
+
+## [1.1.0] - 2026-12-01
+
+- Older.
+"""
+
+
+def test_notes_are_the_first_section_for_a_page_without_a_checkout():
+    text = notes.standing_alone(notes.section(CHANGELOG, "1.2.0"))
+    assert text.splitlines() == [
+        "### Added",
+        "",
+        "- One thing, told in two lines (docs/one.md, [elsewhere](https://example.org)).",
+        "- Another.",
+    ]
+
+
+def test_another_version_or_no_date_is_refused():
+    with pytest.raises(SystemExit, match=r'begins with "## \[1.2.0\] - 2027-01-02", not with'):
+        notes.section(CHANGELOG, "1.3.0")
+    unreleased = CHANGELOG.replace("[1.2.0] - 2027-01-02", "[Unreleased]")
+    with pytest.raises(SystemExit, match="Unreleased"):
+        notes.section(unreleased, "1.2.0")
+    assert "Another" in notes.section(unreleased, "1.2.0", draft=True)
+
+
+def test_the_changelog_of_today_makes_notes(root):
+    command = [sys.executable, root / "scripts" / "release_notes.py", "--draft"]
+    found = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert found.stdout.startswith("### ")
+    assert "](docs/" not in found.stdout
+
+
+@pytest.fixture
+def checkout(root, tmp_path) -> Path:
+    """A repository that has a release's scripts, its changelog, and its files in `files`."""
+    (tmp_path / "scripts").mkdir()
+    for name in ("draft_release.sh", "release_notes.py"):
+        target = tmp_path / "scripts" / name
+        target.write_bytes((root / "scripts" / name).read_bytes())
+        target.chmod(0o755)
+    (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
+    (tmp_path / "CMakeLists.txt").write_text("project(dapple VERSION 1.2.0 LANGUAGES CXX)\n")
+    (tmp_path / "files").mkdir()
+    git = ["git", "-c", "user.name=n", "-c", "user.email=e", "-c", "init.defaultBranch=main"]
+    for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "all"]):
+        subprocess.run([*git, *command], cwd=tmp_path, check=True, capture_output=True)
+    return tmp_path
+
+
+def drafted(checkout: Path) -> subprocess.CompletedProcess:
+    """What scripts/draft_release.sh hands to a `gh` that only prints it."""
+    tools = checkout / "tools"
+    tools.mkdir(exist_ok=True)
+    (tools / "gh").write_text(
+        '#!/bin/sh\nprintf "%s\\n" "$@"\nwhile [ "$1" != --notes-file ]; do shift; done; cat "$2"\n'
+    )
+    (tools / "gh").chmod(0o755)
+    return subprocess.run(
+        [checkout / "scripts" / "draft_release.sh", "files"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"},
+    )
+
+
+def test_a_release_is_a_draft_with_its_files_and_notes(checkout):
+    for name in ("dapple3d-1.2.0.tar.gz", "dapple-1.2.0-linux-x64.zip", "tested.md"):
+        (checkout / "files" / name).write_text(f"of {name}\n")
+    found = drafted(checkout)
+    assert found.returncode == 0, found.stderr
+    said = found.stdout.splitlines()
+    assert said[:4] == ["release", "create", "v1.2.0", "--draft"]
+    assert {"files/dapple3d-1.2.0.tar.gz", "files/dapple-1.2.0-linux-x64.zip"} <= set(said)
+    assert "files/tested.md" not in said
+    assert said[-3:] == ["- Another.", "", "of tested.md"]
+
+
+def test_without_files_there_is_no_draft(checkout):
+    found = drafted(checkout)
+    assert found.returncode == 1
+    assert "files has no wheels" in found.stderr
