@@ -2,7 +2,8 @@
 """A hand in a real window: it finds buttons of the sidebar, clicks, drags and counts its clicks.
 
 Blender has no way to ask where a button is. But under the pointer it can copy what a button does,
-or where its value lies, so the pointer goes over the sidebar until the wanted one is found.
+or where its value lies, so the pointer goes over the sidebar, or another region of the 3D View,
+until the wanted one is found.
 """
 
 import subprocess
@@ -20,9 +21,11 @@ _PATIENCE = 60.0  # seconds
 
 
 class Hand:
-    """What an artist does with the mouse in the 3D View and its sidebar."""
+    """What an artist does with the mouse in the 3D View and its sidebar, or its toolbar."""
 
-    def __init__(self) -> None:
+    def __init__(self, over: Callable[[], bpy.types.Region] | None = None) -> None:
+        self.over = over or sidebar  # the region that has the buttons
+        self.columns = _COLUMNS  # where it looks there
         self.clicks = 0  # and keys
         self.searched = 0.0  # seconds in which it looked for buttons
         self.seen: list[str] = []  # what it found there the last time
@@ -31,11 +34,11 @@ class Hand:
         window().event_simulate("MOUSEMOVE", "NOTHING", x=int(x), y=int(y))
         yield
 
-    def click(self, x: float, y: float) -> Story:
+    def click(self, x: float, y: float, button: str = "LEFTMOUSE", ctrl: bool = False) -> Story:
         yield from self.move(x, y)
         yield
         for value in ("PRESS", "RELEASE"):
-            window().event_simulate("LEFTMOUSE", value, x=int(x), y=int(y))
+            window().event_simulate(button, value, x=int(x), y=int(y), ctrl=ctrl)
             yield
         self.clicks += 1
 
@@ -99,7 +102,7 @@ class Hand:
         place = yield from self._seen(wanted)
         if place is None:
             seen = ", ".join(dict.fromkeys(self.seen))
-            raise LookupError(f"the sidebar has no button with {wanted}, but {seen}")
+            raise LookupError(f"there is no button with {wanted}, but {seen}")
         return place
 
     def _seen(self, wanted: str) -> Story:
@@ -109,15 +112,15 @@ class Hand:
         return place
 
     def _looked_for(self, wanted: str) -> Story:
-        region, self.seen = sidebar(), []
-        for column in _COLUMNS:
+        region, self.seen = self.over(), []
+        for column in self.columns:
             x = region.x + column * region.width
             for y in range(region.y + region.height - 20, region.y + 10, -_ROW):
                 yield from self.move(x, y)
-                if any(wanted in one for one in under_pointer()):
+                if any(wanted in one for one in under_pointer(region)):
                     yield from self.move(x, y)  # it may be the button of the place before
                     yield
-                there = under_pointer()
+                there = under_pointer(region)
                 self.seen += there
                 if any(wanted in one for one in there):
                     return x, y
@@ -129,7 +132,7 @@ class Hand:
         x = region.x + 0.35 * region.width
         for y in range(int(top) - _ROW, region.y + 10, -_ROW):
             yield from self.move(x, y)
-            if under_pointer():
+            if under_pointer(region):
                 free = 0
                 continue
             free += 1
@@ -138,11 +141,11 @@ class Hand:
         return found
 
 
-def under_pointer() -> list[str]:
+def under_pointer(region: bpy.types.Region) -> list[str]:
     """What the button under the pointer does, and where its value lies."""
     area, found = view(), []
     manager = bpy.context.window_manager
-    with bpy.context.temp_override(window=window(), area=area, region=sidebar()):
+    with bpy.context.temp_override(window=window(), area=area, region=region):
         copying: tuple[Any, ...] = (
             bpy.ops.ui.copy_python_command_button,
             bpy.ops.ui.copy_data_path_button,
@@ -165,6 +168,10 @@ def view() -> bpy.types.Area:
 
 def sidebar() -> bpy.types.Region:
     return next(one for one in view().regions if one.type == "UI")
+
+
+def toolbar() -> bpy.types.Region:
+    return next(one for one in view().regions if one.type == "TOOLS")
 
 
 def viewport() -> bpy.types.Region:

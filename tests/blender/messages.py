@@ -15,6 +15,8 @@ def shown():
     found = set()
     for kind in _classes():
         found |= set(_of_class(kind))
+    for kind in _tools():
+        found |= {("Operator", kind.bl_label), ("*", kind.bl_description)}
     for path in sorted((addon_host.sources() / "blender").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call):
@@ -27,6 +29,14 @@ def _classes():
         *addon_host.part("blender")._CLASSES,
         *addon_host.part("blender.settings.properties").CLASSES,
     ]
+
+
+def _tools():
+    """Those of the toolbars: they are no RNA types, and no list has them."""
+    for path in sorted((addon_host.sources() / "blender" / "ops").glob("*.py")):
+        for kind in vars(addon_host.part(f"blender.ops.{path.stem}")).values():
+            if isinstance(kind, type) and issubclass(kind, bpy.types.WorkSpaceTool):
+                yield kind
 
 
 def _of_class(kind):

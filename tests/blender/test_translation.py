@@ -108,6 +108,7 @@ def test_what_is_shown_is_found():
     expected = {
         ("Operator", "Replace Tiles"),  # a choice in the sources
         ("Operator", "Lock Selected"),  # a text of a button
+        ("Operator", "Scatter Points"),  # a tool
         ("*", "Area Uniformity"),
         ("*", "Separation"),
         ("*", "{count} instance"),

@@ -65,7 +65,7 @@ class DAPPLE_OT_edit_points_done(bpy.types.Operator):
             return {"CANCELLED"}
         watcher.touch(context.object)
         text = reported(
-            "{placed:,} points placed and locked, {removed:,} removed",
+            "Points placed and locked: {placed:,}, removed: {removed:,}",
             placed=placed,
             removed=removed,
         )

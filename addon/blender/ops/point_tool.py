@@ -107,7 +107,7 @@ class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
         "Click on the surface of the active scatter to add a point, drag a point to move it, Ctrl "
         "and click to remove one"
     )
-    bl_icon = "ops.mesh.dupli_extrude_cursor"
+    bl_icon = "ops.curves.sculpt_add"
     bl_keymap = (
         ("dapple.pull_point", {"type": "LEFTMOUSE", "value": "PRESS"}, None),
         (
@@ -130,7 +130,7 @@ def register() -> None:
 
 
 def add_tool() -> None:
-    bpy.utils.register_tool(DAPPLE_TOOL_points, after={"builtin.cursor"}, separator=False)
+    bpy.utils.register_tool(DAPPLE_TOOL_points, separator=True)
     _added.append(DAPPLE_TOOL_points)
 
 

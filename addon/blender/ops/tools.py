@@ -74,9 +74,9 @@ class DAPPLE_OT_lock(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if self.lock:
-            self.report({"INFO"}, reported("{count:,} points locked", count=count))
+            self.report({"INFO"}, reported("Points locked: {count:,}", count=count))
         else:
-            self.report({"INFO"}, reported("{count:,} points unlocked", count=count))
+            self.report({"INFO"}, reported("Points unlocked: {count:,}", count=count))
         return {"FINISHED"}
 
 
