@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=${1:?scripts/draft_release.sh needs the folder with the files of the release}
 shopt -s nullglob
-files=("$folder"/*.{whl,tar.gz,zip}) texts=("$folder"/*.md)
+files=("$folder"/*.{tar.gz,zip} "$folder"/wheels/*.whl) texts=("$folder"/*.md)
 [ "${#files[@]}" -gt 0 ] || { echo "error: $folder has no wheels, sdist or extensions" >&2; exit 1; }
 version=$(python3 -c 'from scripts import release_notes as notes; print(notes.version(open("CMakeLists.txt").read()))')
 notes=$(mktemp)

@@ -66,7 +66,7 @@ def checkout(root, tmp_path) -> Path:
         target.chmod(0o755)
     (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
     (tmp_path / "CMakeLists.txt").write_text("project(dapple VERSION 1.2.0 LANGUAGES CXX)\n")
-    (tmp_path / "files").mkdir()
+    (tmp_path / "files" / "wheels").mkdir(parents=True)
     git = ["git", "-c", "user.name=n", "-c", "user.email=e", "-c", "init.defaultBranch=main"]
     for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "all"]):
         subprocess.run([*git, *command], cwd=tmp_path, check=True, capture_output=True)
@@ -91,13 +91,14 @@ def drafted(checkout: Path) -> subprocess.CompletedProcess:
 
 
 def test_a_release_is_a_draft_with_its_files_and_notes(checkout):
-    for name in ("dapple3d-1.2.0.tar.gz", "dapple-1.2.0-linux-x64.zip", "tested.md"):
+    made = {"dapple3d-1.2.0.tar.gz", "dapple-1.2.0-linux-x64.zip", "wheels/dapple3d-1.2.0-any.whl"}
+    for name in {*made, "tested.md"}:
         (checkout / "files" / name).write_text(f"of {name}\n")
     found = drafted(checkout)
     assert found.returncode == 0, found.stderr
     said = found.stdout.splitlines()
     assert said[:4] == ["release", "create", "v1.2.0", "--draft"]
-    assert {"files/dapple3d-1.2.0.tar.gz", "files/dapple-1.2.0-linux-x64.zip"} <= set(said)
+    assert {f"files/{name}" for name in made} <= set(said)
     assert "files/tested.md" not in said
     assert said[-3:] == ["- Another.", "", "of tested.md"]
 
