@@ -55,6 +55,12 @@ def defer(module: ModuleType) -> None:
         vars(module).pop(alias, None)
 
 
+def forget_line(thing: Any) -> None:
+    """Since Python 3.13 a class knows its line: that of the stubs, not of the package's file."""
+    if inspect.isclass(thing) and "__firstlineno__" in vars(thing):
+        type.__delattr__(thing, "__firstlineno__")
+
+
 def overlay(package: ModuleType, stubs: str) -> str:
     """Puts the documented stubs where the package has the native objects; returns their code.
 
@@ -70,4 +76,6 @@ def overlay(package: ModuleType, stubs: str) -> str:
     vars(package)["__version__"] = version
     for alias in ALIASES:
         del vars(package)[alias]
+    for name in package.__all__:
+        forget_line(vars(package)[name])
     return code
