@@ -11,7 +11,7 @@ from itertools import pairwise
 from types import ModuleType
 
 SECTION = re.compile(r"(Args|Attributes|Returns|Raises):")
-ITEM = re.compile(r"(?P<name>\*{0,2}\w+): (?P<text>.*)")
+ITEM = re.compile(r"(?P<names>\*{0,2}\w+(?:, \w+)*): (?P<text>.*)")
 SPECIAL = re.compile(r"[*`|\\]|_(?=\W|$)")
 CALL = re.compile(r"(?<![\w.])([a-z]\w+)\(\)")
 CLASS = re.compile(r"(?<![\w.])[A-Z]\w+\b(?!\(|\.\w)")
@@ -48,18 +48,18 @@ def paragraphs(lines: list[str], text: Callable[[str], str]) -> Iterator[str]:
 
 
 def items(lines: list[str]) -> Iterator[tuple[str, str]]:
-    """Name and text of each entry of a section."""
+    """Name and text of each entry of a section; several names may share a text."""
     margin = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
-    name, words = "", [""]
+    found: list[tuple[str, list[str]]] = []
     for line in lines:
-        found = ITEM.fullmatch(line.strip()) if line[margin : margin + 1].strip() else None
-        if found:
-            if name:
-                yield name, " ".join(words)
-            name, words = found["name"], [found["text"]]
-        else:
-            words.append(line.strip())
-    yield name, " ".join(words).strip()
+        item = ITEM.fullmatch(line.strip()) if line[margin : margin + 1].strip() else None
+        if item:
+            found.append((item["names"], [item["text"]]))
+        elif found:
+            found[-1][1].append(line.strip())
+    for names, words in found:
+        for name in names.split(", "):
+            yield name.lstrip("*"), " ".join(words).strip()
 
 
 def section(kind: str, lines: list[str], text: Callable[[str], str]) -> Iterator[str]:
@@ -71,7 +71,7 @@ def section(kind: str, lines: list[str], text: Callable[[str], str]) -> Iterator
         ":raises {}:" if kind == "Raises" else ":param {}:"
     )  # a data class is made of its attributes
     for name, words in items(lines):
-        yield f"{form.format(name.replace('*', '') or 'Exception')} {text(words)}"
+        yield f"{form.format(name)} {text(words)}"
 
 
 def rewritten(lines: list[str], package: ModuleType) -> list[str]:

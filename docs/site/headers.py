@@ -17,6 +17,7 @@ STRUCT = re.compile(r"^struct (?P<name>\w+)[^;{]*\{\n(?P<body>.*?)^\};", re.DOTA
 MEMBER = re.compile(r"^  [\w:<>, ]+ (?P<name>\w+)(?: = (?P<value>.*?))?;(?: +// .*)?$")
 BROKEN = re.compile(r" = \{\n +(?=\.)")
 THROW = re.compile(r"^( *)/// \\throw (.*(?:\n *///(?! \\| *$).*)*)", re.MULTILINE)
+QUOTE = re.compile(r"///<? (?=> )")
 UNSAID = {  # what is the same everywhere
     "Cancelled": "Cancelled through the context",
     "SurfaceError": "SurfaceError naming the first offender",
@@ -81,6 +82,7 @@ def throws(found: re.Match[str]) -> str:
 def filtered(text: str, shared: dict[str, str]) -> str:
     """What Doxygen is to read of a header."""
     rows = options(text, shared)
+    text = QUOTE.sub(r"\g<0>\\", text)  # no quotation: "> 0"
     text = THROW.sub(throws, text.replace("\\pre, \\throw as", "Conditions and errors as of"))
     return WALKED.sub("", STRUCT.sub(lambda found: with_comments(found, rows), text))
 

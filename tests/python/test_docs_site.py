@@ -77,6 +77,38 @@ def test_every_option_is_told_at_its_member():
     assert count > 30
 
 
+def test_comments_are_made_fit_for_doxygen():
+    text = """
+/// Go on.
+/// \\throw SurfaceError, Cancelled; ArgumentError if the first is
+/// negative
+void go();
+
+/// \\pre, \\throw as go()
+struct Way {
+  double length = 1.0;  ///< > 0
+  Options options = {.length = 2.0};
+};
+"""
+    assert (
+        headers.filtered(text, {})
+        == """
+/// Go on.
+/// \\throw SurfaceError naming the first offender
+/// \\throw Cancelled through the context
+/// \\throw ArgumentError if the first is negative
+void go();
+
+/// Conditions and errors as of go()
+struct Way {
+  double length = 1.0;  ///< \\> 0
+  /// As by default, but `.length = 2.0`.
+  Options options;
+};
+"""
+    )
+
+
 def test_stubs_get_the_documentation_of_the_module():
     stubs = (Path(dapple.__file__).parent / "_native.pyi").read_text()
     namespace = {}
@@ -95,6 +127,8 @@ def test_docstrings_become_fields_and_links():
     Args:
         surface: a Surface,
             or |none|.
+        rows, columns: of
+            it.
         **more: those of sample().
 
     Returns:
@@ -108,6 +142,8 @@ def test_docstrings_become_fields_and_links():
     assert [line for line in lines if line] == [
         r"Samples of \*two\* kinds, see :py:func:`~dapple3d.sample` and print().",
         r":param surface: a :py:class:`~dapple3d.Surface`, or \|none\|.",
+        ":param rows: of it.",
+        ":param columns: of it.",
         ":param more: those of :py:func:`~dapple3d.sample`.",
         ":returns: :py:class:`~dapple3d.Samples`: with a report.",
         ":raises Cancelled: through the context.",
