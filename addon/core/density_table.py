@@ -16,6 +16,7 @@ DENSITY = (
         "Attribute or vertex group of the evaluated surface that multiplies the density: there "
         "are no points where it is 0, and twice as many where it is twice as large. Colors count "
         "by their brightness",
+        own_words=True,
     ),
     Setting(
         "blocked",

@@ -22,7 +22,7 @@ SHOWN = (
         "viewport_share",
         Kind.NUMBER,
         1.0,
-        "Viewport Amount",
+        "Viewport Share",
         "Fraction of the points shown in the viewport, evenly spread; renders show all points",
         Changes.INSTANCES,
         low=0.0,
@@ -48,6 +48,7 @@ WHERE = (  # without one of them the others have no effect
         "Show fewer points far from the scene camera and outside its view, evenly spread, in "
         "renders",
         Changes.INSTANCES,
+        own_words=True,
     ),
 )
 DETAIL = (

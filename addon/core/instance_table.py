@@ -92,7 +92,7 @@ INSTANCES = (
         "turn_randomness",
         Kind.NUMBER,
         1.0,
-        "Random Z Rotation",
+        "Random Turn",
         "Maximum random rotation around the normal, as a fraction of a full turn",
         Changes.INSTANCES,
         low=0.0,
@@ -109,6 +109,7 @@ INSTANCES = (
         low=0.0,
         high=1.0,
         subtype="FACTOR",
+        own_words=True,
     ),
     Setting(
         "tilt",
@@ -125,7 +126,7 @@ INSTANCES = (
         "density_scale",
         Kind.NUMBER,
         0.0,
-        "Scale by Density",
+        "Density Scale",
         "How much smaller instances are where the density is lower; negative values make them "
         "larger",
         Changes.INSTANCES,

@@ -14,7 +14,7 @@ from .errors import ChangedError, ScatterError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 REBIND = (
-    "Set On Topology Change to Reattach to continue from the nearest places, "
+    "Set New Topology to Reattach to continue from the nearest places, "
     "or Attach To to Rest Position"
 )
 

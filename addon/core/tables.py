@@ -86,7 +86,7 @@ _DIRECTION = (
         "NONE",
         "Forward Axis",
         "Axis of the surface object that the X axis of the instances follows along the surface; "
-        "instances then turn with the surface. Set Random Z Rotation to 0",
+        "instances then turn with the surface. Set Random Turn to 0",
         choices=(
             ("NONE", "Any", "Instances point in any direction"),
             *((axis, axis, f"{axis} axis of the surface object") for axis in AXES),
@@ -98,7 +98,7 @@ _BAKE = (
         "key_every",
         Kind.WHOLE,
         1,
-        "Keyframe Interval",
+        "Keyframe Step",
         "Number of frames from one keyframe to the next; larger intervals make smaller files, "
         "and points are interpolated in between",
         Changes.BAKE,
@@ -174,7 +174,7 @@ _BAKE = (
         "on_topology_change",
         Kind.CHOICE,
         "REFUSE",
-        "On Topology Change",
+        "New Topology",
         "What to do if the faces of the surface are not those that the points are attached to, "
         "at the start of a bake or in a later frame",
         Changes.NOTHING,

@@ -174,17 +174,28 @@ def test_the_first_class_takes_over_what_was_placed():
     assert set(shown(obj)[0]) == {"Rock"}
 
 
+def test_an_object_type_has_the_name_of_what_it_places_unless_it_was_named():
+    obj = scenes.scattered(scenes.sphere())
+    rock, tree = (bpy.data.objects.new(name, None) for name in ("Rock", "Tree"))
+    for instance in (rock, rock, tree):
+        bpy.ops.dapple.edit_classes(action="ADD")
+        obj.dapple.classes[-1].instance = instance
+    assert [kind.name for kind in obj.dapple.classes] == ["Rock", "Type 2", "Tree"]
+    obj.dapple.classes[0].instance = tree
+    assert obj.dapple.classes[0].name == "Rock"
+
+
 def test_the_list_is_edited_and_the_node_group_follows():
     obj = scenes.scattered(scenes.sphere())
     for _ in range(3):
         bpy.ops.dapple.edit_classes(action="ADD")
     names = [kind.name for kind in obj.dapple.classes]
-    assert names == ["Class 1", "Class 2", "Class 3"]
+    assert names == ["Type 1", "Type 2", "Type 3"]
     assert obj.dapple.class_index == 2
     bpy.ops.dapple.edit_classes(action="UP")
-    assert [kind.name for kind in obj.dapple.classes] == ["Class 1", "Class 3", "Class 2"]
+    assert [kind.name for kind in obj.dapple.classes] == ["Type 1", "Type 3", "Type 2"]
     bpy.ops.dapple.edit_classes(action="REMOVE")
-    assert [kind.name for kind in obj.dapple.classes] == ["Class 1", "Class 2"]
+    assert [kind.name for kind in obj.dapple.classes] == ["Type 1", "Type 2"]
     assert obj.modifiers[0].node_group == addon_host.part("nodes").ensure_group(2)
     assert len(scenes.positions(obj)) == 60
     for _ in range(2):

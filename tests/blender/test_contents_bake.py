@@ -78,7 +78,7 @@ def test_a_bake_keeps_points_that_were_bound_again():
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("key_every", 2, "Keyframe Interval"),
+        ("key_every", 2, "Keyframe Step"),
         ("bake_smoothing", "LOOP", "Smoothing"),
         ("count_over_time", "KEEP_DENSITY", "Population, Fade Duration"),
         ("stickiness", 3.0, "Stickiness"),

@@ -131,7 +131,7 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     obj.dapple.seed, obj.dapple.report.worst_overlap = 7, 0.2
     bpy.context.scene.frame_set(1)
     monkeypatch.setattr(part(), "pgettext_iface", lambda message, context="*": f"«{message}»")
-    monkeypatch.setattr(addon_host.part("blender.base.labels"), "letters", lambda _icon: 10_000)
+    monkeypatch.setattr(addon_host.part("blender.base.labels"), "room", lambda _icon: 100_000)
     known, lines = {message for _, message in messages.shown()}, []
 
     class Layout(test_panels.Layout):
@@ -142,6 +142,42 @@ def test_no_line_of_a_panel_is_composed_in_english(baked, monkeypatch):
     assert any("«Seed»" in line for line in lines)
     plain = [line for line in lines if "«" not in line and line not in known]
     assert not [line for line in plain if not re.fullmatch(r"[\d.,e+-]*", line)]
+
+
+# What is shown with another text, in a field, or was seen to fit.
+ELSEWHERE = {
+    "auto_update_choice",
+    "obstacles",
+    "preview_budget",
+    "scale_growth",
+    "scale_randomness",
+}
+
+
+@pytest.mark.parametrize("locale", ["", *LOCALES])
+def test_names_of_settings_fit_beside_their_values(locale):
+    """In a sidebar as wide as Blender opens it: 84 pixels are shown, of more the end is cut."""
+    texts = catalog(locale) if locale else {}
+    width_of = addon_host.part("blender.base.labels").width_of
+    tables = addon_host.part("core.tables")
+    wide = {}
+    for setting in (one for group in tables.GROUPS.values() for one in group):
+        if setting.kind.name == "SWITCH" or setting.name in ELSEWHERE:
+            continue
+        context = part().OWN if setting.own_words else "*"
+        shown = texts.get((context, setting.label), setting.label)
+        if width_of(shown) > 84.0:
+            wide[shown] = width_of(shown)
+    assert not wide
+
+
+def test_a_long_text_has_lines_that_fit():
+    labels, text = addon_host.part("blender.base.labels"), "Added points come down on the surface"
+    lines = labels.wrapped(text, 120.0)
+    assert " ".join(lines) == text
+    assert len(lines) > 1
+    assert max(map(labels.width_of, lines)) <= 120.0
+    assert labels.wrapped("Unbreakable words", 1.0) == ["Unbreakable", "words"]
 
 
 def test_the_panel_is_german(german):

@@ -1,27 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Texts in the sidebar: as wide as it is, or at its right."""
 
-import textwrap
-
+import blf
 import bpy
 
-_LETTER = 5.7  # pixels of a letter of a label, about
-_MARGIN, _ICON = 50.0, 25.0  # pixels of the sidebar beside a label, and of its icon
+_FONT, _SIZE = 0, 11  # that of the interface, in points
+_MARGIN, _ICON = 56.0, 25.0  # pixels of the sidebar beside a label, and of its icon
+_LEAST, _WITHOUT_REGION = 140.0, 250.0  # pixels of a line
 
 
 def lines_of(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
     """A text as labels, as wide as the sidebar is."""
     column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, letters(icon))):
+    for number, line in enumerate(wrapped(text, room(icon))):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
-def letters(icon: str) -> int:
-    """That fit into a line; a background Blender has no region."""
+def room(icon: str) -> float:
+    """Pixels of a line, at a scale of 1; a background Blender has no region."""
     region, scale = bpy.context.region, bpy.context.preferences.system.ui_scale
-    width = region.width / scale if region is not None and region.type == "UI" else 0.0
+    if region is None or region.type != "UI":
+        return _WITHOUT_REGION
     taken = _MARGIN if icon == "NONE" else _MARGIN + _ICON
-    return max(int((width - taken) / _LETTER), 24) if width else 44
+    return max(region.width / scale - taken, _LEAST)
+
+
+def wrapped(text: str, width: float) -> list[str]:
+    """The lines of a text, none wider than so many pixels unless it is one word."""
+    lines: list[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and width_of(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def width_of(text: str) -> float:
+    """Of a label, in pixels at a scale of 1."""
+    blf.size(_FONT, _SIZE)
+    width: float = blf.dimensions(_FONT, text)[0]
+    return width
 
 
 def at_right(row: bpy.types.UILayout, text: str) -> None:

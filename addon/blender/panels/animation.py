@@ -47,11 +47,12 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
             lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
         row = layout.row(align=True)
         row.operator(DAPPLE_OT_preview.bl_idname, depress=preview.is_on(context.object))
-        row.prop(settings, "preview_budget", text="ms", translate=False)
+        row.use_property_split = False
+        row.prop(settings, "preview_budget", text="Time (ms)")
         if preview.note(context.object):
             lines_of(layout, preview.note(context.object), "INFO")
         _draw_work_files(layout, freshness.findings(context.object, context))
-        if unsaved_note():
+        if unsaved_note() and not settings.baked_keys:
             lines_of(layout, unsaved_note(), "INFO")
 
 

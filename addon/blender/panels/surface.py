@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..base.labels import at_right
 from ..data.scatter import is_surface
 from ..ops.add_operators import DAPPLE_OT_add
 from ..ops.scatter_operators import (
@@ -41,7 +42,7 @@ def _draw_listed(row: bpy.types.UILayout, one: shown.Listed, several: bool) -> N
         icon="OUTLINER_OB_POINTCLOUD",
     )
     select.name = one.name
-    row.label(text=f"{one.count:,}", translate=False)
+    at_right(row, f"{one.count:,}")
     row.prop(obj, "hide_viewport", text="")
     row.prop(obj, "hide_render", text="")
     if several:

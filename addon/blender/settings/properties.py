@@ -39,6 +39,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         description="Solve again as soon as a setting, the surface or what is avoided has changed. "
         "On by itself while the last solution took less than a second",
         options=STILL,
+        translation_context=OWN,
         get=follows_by_itself,
         set=follow_by_itself,
     )

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What follows when a setting is changed."""
 
+import re
+
 import bpy
 
 from ...core.quality import CUSTOM, QUALITIES, quality_of, quality_settings
@@ -13,13 +15,25 @@ from ..status import freshness
 from ..surface.footprint import follow_bounds
 from ..viewport import overlay
 
+_UNNAMED = re.compile(r"(Type|Class) \d+")
+
 
 def instance_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of what is placed."""
+    _name(settings)
     follow_members(settings)
     write_instance_inputs(settings.id_data)
     if getattr(settings, "radius_from_bounds", False):
         settings_changed(settings, context)
+
+
+def _name(settings: bpy.types.PropertyGroup) -> None:
+    """An object type that nobody has named has the name of what it places."""
+    placed, kinds = settings.collection or settings.instance, settings.id_data.dapple.classes
+    if placed is None or not _UNNAMED.fullmatch(settings.name):
+        return
+    if settings.id_data.override_library is None and placed.name not in kinds:
+        settings.name = placed.name
 
 
 def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:

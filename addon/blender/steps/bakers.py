@@ -60,5 +60,5 @@ def _check_faces(obj: bpy.types.Object, arrays: SurfaceArrays) -> None:
     if reason and obj.dapple.on_topology_change != "REBIND":
         raise ScatterError(
             f"Scatter '{obj.name}' is out of date: {reason}. Optimize the scatter first, or "
-            "set On Topology Change to Reattach"
+            "set New Topology to Reattach"
         )

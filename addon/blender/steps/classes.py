@@ -42,7 +42,7 @@ def change_classes(obj: bpy.types.Object, action: str) -> None:
 def _add(obj: bpy.types.Object) -> None:
     kind = obj.dapple.classes.add()
     count = len(obj.dapple.classes)
-    kind.name = f"Class {count}"
+    kind.name = f"Type {count}"  # until it has an instance
     if count > 1:
         return
     for label, _ in INSTANCE_INPUTS:  # what is placed now stays
