@@ -42,7 +42,9 @@ class Hand:
             yield
         self.clicks += 1
 
-    def drag(self, places: list[tuple[float, float]]) -> Story:
+    def drag(
+        self, places: list[tuple[float, float]], before_release: Callable[[], Story] = tuple
+    ) -> Story:
         """Along these places with the button held: one click."""
         yield from self.move(*places[0])
         yield from self.move(*places[0])  # what is there is under the pointer from now on
@@ -50,6 +52,7 @@ class Hand:
         yield
         for place in places:
             yield from self.move(*place)
+        yield from before_release()
         self._mouse("RELEASE", places[-1])
         yield
         self.clicks += 1

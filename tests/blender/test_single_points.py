@@ -336,16 +336,39 @@ def test_done_is_undone_into_edit_mode_and_redone(obj):
     assert not obj.dapple.locked_count
 
 
+class Pulled:
+    """A line to the mouse, that notes where it ends while it is there."""
+
+    def __init__(self, lines, start):
+        self.lines = lines
+        self.to(start)
+
+    def to(self, end):
+        self.lines[:] = [end]
+
+    def remove(self):
+        self.lines.clear()
+
+
 class Mouse:
     """Events over a place, in a window that notes what it is told."""
 
     def __init__(self, monkeypatch):
         self.tool = addon_host.part("blender.ops.point_tool")
-        self.reported, self.cursor = [], []
+        self.reported, self.cursor, self.lines = [], [], []
+        monkeypatch.setattr(self.tool, "Line", lambda _, start: Pulled(self.lines, start))
         monkeypatch.setattr(self.tool, "place_under_mouse", lambda _, event: event.place)
 
     def event(self, kind, value, place, at):
-        return SimpleNamespace(type=kind, value=value, place=place, mouse_x=at, mouse_y=0)
+        return SimpleNamespace(
+            type=kind,
+            value=value,
+            place=place,
+            mouse_x=at,
+            mouse_y=0,
+            mouse_region_x=at,
+            mouse_region_y=0,
+        )
 
     def press(self, place, remove=False):
         kind = self.tool.DAPPLE_OT_pull_point
@@ -380,8 +403,9 @@ def test_the_tool_adds_pulls_and_removes_points(obj, monkeypatch):
     assert mouse.press(there[3]) == {"RUNNING_MODAL"}
     assert mouse.cursor == ["SCROLL_XY"]
     assert mouse.to("MOUSEMOVE", "NOTHING", between) == {"RUNNING_MODAL"}
+    assert mouse.lines == [(50, 0)]
     assert mouse.to("LEFTMOUSE", "RELEASE", between) == {"FINISHED"}
-    assert mouse.cursor == []
+    assert mouse.cursor == mouse.lines == []
     assert locked(obj) == {3, 600}
     assert np.linalg.norm(place(obj, 3) - between) < 0.01
     assert mouse.press(there[9], remove=True) == {"FINISHED"}
@@ -399,7 +423,7 @@ def test_the_tool_leaves_what_is_not_meant(obj, monkeypatch):
     for kind, value, at in (("ESC", "PRESS", 50), ("LEFTMOUSE", "RELEASE", 2)):
         assert mouse.press(there[3]) == {"RUNNING_MODAL"}
         assert mouse.to(kind, value, there[30], at) == {"CANCELLED"}
-        assert mouse.cursor == []
+        assert mouse.cursor == mouse.lines == []
     assert mouse.press(there[3]) == {"RUNNING_MODAL"}
     assert mouse.to("LEFTMOUSE", "RELEASE", None) == {"CANCELLED"}
     assert mouse.press(off_surface((0, 0, 1), 3.0), remove=True) == {"CANCELLED"}

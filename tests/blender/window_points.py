@@ -76,7 +76,7 @@ def pulled(hand, added):
     goal = before[chosen] + (0.3, 0.15, 0.0)
     start, end = on_screen(before[chosen]), on_screen(goal)
     way = [start + (end - start) * k / 10 for k in range(11)]
-    yield from hand.drag(way)
+    yield from hand.drag(way, before_release=lambda: shot("points-line"))
     yield from hand_of.waited(lambda: settled(201))
     near(places()[chosen], goal)
     assert locked() == {added, chosen}

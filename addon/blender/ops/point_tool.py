@@ -13,6 +13,7 @@ from ..base.job import Status
 from ..base.translation import reported
 from ..live import watcher
 from ..steps.single_points import add_point, move_point, nearest_point, remove_point
+from ..viewport.pulled import Line
 from .mouse import place_under_mouse
 from .polls import editable
 
@@ -43,6 +44,8 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
         if event.type in {"ESC", "RIGHTMOUSE"}:
             self._let_go(context)
             return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            self._line.to((event.mouse_region_x, event.mouse_region_y))
         if event.type != "LEFTMOUSE" or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
         self._let_go(context)
@@ -76,6 +79,7 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
             return {"CANCELLED"}
         else:
             self._point, self._from = point, (event.mouse_x, event.mouse_y)
+            self._line = Line(context, (event.mouse_region_x, event.mouse_region_y))
             context.window.cursor_modal_set("SCROLL_XY")
             context.window_manager.modal_handler_add(self)
             return {"RUNNING_MODAL"}
@@ -96,6 +100,7 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
 
     def _let_go(self, context: bpy.types.Context) -> None:
         context.window.cursor_modal_restore()
+        self._line.remove()
 
 
 class DAPPLE_TOOL_points(bpy.types.WorkSpaceTool):
