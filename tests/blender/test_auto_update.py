@@ -72,7 +72,7 @@ def grown_and_followed(live, obj):
 @pytest.mark.parametrize("held", [True, False])
 def test_no_pause_follows_a_stroke_or_a_move_that_has_ended(live, obj, held, monkeypatch):
     group = grown_and_followed(live, obj)
-    monkeypatch.setattr(live.watcher, "is_using_tool", lambda: True)
+    monkeypatch.setattr(addon_host.part("blender.live.changes"), "is_using_tool", lambda: True)
     if held:  # as by a brush
         monkeypatch.setattr(live.watcher, "is_held", lambda: True)
     for first in range(0, 60, 20):
@@ -90,7 +90,7 @@ def test_no_pause_follows_an_operator_that_has_ended(live, obj, monkeypatch):
     group = grown_and_followed(live, obj)
     group.add(range(30), 0.0, "REPLACE")
     obj.dapple.surface.data.update()
-    monkeypatch.setattr(live.watcher, "last_operator", lambda: 7)
+    monkeypatch.setattr(addon_host.part("blender.live.changes"), "last_operator", lambda: 7)
     live.look()
     assert live.watcher._state.job is not None
     followed(live, obj)

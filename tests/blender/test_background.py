@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Optimize in the background: what is done meanwhile is not lost, and undo is one step."""
 
+from types import SimpleNamespace
+
 import addon_host
 import bpy
 import numpy as np
@@ -48,7 +50,7 @@ def test_it_does_not_wait_for_a_pause_and_the_old_points_stay(live, obj):
     long(obj)
     live.watcher.ask(obj)
     live.look()
-    assert live.watcher._state.job.asked
+    assert live.watcher._state.job.wish
     assert np.array_equal(scenes.positions(obj), before)
 
 
@@ -231,7 +233,12 @@ def test_in_edit_mode_of_another_mesh_there_is_no_step(live, obj, monkeypatch):
     live.watcher.ask(obj)
     scenes._activate(scenes.sphere(location=(9.0, 0.0, 0.0)))
     bpy.ops.object.mode_set(mode="EDIT")
-    monkeypatch.setattr(undo.bpy.ops.ed, "undo_push", lambda **named: pushed.append(named))
+    pushing = SimpleNamespace(undo_push=lambda message: pushed.append(message))
+    ops = SimpleNamespace(ed=pushing)  # bpy.ops makes its own anew each time
+    monkeypatch.setattr(undo, "bpy", SimpleNamespace(context=bpy.context, ops=ops))
     assert live.settle() == 1
     assert pushed == []
     assert reason(obj) == ""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    undo.push_undo("Optimize")
+    assert pushed == ["Optimize"]

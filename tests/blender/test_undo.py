@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Undo and redo of every operator: file, settings and playback as before, and as after."""
 
+import addon_host
 import bpy
 import pytest
 import scenes
@@ -180,6 +181,32 @@ def test_undo_is_as_before_and_redo_as_after(name, prepare, options):
 
 def selected_points():
     return [vertex.index for vertex in bpy.data.meshes["Tail Scatter"].vertices if vertex.select]
+
+
+def test_steps_are_called_what_the_artist_has_done(live, artist, monkeypatch):
+    """Blender lists them in Edit > Undo History."""
+    names = []
+    for module in ("base.under_way", "live.written"):
+        monkeypatch.setattr(addon_host.part(f"blender.{module}"), "push_undo", names.append)
+    surface = scenes.sphere()
+    artist.press("add", count=30)
+    artist.finish()
+    obj = bpy.data.objects["Sphere Scatter"]
+    live.watcher.ask(obj)
+    live.settle()
+    asset = addon_host.part("blender.steps.marking").marked(obj)
+    bpy.context.scene.collection.objects.link(asset)
+    addon_host.part("blender.live.placing")._place(asset, surface)
+    live.settle()
+    assert names == ["Add Scatter", "Optimize", "Place Scatter"]
+    labels = [kind.bl_label for kind in addon_host.part("blender")._CLASSES if has_step(kind)]
+    assert len(labels) > 20
+    plain = {"Optimize", "Bake", "Reattach"}
+    assert [one for one in labels if len(one.split()) < 2 and one not in plain] == []
+
+
+def has_step(kind):
+    return issubclass(kind, bpy.types.Operator) and "UNDO" in getattr(kind, "bl_options", ())
 
 
 def test_undo_of_selecting_an_overlap():

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
+from ..base.artist import is_using_tool, last_operator
 from ..data.scatter import is_scatter
 from . import pictures
 from .watched import dependencies, follows, scatters
@@ -31,6 +32,9 @@ class Changes:
     _all_doubtful: bool = False
     _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
     _wrote: dict[int, Cause] = field(default_factory=dict)  # what was written, and because of which
+    used_tool: bool = False  # at the last look
+    _last_operator: int = 0  # when something was noted last
+    _ended: bool = False  # what has changed something
 
     def note(self, depsgraph: bpy.types.Depsgraph) -> bool:
         """Note what was changed, not what is merely evaluated after it; whether anything is."""
@@ -44,7 +48,21 @@ class Changes:
                 self._touched.add(block.session_uid)
                 if block.session_uid not in self._depends and is_scatter(block):
                     self._relinked = True
+        before, self._last_operator = self._last_operator, last_operator()
+        self._ended |= self.any_noted() and before != self._last_operator
         return self.any_noted()
+
+    def look_for_end(self) -> None:
+        """Note whether the artist has just put down a tool."""
+        before, self.used_tool = self.used_tool, is_using_tool()
+        self._ended |= before and not self.used_tool
+
+    def take_end(self) -> bool:
+        """Whether what has changed something has ended since the last time, so that it changes no
+        more.
+        """
+        ended, self._ended = self._ended, False
+        return ended
 
     def any_noted(self) -> bool:
         """Whether something was changed that was not looked at yet."""

@@ -97,7 +97,7 @@ def _place(obj: bpy.types.Object, surface: bpy.types.Object | None) -> None:
     except ScatterError as error:
         left_out = str(error)
     else:
-        watcher.ask(obj)
+        watcher.ask(obj, "Place Scatter")
     if left_out:
         _state.notes[obj.session_uid] = left_out
 

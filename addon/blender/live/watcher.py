@@ -20,7 +20,7 @@ import bpy
 from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
-from ..base.artist import is_operated, is_using_tool, last_operator
+from ..base.artist import is_operated
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.job import is_under_way
@@ -42,6 +42,14 @@ _TOOL = 0.02  # the same while the artist uses a tool, and waits for what follow
 enabled = not bpy.app.background
 
 
+@dataclass(frozen=True)
+class _Wish:
+    """What the artist has asked for."""
+
+    step: str  # name of the undo step, as that of its button
+    drops_keys: bool
+
+
 @dataclass
 class _Job:
     """The scatter that is being solved."""
@@ -49,7 +57,7 @@ class _Job:
     scatter: Held
     stepper: Stepper
     cause: Cause  # itself and the scatters because of which it is
-    asked: bool  # by Optimize
+    wish: _Wish | None  # None: it follows a change
     shown: int = -1  # hundredths that the panel shows
 
     def writes(self) -> dict[int, Cause]:
@@ -69,12 +77,9 @@ class _State:
     changes: Changes = field(default_factory=Changes)
     job: _Job | None = None
     ticking: bool = False  # whether the timer runs
-    used_tool: bool = False  # at the last look
-    last_operator: int = 0  # when something was changed last
-    ended: bool = False  # what has changed something
     caused: dict[int, Cause] = field(default_factory=dict)  # by which updates
     troubles: dict[int, str] = field(default_factory=dict)  # why a scatter could not be solved
-    asked: dict[int, bool] = field(default_factory=dict)  # for Optimize; whether it may drop keys
+    asked: dict[int, _Wish] = field(default_factory=dict)  # for a solution from the seed
 
 
 _state = _State()
@@ -101,14 +106,14 @@ def touch(obj: bpy.types.Object) -> None:
         _wake()
 
 
-def ask(obj: bpy.types.Object) -> None:
+def ask(obj: bpy.types.Object, step: str = "Optimize") -> None:
     """Solve a scatter from its seed, as Optimize does, in place of what is done for it now.
 
-    Its keys may go only if it has some by now.
+    It is an undo step of that name. Its keys may go only if it has some by now.
     """
     forget(obj)
     _change(obj.session_uid)
-    _state.asked[obj.session_uid] = obj.dapple.baked_keys > 0
+    _state.asked[obj.session_uid] = _Wish(step, obj.dapple.baked_keys > 0)
     _state.schedule.hurry(obj.session_uid)
     _state.changes.relink()
     _wake()
@@ -116,7 +121,7 @@ def ask(obj: bpy.types.Object) -> None:
 
 
 def is_asked(obj: bpy.types.Object) -> bool:
-    """Whether Optimize is done for a scatter, or waits for that."""
+    """Whether a scatter is solved from its seed, or waits for that."""
     return obj.session_uid in _state.asked
 
 
@@ -152,17 +157,16 @@ def tick() -> float | None:
 
 
 def _look() -> float | None:
-    _note_end()
+    _state.changes.look_for_end()
     if is_held():
         _spread()
         _step_aside()
         waits = is_active() or _state.changes.wait() is not None
-        return (_TOOL if _state.used_tool else _HELD) if waits else None
+        return (_TOOL if _state.changes.used_tool else _HELD) if waits else None
     if enabled and _state.job is None:
         _state.changes.glance()
     _spread()
-    if _state.ended:
-        _state.ended = False
+    if _state.changes.take_end():
         _state.schedule.settle()
     if _state.job is None:
         _begin()
@@ -173,15 +177,9 @@ def _look() -> float | None:
     return _rest()
 
 
-def _note_end() -> None:
-    """Note whether the artist has just put down a tool."""
-    before, _state.used_tool = _state.used_tool, is_using_tool()
-    _state.ended |= before and not _state.used_tool
-
-
 def _rest() -> float | None:
     """Seconds until there may be something to do."""
-    tool = _TOOL if _state.used_tool and _state.schedule else None
+    tool = _TOOL if _state.changes.used_tool and _state.schedule else None
     waits = [_state.schedule.wait(), _state.changes.wait(), tool]
     return min((one for one in waits if one is not None), default=None)
 
@@ -212,17 +210,18 @@ def _begin() -> None:
     if obj is None:
         return
     held = Held(obj)
-    asked = held.uid in _state.asked
-    if asked or follows(obj):
+    wish = _state.asked.get(held.uid)
+    if wish is not None or follows(obj):
         cause = _state.caused.pop(held.uid, NOBODY) | {held.uid}
-        _state.job = _Job(held, Stepper(steps_of(held, _state.asked.get(held.uid))), cause, asked)
+        steps = steps_of(held, None if wish is None else wish.drops_keys)
+        _state.job = _Job(held, Stepper(steps), cause, wish)
     else:
         _state.changes.pass_over(held.uid)
 
 
 def _go_on(job: _Job) -> None:
     try:
-        if not (job.asked and is_operated()) and job.stepper.run_for(_PART):
+        if not (job.wish and is_operated()) and job.stepper.run_for(_PART):
             _done(job)
     except (ScatterError, StoppedError) as error:
         _fail(job)
@@ -238,7 +237,7 @@ def _done(job: _Job) -> None:
     _state.asked.pop(job.scatter.uid, None)
     if job.stepper.result:
         _state.changes.wrote(job.writes())
-        follow_up(job.scatter.get(), job.asked)
+        follow_up(job.scatter.get(), job.wish.step if job.wish else "")
 
 
 def _fail(job: _Job) -> None:
@@ -273,9 +272,7 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Note what was changed, and look at it soon."""
     if not enabled or is_quiet():
         return
-    before, _state.last_operator = _state.last_operator, last_operator()
     if _state.changes.note(depsgraph):
-        _state.ended |= before != _state.last_operator
         _wake()
 
 

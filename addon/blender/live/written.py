@@ -7,8 +7,8 @@ from ..base.undo import push_undo
 from ..viewport import preview
 
 
-def follow_up(obj: bpy.types.Object, asked: bool) -> None:
-    """Have the live preview start from there; what was asked for is an undo step."""
+def follow_up(obj: bpy.types.Object, step: str) -> None:
+    """Have the live preview start from there; what was asked for is an undo step of that name."""
     preview.solved_anew(obj)
-    if asked:
-        push_undo("Optimize")
+    if step:
+        push_undo(step)

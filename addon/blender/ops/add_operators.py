@@ -60,7 +60,7 @@ class DAPPLE_OT_add(_Adds, bpy.types.Operator):
     """Scatter points evenly on the active object, or on all selected objects as one surface"""
 
     bl_idname = "dapple.add"
-    bl_label = "Dapple Scatter"
+    bl_label = "Add Scatter"
     bl_options = OPTIONS
 
     @classmethod
@@ -77,7 +77,7 @@ class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
     to the collection later belong to it too"""
 
     bl_idname = "dapple.add_over_collection"
-    bl_label = "Dapple Scatter over Collection"
+    bl_label = "Add Scatter over Collection"
     bl_options = OPTIONS
 
     collection: StringProperty(

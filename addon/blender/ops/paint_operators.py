@@ -56,7 +56,7 @@ class DAPPLE_OT_paint_done(bpy.types.Operator):
     """Leave Weight Paint mode and go back to the scatter"""
 
     bl_idname = "dapple.paint_done"
-    bl_label = "Done"
+    bl_label = "Finish Painting"
     bl_options = OPTIONS
 
     @classmethod

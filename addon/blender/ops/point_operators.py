@@ -43,7 +43,7 @@ class DAPPLE_OT_edit_points_done(bpy.types.Operator):
     """Leave Edit Mode, attach added and moved points to the surface and lock them"""
 
     bl_idname = "dapple.edit_points_done"
-    bl_label = "Done"
+    bl_label = "Finish Editing Points"
     bl_options = OPTIONS
 
     @classmethod

@@ -77,7 +77,7 @@ class DAPPLE_OT_solo_scatter(_NamedOperator, bpy.types.Operator):
     """Hide all other scatters of the same surface in the viewport; once more, show all of them"""
 
     bl_idname = "dapple.solo_scatter"
-    bl_label = "Solo"
+    bl_label = "Solo Scatter"
     bl_options = OPTIONS
 
     def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:

@@ -55,7 +55,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
     be moved, added and deleted in Edit Mode first. In a bake all points move"""
 
     bl_idname = "dapple.lock"
-    bl_label = "Lock Points"
+    bl_label = "Lock or Unlock Points"
     bl_options = OPTIONS
 
     lock: BoolProperty(

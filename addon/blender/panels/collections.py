@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..base.translation import operator_label
+from ..base.translation import told
 from ..ops.add_operators import DAPPLE_OT_add, DAPPLE_OT_add_over_collection
 
 
@@ -26,7 +26,8 @@ class DAPPLE_MT_over_collection(bpy.types.Menu):
 
 def draw_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     """Entry of Add > Mesh."""
-    menu.layout.operator(DAPPLE_OT_add.bl_idname, icon="OUTLINER_DATA_POINTCLOUD")
+    add = DAPPLE_OT_add.bl_idname
+    menu.layout.operator(add, text="Dapple Scatter", icon="OUTLINER_DATA_POINTCLOUD")
     if context.scene.collection.children:
-        text = operator_label("Dapple Scatter over Collection")
+        text = told("Dapple Scatter over Collection")
         menu.layout.menu(DAPPLE_MT_over_collection.__name__, text=text)

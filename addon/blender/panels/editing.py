@@ -19,5 +19,5 @@ def draw_editing(layout: bpy.types.UILayout, context: bpy.types.Context) -> bool
     lines_of(layout, told("Added and moved points come down on the surface and are locked"))
     row = layout.row()
     row.scale_y = 1.5
-    row.operator(DAPPLE_OT_edit_points_done.bl_idname, icon="CHECKMARK")
+    row.operator(DAPPLE_OT_edit_points_done.bl_idname, text="Done", icon="CHECKMARK")
     return True

@@ -20,7 +20,7 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
-    row.operator(DAPPLE_OT_paint_done.bl_idname, icon="CHECKMARK")
+    row.operator(DAPPLE_OT_paint_done.bl_idname, text="Done", icon="CHECKMARK")
     draw_amount(layout, obj.dapple)
     layout.prop(obj.dapple, "auto_update")
     draw_result(layout, context, obj)

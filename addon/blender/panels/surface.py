@@ -25,7 +25,7 @@ def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> No
         _draw_listed(column.row(align=True), one, len(listed) > 1)
     row = layout.row()
     row.scale_y = 1.0 if listed else 1.5
-    row.operator(DAPPLE_OT_add.bl_idname, text="Add Scatter", icon="ADD")
+    row.operator(DAPPLE_OT_add.bl_idname, icon="ADD")
     if bpy.context.scene.collection.children:
         row.menu(DAPPLE_MT_over_collection.__name__, text="", icon="OUTLINER_COLLECTION")
     draw_presets(row)
