@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from addon.nodes.builder import Builder, new_group
+from addon.nodes.inputs import set_input
 from blend_examples import creature, studio
 from blend_examples.scene import options, run
 
@@ -80,17 +81,16 @@ def distributed(
 def set_distance(scatter: bpy.types.Object, count: int, spacing: float) -> None:
     """The distance that leaves about as many studs in this frame, out of four times as many."""
     modifier = scatter.modifiers[0]
-    sockets = modifier.node_group.interface.items_tree
-    distance, density = sockets["Distance"].identifier, sockets["Density"].identifier
-    modifier[density] = 4.0 / (math.sqrt(3.0) / 2.0 * spacing**2)
+    set_input(modifier, "Density", 4.0 / (math.sqrt(3.0) / 2.0 * spacing**2))
     low, high = 0.5 * spacing, spacing
     for _ in range(12):
-        modifier[distance] = 0.5 * (low + high)
+        distance = 0.5 * (low + high)
+        set_input(modifier, "Distance", distance)
         scatter.update_tag()
         if len(shown_ids(scatter)) > count:
-            low = modifier[distance]
+            low = distance
         else:
-            high = modifier[distance]
+            high = distance
 
 
 def shown_ids(scatter: bpy.types.Object) -> Ids:
