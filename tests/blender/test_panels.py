@@ -173,6 +173,8 @@ def test_an_overlap_can_be_selected():
     assert "dapple.select_overlap" not in drawn()
     obj.dapple.report.worst_overlap = 0.25
     assert "Max overlap 25 %" in drawn()
+    obj.dapple.report.worst_overlap = 0.004  # less than the panel would say
+    assert not [text for text in drawn() if "overlap" in text]
 
 
 def test_more_evaluations_are_asked_for_only_where_they_ran_out():

@@ -9,6 +9,7 @@ from . import shown
 from .base import ScatterPanel
 
 _AXES = ("scale_x", "scale_y", "scale_z")
+_TOLD = 0.005  # what becomes 1 % at least
 
 
 class DAPPLE_UL_classes(bpy.types.UIList):
@@ -51,7 +52,7 @@ class DAPPLE_PT_instances(ScatterPanel, bpy.types.Panel):
         if owner.collection:
             _draw_weights(column, owner)
         _draw_size(layout, owner)
-        if settings.report.worst_overlap > 0:
+        if settings.report.worst_overlap >= _TOLD:
             row = layout.row()
             row.label(text=_overlap(settings))
             row.operator(DAPPLE_OT_select_overlap.bl_idname, text="Select")
