@@ -26,6 +26,7 @@ OF_THE_CHECKOUT = (
     "run",
     "same_bytes",
     "spelling",
+    "wheel_builds",
     "workflows",
 )
 NEEDED = ("numpy", "click", "matplotlib", "pillow", "pytest", "scikit-image")

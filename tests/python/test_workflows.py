@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Workflows: what a host with runners does by itself, and what it must not."""
 
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
 yaml = pytest.importorskip("yaml", reason="pyyaml is not installed")
-WORKFLOWS = sorted((Path(__file__).parents[2] / ".github" / "workflows").glob("*.yml"))
+ROOT = Path(__file__).parents[2]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+# What asks for a right to publish, or does so.
+PUBLISHING = ("twine", "gh-action-pypi-publish", "id-token", "packages: write", "pages: write")
 
 
 def jobs() -> dict[str, dict]:
@@ -25,6 +31,11 @@ def commands(job: dict) -> list[str]:
     return [step["run"] for step in job.get("steps", []) if "run" in step]
 
 
+def steps(job: dict, action: str) -> list[dict]:
+    """What a job hands to an action each time."""
+    return [step.get("with", {}) for step in job["steps"] if action in step.get("uses", "")]
+
+
 @pytest.mark.parametrize("name", JOBS)
 def test_a_job_calls_scripts_that_there_are(root, name):
     """What a host runs, anyone can run: there is no more than a line in a workflow."""
@@ -34,18 +45,46 @@ def test_a_job_calls_scripts_that_there_are(root, name):
         assert all((root / word).is_file() for word in words), command
 
 
+@pytest.mark.parametrize("name", JOBS)
+def test_lines_are_sound_shell(name):
+    shellcheck = shutil.which("shellcheck")
+    if not shellcheck:
+        pytest.skip("shellcheck is not installed")
+    text = "#!/bin/bash\n" + "\n".join(commands(JOBS[name])) + "\n"
+    text = re.sub(r"\$\{\{.*?\}\}", "value", text)
+    found = subprocess.run(
+        [shellcheck, "-"], input=text, capture_output=True, text=True, check=False
+    )
+    assert found.returncode == 0, found.stdout + found.stderr
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_actions_have_a_version_and_contexts_are_there(name):
+    job = JOBS[name]
+    assert all(re.search(r"@v\d+$", step["uses"]) for step in job["steps"] if "uses" in step)
+    whole = {key: value for key, value in job.items() if key != "steps"}
+    assert not re.search(r"\b(runner|steps|env|job)\.\w", str(whole))  # known to steps alone
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_what_a_job_downloads_one_before_it_has_uploaded(name):
+    job, workflow = JOBS[name], name.partition(":")[0]
+    needed = [job["needs"]] if isinstance(job.get("needs"), str) else job.get("needs", [])
+    before = [JOBS[f"{workflow}:{other}"] for other in needed]
+    uploaded = {one["name"] for other in before for one in steps(other, "upload-artifact")}
+    assert {one["name"] for one in steps(job, "download-artifact")} <= uploaded
+
+
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
 def test_a_workflow_may_only_read_unless_a_job_says_more(path):
     assert yaml.safe_load(path.read_text())["permissions"] == {"contents": "read"}
 
 
-def test_publishing_is_asked_for_and_approved_by_a_person():
-    uploads = [name for name, job in JOBS.items() if "twine" in str(job)]
-    more = [name for name, job in JOBS.items() if "permissions" in job]
-    assert sorted({*uploads, *more}) == sorted({"release:draft", "release:publish"} & JOBS.keys())
-    for name in uploads:
-        assert JOBS[name]["environment"] == "release"
-        assert JOBS[name]["if"] == "inputs.publish"
-    for path in WORKFLOWS:
-        if path.stem == "release":  # `on` is the truth value in YAML
-            assert list(yaml.safe_load(path.read_text())[True]) == ["workflow_dispatch"]
+def test_nothing_is_published():
+    """There is a draft, which a person publishes; and a person has asked for it, by a tag."""
+    text = "".join(path.read_text() for path in WORKFLOWS)
+    assert [word for word in PUBLISHING if word in text] == []
+    more = {name: job["permissions"] for name, job in JOBS.items() if "permissions" in job}
+    drafts = [name for name, job in JOBS.items() if "scripts/draft_release.sh" in str(job)]
+    assert more == {name: {"contents": "write"} for name in drafts}
+    assert all(JOBS[name]["if"] == "github.ref_type == 'tag'" for name in drafts)

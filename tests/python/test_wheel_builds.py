@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wheels as each system builds them for itself: cibuildwheel with libraries that vcpkg makes."""
+
+import importlib.util
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PORTS = ROOT / "packaging" / "wheels"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+SETTINGS = PROJECT["tool"]["cibuildwheel"]
+WORKFLOW = (ROOT / ".github" / "workflows" / "wheels.yml").read_text()
+PINS = (ROOT / "scripts" / "requirements.txt").read_text()
+# What vcpkg calls the systems of the workflow, and cibuildwheel the wheels that they make.
+SYSTEMS = {
+    "ubuntu-24.04": ("x64-linux", "linux", "x86_64", "manylinux_x86_64"),
+    "windows-2022": ("x64-windows", "windows", "AMD64", "win_amd64"),
+    "macos-15": ("arm64-osx", "macos", "arm64", "macosx_arm64"),
+    "macos-15-intel": ("x64-osx", "macos", "x86_64", "macosx_x86_64"),
+}
+
+
+def values(triplet: str) -> dict[str, str]:
+    """What a triplet sets for every port."""
+    text = (PORTS / "triplets" / f"{triplet}.cmake").read_text().partition("\nif")[0]
+    return dict(re.findall(r"^set\(VCPKG_(\w+) (\S+)\)", text, re.MULTILINE))
+
+
+def test_each_system_has_static_libraries_of_its_own():
+    listed = re.search(r"system: \[(.*)\]", WORKFLOW)[1].split(", ")
+    assert set(listed) == set(SYSTEMS)
+    triplets = {path.stem for path in (PORTS / "triplets").glob("*.cmake")}
+    assert triplets == {triplet for triplet, *_ in SYSTEMS.values()}
+    for triplet in triplets:
+        found = values(triplet)
+        assert found["TARGET_ARCHITECTURE"] == triplet.partition("-")[0]
+        assert (found["LIBRARY_LINKAGE"], found["BUILD_TYPE"]) == ("static", "release")
+
+
+def test_libraries_and_module_want_the_same_macos():
+    wanted = SETTINGS["macos"]["environment"]["MACOSX_DEPLOYMENT_TARGET"]
+    assert {values(name)["OSX_DEPLOYMENT_TARGET"] for name in ("arm64-osx", "x64-osx")} == {wanted}
+
+
+def test_the_ports_are_those_that_the_build_looks_for():
+    """And pybind11, for the module; GMP and MPFR, which CGAL's port asks for, hold nothing."""
+    manifest = json.loads((PORTS / "vcpkg.json").read_text())
+    names = {one if isinstance(one, str) else one["name"] for one in manifest["dependencies"]}
+    cmake = "".join(path.read_text() for path in (ROOT / "cmake").glob("dependencies.cmake"))
+    cmake += (ROOT / "native" / "python" / "CMakeLists.txt").read_text()
+    found = {name.lower() for name in re.findall(r"find_package\((\w+)", cmake)}
+    assert names == found - {"python"}
+    empty = {path.parent.name for path in PORTS.glob("ports/*/portfile.cmake")}
+    assert empty == {"gmp", "mpfr"}
+    for folder in manifest["vcpkg-configuration"].values():
+        assert all((PORTS / name).is_dir() for name in folder)
+
+
+def test_the_toolchain_hands_the_ports_to_vcpkg(tmp_path):
+    """Here one that says what it got."""
+    script = tmp_path / "scripts" / "buildsystems" / "vcpkg.cmake"
+    script.parent.mkdir(parents=True)
+    names = ["VCPKG_MANIFEST_DIR", "VCPKG_INSTALLED_DIR", "CGAL_DISABLE_GMP"]
+    script.write_text("".join(f'message("${{{name}}}")\n' for name in names))
+    toolchain = ROOT / SETTINGS["config-settings"]["cmake.toolchain-file"]
+    found = subprocess.run(
+        ["cmake", "-P", toolchain],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"VCPKG_ROOT": str(tmp_path)},
+    )
+    assert found.stderr.split() == [str(PORTS), str(ROOT / "build" / "vcpkg-installed"), "ON"]
+    assert "path: build/vcpkg\n" in WORKFLOW  # where it looks by itself
+
+
+def test_a_wheel_is_tested_with_all_that_the_tests_need():
+    spec = importlib.util.spec_from_file_location("wheel", ROOT / "tests" / "wheel.py")
+    wheel = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(wheel)
+    extras = PROJECT["project"]["optional-dependencies"]
+    brought = [*PROJECT["project"]["dependencies"], *SETTINGS["test-requires"]]
+    brought += [one for name in SETTINGS["test-extras"] for one in extras[name]]
+    assert {re.match(r"[\w-]+", one)[0] for one in brought} == set(wheel.NEEDED)
+    assert SETTINGS["test-command"] == "python {project}/tests/wheel.py"
+
+
+def test_pythons_are_those_of_blender():
+    blenders = re.findall(r'^bpy==.*python_version == "3\.(\d+)"', PINS, re.MULTILINE)
+    assert SETTINGS["build"] == [f"cp3{minor}-*" for minor in blenders]
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_cibuildwheel_takes_the_settings(system):
+    pytest.importorskip("cibuildwheel", reason="cibuildwheel is not installed")
+    _, platform, processor, tag = SYSTEMS[system]
+    command = [sys.executable, "-m", "cibuildwheel", "--print-build-identifiers"]
+    command += ["--platform", platform, "--archs", processor, str(ROOT)]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+    assert found.stdout.split() == [f"{build[:-2]}-{tag}" for build in SETTINGS["build"]]
+
+
+def test_the_workflow_runs_the_cibuildwheel_that_was_asked():
+    assert re.findall(r"cibuildwheel==\S+", WORKFLOW) == re.findall(r"cibuildwheel==\S+", PINS)
