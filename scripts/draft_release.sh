@@ -11,8 +11,11 @@ shopt -s nullglob
 files=("$folder"/*.{tar.gz,zip} "$folder"/wheels/*.whl) texts=("$folder"/*.md)
 [ "${#files[@]}" -gt 0 ] || { echo "error: $folder has no wheels, sdist or extensions" >&2; exit 1; }
 version=$(python3 -c 'from scripts import release_notes as notes; print(notes.version(open("CMakeLists.txt").read()))')
+head=$(git rev-parse HEAD)
+tagged=$(git rev-parse --verify --quiet "refs/tags/v$version^{commit}") || tagged=$head
+[ "$tagged" = "$head" ] || { echo "error: the tag v$version is another commit than this one" >&2; exit 1; }
 notes=$(mktemp)
 trap 'rm -f "$notes"' EXIT
 python3 scripts/release_notes.py "${texts[@]}" >"$notes"
-gh release create "v$version" --draft --title "Dapple $version" --notes-file "$notes" --target "$(git rev-parse HEAD)" \
+gh release create "v$version" --draft --title "Dapple $version" --notes-file "$notes" --target "$head" \
   "${files[@]}"

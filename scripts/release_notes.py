@@ -2,7 +2,8 @@
 """Print what CHANGELOG.md says of a version: python scripts/release_notes.py [--draft] [FILE...]
 
 The version is that of CMakeLists.txt, and its section the first one. With --draft it may still be
-called Unreleased. Files, such as the table of what was tested where, follow behind it.
+called Unreleased; with --tag NAME, a tag of another version is refused. Files, such as the table
+of what was tested where, follow behind it.
 """
 
 import argparse
@@ -46,9 +47,12 @@ def main() -> None:
     """Print the notes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--draft", action="store_true", help="the section may be Unreleased")
+    parser.add_argument("--tag", metavar="NAME", help="the tag that the release is to have")
     parser.add_argument("files", nargs="*", type=Path, metavar="FILE", help="texts that follow")
     arguments = parser.parse_args()
     name = version((ROOT / "CMakeLists.txt").read_text())
+    if arguments.tag not in (None, f"v{name}"):
+        raise SystemExit(f"the tag is {arguments.tag}, but CMakeLists.txt names version {name}")
     changelog = (ROOT / "CHANGELOG.md").read_text()
     parts = [standing_alone(section(changelog, name, draft=arguments.draft))]
     parts += [file.read_text().strip() for file in arguments.files]

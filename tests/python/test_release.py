@@ -56,6 +56,15 @@ def test_the_changelog_of_today_makes_notes(root):
     assert "](docs/" not in found.stdout
 
 
+def test_a_tag_of_another_version_is_refused(root):
+    now = notes.version((root / "CMakeLists.txt").read_text())
+    command = [sys.executable, root / "scripts" / "release_notes.py", "--draft", "--tag"]
+    found = subprocess.run([*command, "v99.0"], capture_output=True, text=True, check=False)
+    assert found.returncode == 1
+    assert f"the tag is v99.0, but CMakeLists.txt names version {now}" in found.stderr
+    subprocess.run([*command, f"v{now}"], capture_output=True, check=True)
+
+
 @pytest.fixture
 def checkout(root, tmp_path) -> Path:
     """A repository that has a release's scripts, its changelog, and its files in `files`."""
@@ -67,10 +76,16 @@ def checkout(root, tmp_path) -> Path:
     (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
     (tmp_path / "CMakeLists.txt").write_text("project(dapple VERSION 1.2.0 LANGUAGES CXX)\n")
     (tmp_path / "files" / "wheels").mkdir(parents=True)
-    git = ["git", "-c", "user.name=n", "-c", "user.email=e", "-c", "init.defaultBranch=main"]
     for command in (["init", "-q"], ["add", "."], ["commit", "-qm", "all"]):
-        subprocess.run([*git, *command], cwd=tmp_path, check=True, capture_output=True)
+        git(tmp_path, *command)
     return tmp_path
+
+
+def git(folder: Path, *command: str) -> None:
+    """Run git in a repository of a test."""
+    settings = ["user.name=n", "user.email=e", "init.defaultBranch=main"]
+    options = [word for setting in settings for word in ("-c", setting)]
+    subprocess.run(["git", *options, *command], cwd=folder, check=True, capture_output=True)
 
 
 def drafted(checkout: Path) -> subprocess.CompletedProcess:
@@ -107,3 +122,14 @@ def test_without_files_there_is_no_draft(checkout):
     found = drafted(checkout)
     assert found.returncode == 1
     assert "files has no wheels" in found.stderr
+
+
+def test_a_tag_elsewhere_is_no_place_for_these_files(checkout):
+    """The host would make the release of the tag's commit, whatever the files were made of."""
+    (checkout / "files" / "dapple3d-1.2.0.tar.gz").write_text("sources\n")
+    git(checkout, "tag", "-a", "v1.2.0", "-m", "a release")
+    assert drafted(checkout).returncode == 0
+    git(checkout, "commit", "--allow-empty", "-qm", "more")
+    found = drafted(checkout)
+    assert found.returncode == 1
+    assert "the tag v1.2.0 is another commit than this one" in found.stderr
