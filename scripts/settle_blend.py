@@ -15,6 +15,9 @@ from struct import calcsize, pack_into, unpack_from
 _ADDRESS = 8  # offset in the head of a block
 _ZONES = ("NodeGeometryForeachGeometryElementInput",)  # at the begin of one
 _RAW = 0  # structure of what is none, also lists of pointers
+_TEXT = 0  # kind of a custom property
+_BYTES = (45, 50)  # kinds of mesh attributes with one byte for each item: small numbers, truths
+_DOMAINS = (("vdata", "totvert"), ("edata", "totedge"), ("pdata", "totpoly"), ("ldata", "totloop"))
 
 
 @dataclass(frozen=True)
@@ -61,11 +64,10 @@ def settled(data: bytes) -> bytes:
         if block.code not in (b"DNA1", b"ENDB"):
             _settle_pointers(result, block, structures, numbers)
     for block in blocks:
-        if block.structure == _RAW:
-            _clear_after_text(result, block)
         if structures.name(block.structure) == "AssetMetaData":
             _clear_asset(result, block, structures)
         _clear_chance(result, block, structures)
+    _clear_ends(result, blocks, structures)
     _number_nodes(result, blocks, structures)
     return bytes(result)
 
@@ -109,7 +111,7 @@ def _settle_pointers(
 ) -> None:
     raw = block.structure == _RAW
     size = 8 if raw else structures.size(block.structure)
-    offsets = [0] if raw else structures.pointers(block.structure)
+    offsets = [0] if raw else [place for place, _ in structures.pointers(block.structure)]
     for place in block.slots(offsets, size):
         (address,) = unpack_from("<Q", result, place)
         if address in numbers or not raw:
@@ -132,14 +134,6 @@ def _number_nodes(result: bytearray, blocks: list[_Block], structures: "_Structu
             pack_into("<i", result, place, own[unpack_from("<i", result, place)[0]])
 
 
-def _clear_after_text(result: bytearray, block: _Block) -> None:
-    """Up to three bytes that were never set: memory for a text comes in fours."""
-    data = bytes(result[block.start : block.start + block.size])
-    text = data.split(b"\0", 1)[0]
-    if text and len(data) - len(text) <= 4 and all(0x20 <= byte < 0x7F for byte in text):
-        result[block.start : block.start + block.size] = text.ljust(len(data), b"\0")
-
-
 def _clear_asset(result: bytearray, block: _Block, structures: "_Structures") -> None:
     """Bytes that Blender never set: the catalog's name, which it knows by its UUID, and gaps."""
     for name, _, begin, end in structures.members(block.structure):
@@ -157,6 +151,67 @@ def _clear_chance(result: bytearray, block: _Block, structures: "_Structures") -
         elif name == "id" and structures.is_head(kind):
             at = block.start + begin + structures.offset_in(kind, "session_uid")
             result[at : at + 4] = bytes(4)
+
+
+def _clear_ends(result: bytearray, blocks: list[_Block], structures: "_Structures") -> None:
+    """Up to three bytes that were never set, behind texts and bytes of meshes: memory for them
+    comes in fours.
+    """
+    for block in blocks:
+        if block.structure != _RAW:
+            for start in block.slots([0], structures.size(block.structure)):
+                item = _Item(result, blocks, structures, block.structure, start)
+                for address, count in (*item.texts(), *item.value(), *item.layers()):
+                    _clear_end(result, blocks[address // 16 - 1] if address else None, count)
+
+
+def _clear_end(result: bytearray, block: _Block | None, count: int | None) -> None:
+    """Of a block that holds this number of bytes, or a text up to its end."""
+    if block and block.structure == _RAW:
+        data = bytes(result[block.start : block.start + block.size])
+        used = len(data.split(b"\0", 1)[0]) + 1 if count is None else count
+        if len(data) - used < 4:
+            result[block.start : block.start + block.size] = data[:used].ljust(len(data), b"\0")
+
+
+@dataclass(frozen=True)
+class _Item:
+    """A structure in a file whose pointers are numbers of blocks already."""
+
+    data: bytearray
+    blocks: list[_Block]
+    structures: "_Structures"
+    structure: int
+    start: int
+
+    def number(self, *names: str) -> int:
+        begin, end = self.structures.place(self.structure, *names)
+        return int.from_bytes(self.data[self.start + begin : self.start + end], "little")
+
+    def texts(self) -> Iterator[tuple[int, None]]:
+        for place, text in self.structures.pointers(self.structure):
+            if text:
+                yield unpack_from("<Q", self.data, self.start + place)[0], None
+
+    def value(self) -> Iterator[tuple[int, int]]:
+        """Of a custom property that is a text."""
+        if self.structures.name(self.structure) == "IDProperty" and self.number("type") == _TEXT:
+            yield self.number("data", "*pointer"), self.number("len")
+
+    def layers(self) -> Iterator[tuple[int, int]]:
+        """Of a mesh: its attributes with one byte for each item."""
+        if self.structures.name(self.structure) != "Mesh":
+            return
+        for domain, count in _DOMAINS:
+            address = self.number(domain, "*layers")
+            for layer in self._items(address) if address else ():
+                if layer.number("type") in _BYTES:
+                    yield layer.number("*data"), self.number(count)
+
+    def _items(self, address: int) -> "Iterator[_Item]":
+        block = self.blocks[address // 16 - 1]
+        for start in block.slots([0], self.structures.size(block.structure)):
+            yield _Item(self.data, self.blocks, self.structures, block.structure, start)
 
 
 class _Structures:
@@ -193,13 +248,24 @@ class _Structures:
         """Where the member of this name begins in a type."""
         return self.offset(self._of_type[kind], name)
 
-    def _pointers(self, structure: int, start: int = 0) -> Iterator[int]:
+    def _pointers(self, structure: int, start: int = 0) -> Iterator[tuple[int, bool]]:
+        """Where they are, and whether they lead to texts."""
         for name, kind, begin, end in self.members(structure):
             if name.startswith(("*", "(*")):
-                yield from range(start + begin, start + end, 8)
+                text = self._types[kind] == "char" and not name.startswith("**")
+                yield from ((place, text) for place in range(start + begin, start + end, 8))
             elif kind in self._of_type:
                 for item in range(start + begin, start + end, self._sizes[kind]):
                     yield from self._pointers(self._of_type[kind], item)
+
+    def place(self, structure: int, *names: str) -> tuple[int, int]:
+        """Begin and end of a member, or of a member's member."""
+        members = self.members(structure)
+        kind, begin, end = next(found for name, *found in members if name == names[0])
+        if len(names) == 1:
+            return begin, end
+        inner_begin, inner_end = self.place(self._of_type[kind], *names[1:])
+        return begin + inner_begin, begin + inner_end
 
     def members(self, structure: int) -> Iterator[tuple[str, int, int, int]]:
         """Name, type, offset and end of each."""
