@@ -99,6 +99,18 @@ struct Query {
     barycentric = weights;
   }
 
+  /// Whether the box of a face, which Embree did not look at by itself, comes within its radius.
+  [[nodiscard]] bool has_box_within(float radius, OrderedFace ordered) const {
+    const auto [a, b, c] = surface->ordered().corners(ordered);
+    const Vec3& first = surface->ordered().vertex(a);
+    const Vec3& second = surface->ordered().vertex(b);
+    const Vec3& third = surface->ordered().vertex(c);
+    const Vec3 low = first.cwiseMin(second).cwiseMin(third) - point;
+    const Vec3 high = point - first.cwiseMax(second).cwiseMax(third);
+    const double reach = double(radius) * scale * factor;
+    return (factor * low.cwiseMax(high).cwiseMax(0.0)).squaredNorm() <= reach * reach;
+  }
+
   /// Radius within which Embree must still look.
   [[nodiscard]] float radius() const { return search_radius(distance(), scale); }
   [[nodiscard]] double distance() const { return std::sqrt(squared_distance) / factor; }
@@ -106,7 +118,9 @@ struct Query {
 
 bool visit(RTCPointQueryFunctionArguments* arguments) noexcept {
   Query& query = *static_cast<Query*>(arguments->userPtr);
-  query.consider((*query.faces)[arguments->primID]);
+  const OrderedFace face = (*query.faces)[arguments->primID];
+  if (!query.has_box_within(arguments->query->radius, face)) return false;
+  query.consider(face);
   const float radius = query.radius();
   if (!(radius < arguments->query->radius)) return false;
   arguments->query->radius = radius;
