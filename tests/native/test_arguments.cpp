@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#ifndef _WIN32
 #include <sys/mman.h>
+#endif
 
 #include <dapple/classes.hpp>
 #include <dapple/decals.hpp>
@@ -359,6 +361,7 @@ TEST(Arguments, RefuseMorePixelsThanCanBe) {
                                 {"rows", "columns", "1073741824"});
 }
 
+#ifndef _WIN32
 /// Memory that nobody has written to takes none.
 TEST(Arguments, RefuseMoreFacesThanHalfEdgesHaveNumbersFor) {
   constexpr std::size_t kCount = 715'827'883;
@@ -371,6 +374,7 @@ TEST(Arguments, RefuseMoreFacesThanHalfEdgesHaveNumbersFor) {
                                {"faces", "715827883", "715827882"});
   munmap(memory, kCount * sizeof(Face));
 }
+#endif
 
 }  // namespace
 }  // namespace dapple::test

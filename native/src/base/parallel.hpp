@@ -12,6 +12,12 @@
 #include <span>
 #include <vector>
 
+#ifdef _WIN32  // names that a header of the system, which TBB includes, takes for itself
+#undef near
+#undef far
+#undef small
+#endif
+
 namespace dapple {
 
 /// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fcntl.h>
 #include <gtest/gtest.h>
+#ifdef _WIN32
+#include <process.h>
+#define getpid _getpid
+#else
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#endif
 
 #include <csignal>
 #include <dapple/errors.hpp>
@@ -68,12 +73,14 @@ class MeshFile : public testing::Test {
 
 constexpr std::array<const char*, 4> kSuffixes = {".ply", ".off", ".obj", ".stl"};
 
+#ifndef _WIN32
 /// A file of this process may not become larger while this lives: as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
     getrlimit(RLIMIT_FSIZE, &limit_);
     const rlimit low{bytes, limit_.rlim_max};
+#endif
     setrlimit(RLIMIT_FSIZE, &low);
   }
   FullDisk(const FullDisk&) = delete;
@@ -355,6 +362,7 @@ TEST_F(MeshFile, SurvivesChangedBytes) {
   }
 }
 
+#ifndef _WIN32  // what other systems have: limits of a process, links and pipes among files
 TEST_F(MeshFile, LeavesWhatWasThereOnAFullDisk) {
   const Shape shape = blob(3);
   for (const char* suffix : kSuffixes) {
@@ -390,6 +398,7 @@ TEST_F(MeshFile, WritesIntoAPipeWithoutReplacingIt) {
   EXPECT_TRUE(fs::is_fifo(path("pipe.off")));
   close(reader);
 }
+#endif
 
 TEST_F(MeshFile, WritesOnlyFacesThatItHas) {
   Shape shape = tetrahedron();
