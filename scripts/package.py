@@ -13,6 +13,8 @@ from scikit_build_core.build import prepare_metadata_for_build_wheel
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
 ASSETS = "dapple_nodes.blend"  # addon/blender/asset_library.py looks for it
+# Nobody has loaded it in a Blender of that system yet: its name in Blender's list says so.
+EXPERIMENTAL = {"windows-x64": "Windows", "macos-arm64": "macOS", "macos-x64": "macOS"}
 
 
 def describe(folder: str, version: str, *licenses: str) -> None:
@@ -32,8 +34,19 @@ def describe(folder: str, version: str, *licenses: str) -> None:
     (info / "METADATA").write_text(before + line + added + after)
 
 
+def retag(folder: str, tag: str) -> None:
+    """Say which Python and system the wheel is for, where it was not built by and for this one."""
+    (path,) = Path(folder).glob("*.dist-info/WHEEL")
+    lines = [line for line in path.read_text().splitlines() if line and not line.startswith("Tag:")]
+    path.write_text("\n".join([*lines, f"Tag: {tag}"]) + "\n")
+
+
 def manifest(text: str, platform: str, version: str, wheels: list[str]) -> str:
     """The add-on's manifest with the two keys of an extension that brings native code."""
+    if system := EXPERIMENTAL.get(platform):
+        text = text.replace(
+            '\nname = "Dapple"\n', f'\nname = "Dapple (experimental on {system})"\n'
+        )
     before = tomllib.loads(text)
     if before["version"] != version:
         raise SystemExit(f"{MANIFEST} says version {before['version']}, the package {version}")
@@ -96,7 +109,7 @@ def show(archive: str) -> None:
 
 
 STEPS: dict[str, Callable[..., None]] = {
-    step.__name__: step for step in (describe, extension, settle, show)
+    step.__name__: step for step in (describe, extension, retag, settle, show)
 }
 
 if __name__ == "__main__":

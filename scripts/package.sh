@@ -9,6 +9,7 @@
 #     --to      write there instead of build/package
 here=$PWD
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+. scripts/extension.sh
 
 platform=linux-x64
 build='' others=() to=$root/build/package
@@ -70,35 +71,21 @@ check_wheel() {
   [ ! -s "$work/missing" ] || { echo "the private Embree lacks: $(<"$work/missing")"; return 1; }
 }
 
-# Blender reads files of newer versions badly or not at all: the oldest one here writes. A Python that has imported bpy
-# hands its children OCIO, the colors of a newer Blender.
-build_assets() {
-  local command=("$python" scripts/assets.py)
-  [ "$(system_name)" != debian-13 ] ||
-    command=(blender --background --factory-startup --python-exit-code 1 --python scripts/assets.py)
-  BLENDER_USER_RESOURCES=$work/blender env -u OCIO timeout --kill-after=10 300 "${command[@]}" -- "$work/assets.blend"
-}
-
-build_extension() {
-  local folder=$work/extension
-  "$python" scripts/package.py extension "$folder" "$platform" "$version" "$work/assets.blend" \
-    "$work"/wheels/*.whl "${others[@]}" &&
-    "$python" "$blender_ext" build --source-dir="$folder" --output-filepath="$work/built.zip" &&
-    "$python" scripts/package.py settle "$work/built.zip" "$work/$zip" &&
-    "$python" "$blender_ext" validate "$work/$zip" &&
-    rm -rf "$to/extension" && mkdir -p "$to" && mv "$folder" "$work/$zip" "$to"
+put_in_place() {
+  rm -rf "$to/extension" && mkdir -p "$to" && mv "$work/extension" "$work/$zip" "$to"
 }
 
 if [ -z "$build" ]; then
   scripts/setup.sh
   build=$root/build/release
 fi
-blender_ext=$(find "$venv"/lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli -name blender_ext.py)
 stage 'stage the Python package' stage_files
 version=$(PYTHONPATH=$work/tree "$python" -B -c 'import dapple3d; print(dapple3d.__version__)')
 zip=dapple-$version-$platform.zip
 stage 'build the wheel' build_wheel
 stage 'check the wheel' check_wheel
-stage 'build the assets' build_assets
-stage 'build the extension' build_extension
+stage 'build the assets' build_assets "$work/assets.blend" "$work/blender"
+stage 'build the extension' build_extension "$work/extension" "$work/$zip" "$platform" "$version" "$work/assets.blend" \
+  "$work"/wheels/*.whl "${others[@]}"
+put_in_place
 "$python" scripts/package.py show "$to/$zip"

@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # They need git, Debian's tools or a build folder; hashes are recorded for builds of Debian.
 OF_THE_CHECKOUT = (
     "addon_imports",
+    "audit",
     "distribution",
     "docs_examples",
     "docs_site",
