@@ -1,8 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#ifndef _WIN32
+#include <locale.h>  // newlocale and strtod_l are of no C++ header
+#endif
+#ifdef __APPLE__
+#include <xlocale.h>
+#endif
+
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -73,6 +83,36 @@ inline std::string quoted(std::string_view word) {
   return text + (word.size() > 40 ? "...'" : "'");
 }
 
+#ifndef _WIN32
+/// What std::from_chars does, without it: by the C library, in its own language.
+inline std::from_chars_result parse_by_locale(const char* first, const char* last, double& value) {
+  static const locale_t kPlain = newlocale(LC_ALL_MASK, "C", nullptr);
+  if (first != last && *first == '+') return {first, std::errc::invalid_argument};
+  const auto hexadecimal = [](char c) { return c == 'x' || c == 'X'; };
+  const std::string word(first, std::find_if(first, last, hexadecimal));
+  char* end = nullptr;
+  errno = 0;
+  const double found = strtod_l(word.c_str(), &end, kPlain);
+  if (end == word.c_str()) return {first, std::errc::invalid_argument};
+  const bool outside = errno == ERANGE && (found == 0.0 || std::isinf(found));
+  if (!outside) value = found;
+  return {first + (end - word.c_str()), outside ? std::errc::result_out_of_range : std::errc()};
+}
+#endif
+
+template <typename T>
+std::from_chars_result parse_start(const char* first, const char* last, T& value) {
+  return std::from_chars(first, last, value);
+}
+// LLVM's library reads floating-point numbers since version 20, on macOS since macOS 26.
+#if defined(_LIBCPP_VERSION) && !defined(_WIN32)
+#if _LIBCPP_VERSION < 200000 || !_LIBCPP_AVAILABILITY_HAS_FROM_CHARS_FLOATING_POINT
+inline std::from_chars_result parse_start(const char* first, const char* last, double& value) {
+  return parse_by_locale(first, last, value);
+}
+#endif
+#endif
+
 /// What std::from_chars calls out of range: 0 where it is too small for a double, else infinite.
 [[nodiscard]] inline double out_of_range(std::string_view word) {
   const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos ||
@@ -85,7 +125,7 @@ template <typename T>
 [[nodiscard]] bool parse(std::string_view word, T& value) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const char* last = word.data() + word.size();
-  const auto [end, error] = std::from_chars(word.data(), last, value);
+  const auto [end, error] = parse_start(word.data(), last, value);
   if (end != last) return false;
   if constexpr (std::is_floating_point_v<T>)
     if (error == std::errc::result_out_of_range) value = out_of_range(word);
