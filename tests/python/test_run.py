@@ -160,3 +160,29 @@ def test_a_report_that_is_missing_or_cut_off_counts_nothing(root, tmp_path):
     cut = tmp_path / "cut.xml"
     cut.write_text('<testsuites><testsuite tests="3" failures="0">')
     assert tally(root, cut, tmp_path / "none.xml") == ["0 0 0"]
+
+
+def table(root, path, *cells):
+    command = [sys.executable, root / "tests" / "platforms.py", path, *cells]
+    subprocess.run(command, check=True)
+    return path.read_text().splitlines()
+
+
+def test_a_platform_that_ran_again_changes_its_own_line_of_the_table_alone(root, tmp_path):
+    path = tmp_path / "platforms.md"
+    head = ["| platform | built | tests run | loaded in Blender |", "|---|---|---|---|"]
+    assert table(root, path, "Here", "yes", "3 passed", "") == [
+        *head,
+        "| Here | yes | 3 passed | no |",
+    ]
+    path.write_text("What ran:\n\n" + path.read_text() + "\nMore.\n")
+    table(root, path, "There", "yes", "", "")
+    assert table(root, path, "Here", "yes", "4 passed", "4.5: 2 passed") == [
+        "What ran:",
+        "",
+        *head,
+        "| Here | yes | 4 passed | 4.5: 2 passed |",
+        "| There | yes | no | no |",
+        "",
+        "More.",
+    ]
