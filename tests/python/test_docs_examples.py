@@ -18,7 +18,7 @@ BLOCK = re.compile(r"^```(?P<language>[^\n]*)\n(?P<code>.*?)^```", re.DOTALL | r
 # Number of the examples in a language and who runs them.
 RUN = {
     "README.md": {"sh": (1, "tests/run.sh runs the same set-up"), "python": (1, "test_module.py")},
-    "CONTRIBUTING.md": {"": (1, "a list of folders")},
+    "CONTRIBUTING.md": {"": (1, "a list of folders"), "sh": (1, "tests/cross.sh")},
     "native/python/README.md": {
         "sh": (1, "test_distribution.py installs what is built"),
         "python": (1, "test_module.py"),
@@ -30,6 +30,7 @@ RUN = {
         "cmake": (2, "tests/consumer"),
         "cpp": (1, "tests/consumer, test_module.py"),
     },
+    "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/site/index.md": {"console": (1, "here")},

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a release is told by, and its draft."""
+"""What a release promises, its notes and draft, and the page that tells how to make one."""
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -133,3 +134,82 @@ def test_a_tag_elsewhere_is_no_place_for_these_files(checkout):
     found = drafted(checkout)
     assert found.returncode == 1
     assert "the tag v1.2.0 is another commit than this one" in found.stderr
+
+
+# What is promised, in all places that say it
+
+
+def found_in(root: Path, name: str, pattern: str) -> set[str]:
+    """All that a pattern's group matches in a file."""
+    return set(re.findall(pattern, (root / name).read_text(), re.MULTILINE))
+
+
+def test_everything_is_for_the_same_pythons(root):
+    told = {
+        "release": found_in(root, "scripts/release.sh", r"^pythons=\((.*?)\)"),
+        "dependencies": found_in(root, "scripts/dependencies.sh", r"^pythons=\((.*?)\)"),
+        "workflow": found_in(root, ".github/workflows/release.yml", r"^ +python: \[(.*)\]"),
+        "native": found_in(root, "pyproject.toml", r"^build = \[(.*)\]"),
+    }
+    numbers = {name: re.findall(r"3\.?(\d\d)", str(found)) for name, found in told.items()}
+    assert numbers == {name: ["11", "13"] for name in told}
+    for number in ("3.11", "3.13"):
+        assert f"Python :: {number}" in (root / "pyproject.toml").read_text()
+
+
+def test_everything_is_for_the_same_oldest_linux(root):
+    dots, underscores = r"(\d+\.\d+)", r"(\d+_\d+)"
+    told = {
+        *found_in(root, "scripts/dependencies.sh", rf"-linux-gnu\.{dots}"),
+        *found_in(root, "scripts/release.sh", rf"manylinux_{underscores}"),
+        *found_in(root, "scripts/audit.py", r"^GLIBC = \((\d+, \d+)\)"),
+        *found_in(root, "pyproject.toml", rf"manylinux_{underscores}"),
+    }
+    assert {re.sub(r"\D+", ".", one) for one in told} == {"2.28"}
+
+
+def test_everything_is_for_the_same_oldest_macos(root):
+    told = {
+        *found_in(root, "scripts/dependencies.sh", r"-macos\.(\d+\.\d+)"),
+        *found_in(root, "scripts/release.sh", r"macosx_(\d+_\d+)"),
+        *found_in(root, "scripts/audit.py", r"^MACOS_LEAST = \((\d+, \d+)\)"),
+    }
+    assert {re.sub(r"\D+", ".", one) for one in told} == {"11.0"}
+
+
+def test_wheels_of_every_platform_are_tested_on_it(root):
+    (platforms,) = found_in(root, "scripts/release.sh", r"platforms=\((linux.*)\)")
+    (systems,) = found_in(root, ".github/workflows/release.yml", r"^ +system: \[(.*)\]")
+    runners = {"ubuntu": "linux-x64", "windows": "windows-x64", "macos": "macos-arm64"}
+    tested = [
+        "macos-x64" if system.endswith("-intel") else runners[system.partition("-")[0]]
+        for system in systems.split(", ")
+    ]
+    assert sorted(tested) == sorted(platforms.split())
+
+
+# The page that tells how
+
+
+def shell_lines(page: Path) -> list[str]:
+    blocks = re.findall(r"^ *```sh\n(.*?)^ *```", page.read_text(), re.MULTILINE | re.DOTALL)
+    return [line.strip() for block in blocks for line in block.splitlines()]
+
+
+def test_the_page_names_scripts_and_files_that_there_are(root):
+    page = root / "docs" / "releasing.md"
+    for line in shell_lines(page):
+        command = line.split()[0]
+        if command not in ("git", "rsync", "twine"):
+            assert os.access(root / command, os.X_OK), line
+    named = re.findall(r"`([\w./-]+/[\w.-]+\.\w+)`", page.read_text())
+    assert len(named) > 5
+    assert [name for name in named if not (root / name).is_file()] == []
+
+
+def test_the_page_does_what_the_workflow_does(root):
+    """A person without such a host makes the same release."""
+    workflow = (root / ".github" / "workflows" / "release.yml").read_text()
+    steps = re.findall(r"- run: ((?:scripts|tests)/.*)", workflow)
+    lines = shell_lines(root / "docs" / "releasing.md")
+    assert [line for line in lines if line in steps] == steps
