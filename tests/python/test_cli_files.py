@@ -2,7 +2,6 @@
 """What the command line does to files: whole or not at all, and never to a device."""
 
 import os
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +15,12 @@ from dapple3d.cli import points
 from dapple3d.writing import replacing
 from PIL import Image
 
+try:
+    import resource
+except ModuleNotFoundError:
+    resource = None
+
+posix = pytest.mark.skipif(not resource, reason="Windows limits no file and has other pipes, links")
 SMALL = 300  # bytes that a file may have on the "full disk"
 
 
@@ -56,6 +61,7 @@ OUTPUTS = [
 ]
 
 
+@posix
 @pytest.mark.parametrize(("verb", "suffix"), OUTPUTS)
 def test_a_full_disk_leaves_what_was_there(tmp_path, torus, picture, motion, verb, suffix):
     out = tmp_path / f"out{suffix}"
@@ -75,6 +81,7 @@ def test_a_full_disk_leaves_what_was_there(tmp_path, torus, picture, motion, ver
     assert folder_of(out) == before
 
 
+@posix
 def test_a_picture_of_dots_leaves_what_was_there(tmp_path):
     dots = stippling.stipple(np.full((20, 20), 0.5), 100)
     out = tmp_path / "dots.svg"
@@ -91,6 +98,7 @@ def test_a_picture_of_dots_leaves_what_was_there(tmp_path):
     assert folder_of(out) == ["dots.svg"]
 
 
+@posix
 def test_what_is_no_regular_file_is_written_into(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
@@ -105,6 +113,7 @@ def test_what_is_no_regular_file_is_written_into(tmp_path):
     assert folder_of(pipe) == ["pipe"]
 
 
+@posix
 def test_a_report_into_a_pipe(tmp_path, torus):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
@@ -115,6 +124,7 @@ def test_a_report_into_a_pipe(tmp_path, torus):
     os.close(reader)
 
 
+@posix
 def test_a_link_stays_one(tmp_path, torus):
     (tmp_path / "there.csv").write_text("before")
     link = tmp_path / "link.csv"
