@@ -25,7 +25,7 @@ else()
   # Contraction is off: a fused multiply-add on one machine and not on another would change the bytes.
   target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                          -Wno-sign-conversion $<$<BOOL:${DAPPLE_WERROR}>:-Werror>
-                         -ffp-contract=off -fno-semantic-interposition)
+                         -ffp-contract=off $<$<PLATFORM_ID:Linux>:-fno-semantic-interposition>)
 endif()
 if(DAPPLE_SANITIZE)
   # The sanitizers' own code makes GCC see uninitialized values where there are none.

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/elementary.hpp"
 #include "surface/border_loops.hpp"
 #include "surface/openmesh.hpp"
 
@@ -199,7 +200,7 @@ std::vector<Vec3> lifts(const Patch& patch) {
     const Vec3 in =
         point(patch, corners[k]) - point(patch, corners[(k + corners.size() - 1) % corners.size()]);
     const Vec3 out = point(patch, corners[(k + 1) % corners.size()]) - point(patch, corners[k]);
-    const double angle = std::atan2(in.cross(out).norm(), -in.dot(out));  // inside the polygon
+    const double angle = angle_of(in.cross(out).norm(), -in.dot(out));  // inside the polygon
     result[static_cast<std::size_t>(corners[k])] += angle * normal;
   });
   for (Vec3& lift : result) lift.normalize();

@@ -89,7 +89,11 @@ class Layer {
   [[nodiscard]] std::size_t size() const { return members_.size(); }
 
  private:
-  static double closeness(double part) { return std::pow(1.0 - part, 8.0); }
+  /// (1 - part)^8
+  static double closeness(double part) {
+    const double square = (1.0 - part) * (1.0 - part);
+    return square * square * (square * square);
+  }
 
   [[nodiscard]] std::vector<Vec3> places_of(const Indices& who) const {
     std::vector<Vec3> places;

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <set>
 
+#include "base/elementary.hpp"
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/random.hpp"
@@ -341,13 +341,12 @@ class Round {
     const double spacing =
         cell.mass > 0.0 ? local_spacing(cell, cell.capacity) : surface_.spacing(rule_.count);
     const Eigen::Matrix<double, 3, 2> basis = tangent_basis(domain_.normal(sites_.faces[host]));
-    const double turn = 2.0 * std::numbers::pi * random_.uniform();
+    const double turn = random_.uniform();
     std::vector<Vec3> result;
     for (int k = 0; k < kCandidates; ++k) {  // Vogel's spiral
-      const double angle = turn + k * std::numbers::pi * (3.0 - std::sqrt(5.0));
+      const auto [cosine, sine] = direction(turn + 0.5 * k * (3.0 - std::sqrt(5.0)));
       const double radius = kAround * spacing * std::sqrt((k + 0.5) / kCandidates);
-      result.push_back(sites_.positions[host] +
-                       radius * (basis * Vec2(std::cos(angle), std::sin(angle))));
+      result.push_back(sites_.positions[host] + radius * (basis * Vec2(cosine, sine)));
     }
     return result;
   }

@@ -2,8 +2,8 @@
 #include <atomic>
 #include <complex>
 #include <dapple/spectrum.hpp>
-#include <numbers>
 
+#include "base/elementary.hpp"
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "spectrum/radial.hpp"
@@ -44,8 +44,8 @@ int chosen_half_width(const SpectrumOptions& options, double unit) {
   return std::min(static_cast<int>(std::ceil(kWidthInUnits * unit)), kWidest);
 }
 
-/// The angle of exp(-2 pi i cycles), from the fraction of a cycle: whole ones cost digits.
-double angle(double cycles) { return -2.0 * std::numbers::pi * (cycles - std::floor(cycles)); }
+/// The turns of exp(-2 pi i cycles), from the fraction of a cycle: whole ones cost digits.
+double turns(double cycles) { return std::floor(cycles) - cycles; }
 
 /// exp(-2 pi i (x p_x + y p_y)) of a few points p at once, turned from one x to the next; as many
 /// as stay in registers.
@@ -54,11 +54,12 @@ class Phases {
   Phases(std::span<const Vec2> points, int x, int y) {
     for (std::size_t k = 0; k < std::min(points.size(), kPoints); ++k) {
       const auto lane = static_cast<Eigen::Index>(k);
-      const double start = angle(x * points[k].x()) + angle(y * points[k].y());
-      real_[lane] = std::cos(start);
-      imaginary_[lane] = std::sin(start);
-      turn_real_[lane] = std::cos(angle(points[k].x()));
-      turn_imaginary_[lane] = std::sin(angle(points[k].x()));
+      const Direction start = direction(turns(x * points[k].x()) + turns(y * points[k].y()));
+      const Direction turn = direction(turns(points[k].x()));
+      real_[lane] = start.cosine;
+      imaginary_[lane] = start.sine;
+      turn_real_[lane] = turn.cosine;
+      turn_imaginary_[lane] = turn.sine;
     }
   }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/elementary.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
@@ -35,7 +36,7 @@ std::optional<double> geodesic(double distance, double slope_p, double slope_q) 
   const double q = std::clamp(slope_q, -1.0, 1.0);
   const double middle = 0.5 * (p + q);
   const double stretch = std::abs(p - q) < kSameSlope ? 1.0 / std::sqrt(1.0 - middle * middle)
-                                                      : (std::asin(p) - std::asin(q)) / (p - q);
+                                                      : (arc_sine(p) - arc_sine(q)) / (p - q);
   if (!std::isfinite(stretch)) return std::nullopt;
   return distance * stretch;
 }
@@ -287,7 +288,7 @@ Eigen::MatrixXd faded(const std::vector<double>& ratios, const Bins& bins, doubl
   for (int y = 0; y < bins.count; ++y)
     for (int x = 0; x < bins.count; ++x, ++ratio) {
       const double r = bins.distance(x, y);
-      const double fade = r < radius ? std::cos(0.5 * std::numbers::pi * r / radius) : 0.0;
+      const double fade = r < radius ? direction(0.25 * r / radius).cosine : 0.0;
       result(y, x) = (*ratio - 1.0) * fade * fade;
     }
   return result;
@@ -302,9 +303,9 @@ std::vector<double> transformed(const Eigen::MatrixXd& values, const Bins& bins,
   Eigen::MatrixXd sines(size, bins.count);
   for (int k = 0; k < bins.count; ++k)
     for (int f = 0; f < size; ++f) {
-      const double angle = 2.0 * std::numbers::pi * (f - half_width) * step * bins.middle(k);
-      cosines(f, k) = std::cos(angle);
-      sines(f, k) = std::sin(angle);
+      const auto [cosine, sine] = direction((f - half_width) * step * bins.middle(k));
+      cosines(f, k) = cosine;
+      sines(f, k) = sine;
     }
   Eigen::MatrixXd sums(size, size);
   for (Eigen::Index row = 0; row < size; row += kBlock) {

@@ -3,6 +3,7 @@
 #include <dapple/surface.hpp>
 #include <string>
 
+#include "base/elementary.hpp"
 #include "base/hexagonal.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
@@ -82,7 +83,7 @@ void check_joints(const Joints& joints, std::size_t vertices, std::size_t faces)
 double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
   const Vec3 u = a - apex;
   const Vec3 v = b - apex;
-  return std::atan2(u.cross(v).norm(), u.dot(v));
+  return angle_of(u.cross(v).norm(), u.dot(v));
 }
 
 /// Ordered faces of ordered vertices, in the caller's order of both.

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/elementary.hpp"
 #include "base/progress.hpp"
 
 namespace dapple {
@@ -260,7 +261,7 @@ class Welder {
       side.angle = std::numeric_limits<double>::quiet_NaN();
       if (across.norm() <= kFlat * to.norm()) continue;
       if (!first) first = across;
-      side.angle = std::atan2(along.dot(first->cross(across)), first->dot(across));
+      side.angle = angle_of(along.dot(first->cross(across)), first->dot(across));
       if (side.angle < -0.5 * kTouching) side.angle += 2.0 * std::numbers::pi;
     }
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <dapple/analysis.hpp>
 #include <dapple/neighbors.hpp>
 #include <limits>
@@ -44,19 +43,26 @@ std::vector<double> of_each(std::size_t count, const Measured& measured) {
   return result;
 }
 
+// Of complex numbers (x, y).
+Vec2 times(const Vec2& a, const Vec2& b) {
+  return {a.x() * b.x() - a.y() * b.y(), a.x() * b.y() + a.y() * b.x()};
+}
+Vec2 squared(const Vec2& a) { return times(a, a); }
+
 /// |mean of exp(6 i theta)| over the neighbors of a site; kNone if it has too few.
 double order_at(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& normal) {
   const Vec3 u = normal.unitOrthogonal();
   const Vec3 v = normal.cross(u);
-  std::complex<double> sum = 0.0;
+  Vec2 sum = Vec2::Zero();
   std::size_t count = 0;
   for (const CellBoundary& side : diagram.boundary(site)) {
     if (side.length <= kCorner * side.offset.norm()) continue;
-    sum += std::polar(1.0, 6.0 * std::atan2(side.offset.dot(v), side.offset.dot(u)));
+    const Vec2 way = Vec2(side.offset.dot(u), side.offset.dot(v)).normalized();
+    sum += times(squared(way), squared(squared(way)));
     ++count;
   }
   if (count < kFewestNeighbors) return kNone;
-  return std::abs(sum) / static_cast<double>(count);
+  return sum.norm() / static_cast<double>(count);
 }
 
 /// The neighbor whose cell follows along a ray, and how far along the ray.

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/elementary.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kUlp = std::numeric_limits<double>::epsilon();
+
+TEST(Elementary, DirectionsAreThoseOfTheCLibrary) {
+  Random random(1);
+  for (int k = 0; k < 20000; ++k) {
+    const double turns = random.between(-1.0, 1.0);
+    const auto [cosine, sine] = direction(turns);
+    EXPECT_NEAR(cosine, std::cos(2.0 * kPi * turns), 8 * kUlp) << turns;
+    EXPECT_NEAR(sine, std::sin(2.0 * kPi * turns), 8 * kUlp) << turns;
+  }
+}
+
+TEST(Elementary, WholeQuartersOfATurnAreExact) {
+  for (int k = -9; k <= 9; ++k) {
+    const auto [cosine, sine] = direction(0.25 * k);
+    EXPECT_EQ(std::abs(cosine), k % 2 == 0 ? 1.0 : 0.0) << k;
+    EXPECT_EQ(std::abs(sine), k % 2 == 0 ? 0.0 : 1.0) << k;
+  }
+  EXPECT_EQ(direction(0.25).sine, 1.0);
+  EXPECT_EQ(direction(-0.25).sine, -1.0);
+  EXPECT_EQ(direction(0.5).cosine, -1.0);
+}
+
+TEST(Elementary, AnglesAreThoseOfTheCLibrary) {
+  Random random(2);
+  for (int k = 0; k < 20000; ++k) {
+    const double scale = std::ldexp(1.0, random.below(200) - 100);
+    const double y = random.between(-1.0, 1.0) * scale, x = random.between(-1.0, 1.0);
+    const double angle = std::atan2(y, x);
+    EXPECT_NEAR(angle_of(y, x), angle, 4 * kUlp * std::abs(angle)) << y << ' ' << x;
+  }
+}
+
+TEST(Elementary, AnglesOfTheAxesAreExact) {
+  for (const double y : {0.0, -0.0, 2.0, -2.0})
+    for (const double x : {0.0, 3.0, -3.0}) EXPECT_EQ(angle_of(y, x), std::atan2(y, x)) << y << x;
+}
+
+TEST(Elementary, ArcSinesAreThoseOfTheCLibrary) {
+  Random random(3);
+  for (int k = 0; k < 2000; ++k) {
+    const double sine = random.between(-1.0, 1.0);
+    EXPECT_NEAR(arc_sine(sine), std::asin(sine), 8 * kUlp) << sine;
+  }
+  EXPECT_EQ(arc_sine(1.0), 0.5 * kPi);
+  EXPECT_EQ(arc_sine(-1.0), -0.5 * kPi);
+}
+
+}  // namespace
+}  // namespace dapple::test
