@@ -110,3 +110,35 @@ def test_cibuildwheel_takes_the_settings(system):
 
 def test_the_workflow_runs_the_cibuildwheel_that_was_asked():
     assert re.findall(r"cibuildwheel==\S+", WORKFLOW) == re.findall(r"cibuildwheel==\S+", PINS)
+
+
+# Versions of libraries
+
+
+@pytest.fixture
+def libraries(tmp_path) -> Path:
+    """A prefix with packages that hold nothing."""
+    for name in ("CGAL", "Eigen3", "OpenMesh", "TBB", "embree", "nanoflann"):
+        folder = tmp_path / "lib" / "cmake" / name
+        folder.mkdir(parents=True)
+        (folder / f"{name}Config.cmake").write_text("")
+    any_version = "set(PACKAGE_VERSION 4.4.0)\nset(PACKAGE_VERSION_COMPATIBLE TRUE)\n"
+    (tmp_path / "lib/cmake/embree/embreeConfigVersion.cmake").write_text(any_version)
+    return tmp_path
+
+
+@pytest.mark.parametrize("version", ["3.3.9", "3.4.0", "5.0.1"])
+def test_eigen_may_be_of_a_newer_major(libraries, version):
+    """Whose package refuses whoever names another one: 3.4 was followed by 5.0."""
+    (libraries / "lib/cmake/Eigen3/Eigen3ConfigVersion.cmake").write_text(
+        f"set(PACKAGE_VERSION {version})\n"
+        'if(PACKAGE_FIND_VERSION_COUNT EQUAL 0 OR "${PACKAGE_FIND_VERSION_MAJOR}" '
+        f"EQUAL {version[0]})\n  set(PACKAGE_VERSION_COMPATIBLE TRUE)\nendif()\n"
+    )
+    alone = ["CMAKE_SYSTEM_PATH", "SYSTEM_ENVIRONMENT_PATH", "CMAKE_ENVIRONMENT_PATH"]
+    options = [f"-DCMAKE_FIND_USE_{name}=OFF" for name in alone]
+    script = ROOT / "cmake" / "dependencies.cmake"
+    command = ["cmake", f"-DCMAKE_PREFIX_PATH={libraries}", *options, "-P", script]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (found.returncode == 0) == (version != "3.3.9"), found.stderr
+    assert ("Eigen 3.3.9 is older than 3.4" in found.stderr) == (version == "3.3.9")
