@@ -88,3 +88,13 @@ def test_nothing_is_published():
     drafts = [name for name, job in JOBS.items() if "scripts/draft_release.sh" in str(job)]
     assert more == {name: {"contents": "write"} for name in drafts}
     assert all(JOBS[name]["if"] == "github.ref_type == 'tag'" for name in drafts)
+
+
+def test_the_table_of_a_release_tells_only_systems_that_were_tested():
+    """Each line of the draft's table is of a runner that its tests had to pass on."""
+    systems = JOBS["release:test"]["strategy"]["matrix"]["system"]
+    lines = [line for line in commands(JOBS["release:draft"]) if "platforms.py" in line]
+    told = [re.search(r"tests, (?:Server|macOS) (\d+)", line)[1] for line in lines]
+    tested = [re.search(r"\d+", system)[0] for system in systems if "ubuntu" not in system]
+    assert sorted(told) == sorted(tested)
+    assert "test" in JOBS["release:draft"]["needs"]
