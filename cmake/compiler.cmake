@@ -20,7 +20,10 @@ endif()
 add_library(dapple_compiler INTERFACE)
 target_compile_features(dapple_compiler INTERFACE cxx_std_20)
 if(MSVC)
-  target_compile_options(dapple_compiler INTERFACE /W4 $<$<BOOL:${DAPPLE_WERROR}>:/WX> /fp:precise /permissive- /utf-8)
+  target_compile_options(dapple_compiler INTERFACE /W4 $<$<BOOL:${DAPPLE_WERROR}>:/WX> /fp:precise /permissive- /utf-8
+                         /bigobj)  # CGAL's and Eigen's templates
+  # OpenMesh's headers ask for both, as those of the system have macros named min and max, and M_PI only on demand.
+  target_compile_definitions(dapple_compiler INTERFACE NOMINMAX _USE_MATH_DEFINES)
 else()
   # Contraction is off: a fused multiply-add on one machine and not on another would change the bytes.
   target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
