@@ -84,6 +84,9 @@ need_packages() {
   stage 'system packages' install_packages "${missing[@]}"
 }
 
+# What the bpy wheel needs; the last three are for the Workbench engine without a display.
+bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri)
+
 # A stamp file holds the hash of all that went into what it stands beside.
 hash_of() { printf '%s\n' "$@" | sha256sum | cut -d ' ' -f 1; }
 up_to_date() { [ -f "$1" ] && [ "$(<"$1")" = "$2" ]; }

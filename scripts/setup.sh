@@ -10,8 +10,7 @@ packages=(
   ca-certificates git g++ ccache cmake ninja-build python3 python3-venv python3-dev
   libcgal-dev libembree-dev libopenmesh-dev pybind11-dev libtbb-dev libeigen3-dev libnanoflann-dev
   libgtest-dev libbenchmark-dev
-  # What the bpy wheel needs; the last three are for the Workbench engine without a display.
-  libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri
+  "${bpy_packages[@]}"
 )
 case $system in
   debian-12) ;;

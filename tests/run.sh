@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then runs every test and names those that failed; the last line counts them.
-#   tests/run.sh [--all | --quick] [--only native|python|blender|package|style]
+#   tests/run.sh [--all | --quick] [--only native|python|blender|package|style] [--zip FILE]
 #     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip
 #     --quick   where everything is built, an answer in three minutes; it says what it leaves out
 #     --only    one part
+#     --zip     with --only package: this zip instead of a new one. Nothing is set up: build/venv has pytest and bpy.
 # The part "package" is the tests of the add-on on the extension as Blender installs it from the zip that ships, the
-# native package being the one in it: some of the files among others, all of them with --all or --only package.
+# native package being the one in it: some of the files among others and with --zip, all with --all or --only package.
 # Tests run side by side, one process for each core, the style checks beside them. build/reports keeps what each
 # process printed and its JUnit report.
+here=$PWD
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"
 
-only='' depth=''
+only='' depth='' zip=''
 while [ $# -gt 0 ]; do
   case $1 in
     --all | --quick)
@@ -20,6 +22,10 @@ while [ $# -gt 0 ]; do
       ;;
     --only)
       only=${2:?--only needs native, python, blender, package or style}
+      shift
+      ;;
+    --zip)
+      zip=$(cd "$here" && realpath -e -- "${2:?--zip needs a file}")
       shift
       ;;
     *) fail "unknown option $1; see the head of tests/run.sh" ;;
@@ -31,6 +37,7 @@ case $only in
   *) fail "--only $only: it must be native, python, blender, package or style" ;;
 esac
 [ "$depth$only" != --quickpackage ] || fail '--quick leaves out the part "package"'
+[ -z "$zip" ] || [ "$only" = package ] || fail '--zip goes with --only package'
 
 # A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit.
 limit=(timeout --kill-after=10 1500)
@@ -108,11 +115,12 @@ real_blender() {
 make_package() {
   local entry
   rm -rf "$tested"
-  scripts/package.sh --build build/release --to "$tested" >/dev/null && mkdir "$tested/site-packages" || return
+  [ -n "$zip" ] || scripts/package.sh --build build/release --to "$tested" >/dev/null || return
+  mkdir -p "$tested/site-packages"
   for entry in "$site_packages"/*; do
     [[ ${entry##*/} == dapple* ]] || ln -s "$entry" "$tested/site-packages"
   done
-  DAPPLE_BUILT_ZIP=$(ls "$tested"/*.zip) && export DAPPLE_BUILT_ZIP # for the tests of the zip itself
+  DAPPLE_BUILT_ZIP=${zip:-$(ls "$tested"/*.zip)} && export DAPPLE_BUILT_ZIP # for the tests of the zip itself
 }
 
 # on_package COMMAND...: with the add-on as it is installed from that zip, and no virtual environment.
@@ -173,12 +181,13 @@ real=''
 [ "$(system_name)" != debian-13 ] || real=1
 # Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
 on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,presets,tiles,translation,window}.py)
-[ -z "$only" ] && [ "$depth" != --all ] || on_zip=(tests/blender)
+[ -z "$zip" ] || on_zip+=(tests/blender/test_package.py)
+[ "$depth" != --all ] && { [ -z "$only" ] || [ -n "$zip" ]; } || on_zip=(tests/blender)
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,hostile,libraries,package,sidecar,undo}.py)
 
-scripts/setup.sh
+[ -n "$zip" ] || scripts/setup.sh
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 ! wanted style || begin_style ${depth:+"$depth"}
 if [ "$depth" = --quick ]; then quick_parts; else all_parts; fi

@@ -186,3 +186,20 @@ def test_a_platform_that_ran_again_changes_its_own_line_of_the_table_alone(root,
         "",
         "More.",
     ]
+
+
+ALONE = "--zip goes with --only package"
+MISSING = "none.zip: No such file or directory"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [(["--zip", "README.md"], ALONE), (["--only", "package", "--zip", "none.zip"], MISSING)],
+)
+def test_a_zip_to_be_tested_exists_and_is_asked_for_alone(root, options, said):
+    if not shutil.which("bash"):
+        pytest.skip("needs bash")
+    command = ["bash", "tests/run.sh", *options]
+    done = subprocess.run(command, cwd=root, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert said in done.stderr
