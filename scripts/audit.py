@@ -65,6 +65,18 @@ def numbers(text: str) -> tuple[int, ...]:
     return tuple(int(part) for part in text.rpartition("_")[2].split("."))
 
 
+def asked_for(module: Any) -> list[str]:
+    """Functions that are in none of an ELF file's libraries, as far as their versions say."""
+    return [
+        symbol.name
+        for symbol in module.dynamic_symbols
+        if symbol.name
+        and symbol.shndx == 0
+        and symbol.binding == lief.ELF.Symbol.BINDING.GLOBAL
+        and not (symbol.symbol_version and symbol.symbol_version.has_auxiliary_version)
+    ]
+
+
 def audit_linux(module: Any, wheel: Wheel) -> str:
     """An ELF file: its libraries, the glibc that it needs, its symbols."""
     if module.header.machine_type != lief.ELF.ARCH.X86_64:
@@ -75,13 +87,11 @@ def audit_linux(module: Any, wheel: Wheel) -> str:
         for requirement in module.symbols_version_requirement
         for auxiliary in requirement.get_auxiliary_symbols()
     }
-    least = max(numbers(name) for name in versions if name.startswith("GLIBC_"))
+    least = max((numbers(name) for name in versions if name.startswith("GLIBC_")), default=(0,))
     refuse_others("needs", versions, re.compile(r"GLIBC_[\d.]+"))
     if least > GLIBC:
         raise RefusedError(f"needs glibc {least}, {wheel.platform} promises {GLIBC}")
-    unversioned = (s.name for s in module.imported_symbols if not s.has_version and not s.is_local)
-    weak = re.compile(r"|_ITM_\w+|__gmon_start__|__cxa_\w+|_?Py\w+")
-    refuse_others("asks for", (name for name in unversioned if name), weak)
+    refuse_others("asks for", asked_for(module), PYTHON)
     refuse_exports(s.name for s in module.exported_symbols)
     return f"glibc {'.'.join(map(str, least))}"
 

@@ -2,6 +2,7 @@
 """What a release's wheels are refused for, and what they are said to be made of."""
 
 import json
+import subprocess
 import sys
 from pathlib import Path
 from zipfile import ZipFile
@@ -62,6 +63,16 @@ def test_a_module_that_is_none_is_refused(tmp_path):
 def test_a_module_that_needs_more_than_the_system_is_refused(tmp_path):
     with pytest.raises(audit.RefusedError, match=r"needs lib\w+\.so"):
         audit.audit(wheel(tmp_path, LINUX, native_module()))
+
+
+def test_a_module_with_a_function_that_is_nowhere_is_refused(root, tmp_path):
+    source, module = tmp_path / "module.c", tmp_path / "module.so"
+    source.write_text("int missing(void); int PyInit__native(void) { return missing(); }")
+    map_file = f"-Wl,--version-script={root}/native/python/module.map"
+    command = ["gcc", "-shared", "-fPIC", "-nostdlib", map_file, source, "-o", module]
+    subprocess.run(command, check=True)
+    with pytest.raises(audit.RefusedError, match="asks for missing"):
+        audit.audit(wheel(tmp_path, LINUX, module.read_bytes()))
 
 
 def test_a_wheel_that_is_too_large_is_refused(tmp_path):
