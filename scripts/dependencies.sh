@@ -241,6 +241,6 @@ for target in "${targets[@]}"; do
   once "$target-headers" "$base" link_headers "$target"
   once "$target-python" "$(hash_of "$base" "$(declare -f make_python make_python_library)")" make_python "$target"
   for name in onetbb openmesh googletest embree; do
-    once "$target-$name" "$(hash_of "$base" "$(declare -f "build_$name" mend_embree)")" "build_$name" "$target"
+    once "$target-$name" "$(hash_of "$base" "$(declare -f "build_$name" mend_embree)" "$(<cmake/openmesh/CMakeLists.txt)")" "build_$name" "$target"
   done
 done

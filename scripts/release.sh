@@ -64,6 +64,20 @@ build_repository() {
     blender_ext server-generate --repo-dir "$release/repository" --html
 }
 
+# What was built; tests/release.sh and tests/cross.sh write there what ran.
+write_table() {
+  local platform
+  for platform in "${platforms[@]}"; do
+    case $platform in
+      linux-x64) line 'Linux x64, Python 3.11' && line 'Linux x64, Python 3.13' ;;
+      windows-x64) line 'Windows x64' ;;
+      macos-arm64) line 'macOS arm64' ;;
+      macos-x64) line 'macOS x64' ;;
+    esac || return
+  done
+}
+line() { "$python" tests/platforms.py "$release/platforms.md" "$1" yes no no; }
+
 for platform in "${platforms[@]}"; do wheel_tag "$platform" >/dev/null; done
 scripts/dependencies.sh "${platforms[@]}"
 scripts/setup.sh
@@ -84,4 +98,5 @@ stage 'sdist' build_sdist
 stage 'assets' build_assets "$ship/assets.blend" "$ship/blender"
 for platform in "${platforms[@]}"; do stage "extension for $platform" build_zip "$platform"; done
 stage 'repository' build_repository
+stage 'table' write_table
 ls -l "$release"/*.zip "$release"/*.tar.gz

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Tests what can be run here of programs for other systems, compiled as scripts/release.sh compiles for them, on Debian 12.
 #   tests/cross.sh [PLATFORM]...     none: all of them
-#     linux-x64     all native tests; those of equal bytes also on processors (QEMU) that have SSE2, and AVX2, at most
-#     linux-arm64   those of equal bytes, on that processor (QEMU)
+#     linux-x64     the tests of equal bytes, also on processors (QEMU) that have SSE2, and AVX2, at most
+#     linux-arm64   the same, on that processor (QEMU)
 #     windows-x64   all native tests, and a program of a user of the library (Wine)
 # What ran is written into build/ship/release/platforms.md, where that folder is; what others have written there stays.
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"
@@ -22,10 +22,11 @@ configure() {
     -DCMAKE_TOOLCHAIN_FILE="$root/cmake/toolchains/zig.cmake" "$@"
 }
 
+# build_tests PLATFORM TARGET...
 build_tests() {
   local build=$ship/$1/tests
   configure . "$build" "$1" -DDAPPLE_PYTHON=OFF -DDAPPLE_BENCHMARKS=OFF -DDAPPLE_WERROR=OFF &&
-    cmake --build "$build" -j "$(build_jobs)"
+    cmake --build "$build" -j "$(build_jobs)" --target "${@:2}"
 }
 
 # A project of ten lines that finds the installed library.
@@ -36,14 +37,14 @@ build_consumer() {
     cmake --build "$build/build"
 }
 
-# run_programs NAME PLATFORM COMMAND...: the test programs of a platform, each under the command; counts what passed.
+# run_programs NAME PLATFORM COMMAND...: the test programs of a platform that were built, each under the command.
 run_programs() {
   local name=$1 folder=$ship/$2/tests/tests/native rc=0 program
   shift 2
   rm -f "$ship/reports/$name"-*.xml
-  for program in "$folder"/dapple_tests{,.exe} "$folder"/dapple_referee_tests{,.exe}; do
-    [ ! -f "$program" ] || "$@" "$program" --gtest_brief=1 ${filter:+"--gtest_filter=$filter"} \
-      --gtest_output="xml:$ship/reports/$name-${program##*/}.xml" || rc=$?
+  for program in "$folder"/dapple_{,referee_,same_bytes_}tests{,.exe}; do
+    [ ! -f "$program" ] || "$@" "$program" --gtest_brief=1 --gtest_output="xml:$ship/reports/$name-${program##*/}.xml" ||
+      rc=$?
   done
   return "$rc"
 }
@@ -72,16 +73,19 @@ run_tests() {
 }
 
 linux_x64() {
-  run_tests 'linux-x64 native tests' linux-x64 env
-  filter='*SameBytes*' run_tests 'linux-x64 SSE2' linux-x64 qemu-x86_64 -cpu qemu64
-  filter='*SameBytes*' run_tests 'linux-x64 AVX2' linux-x64 qemu-x86_64 -cpu max
+  stage 'linux-x64 tests' build_tests linux-x64 dapple_same_bytes_tests
+  run_tests 'linux-x64 bytes' linux-x64 env
+  run_tests 'linux-x64 bytes with SSE2' linux-x64 qemu-x86_64 -cpu qemu64
+  run_tests 'linux-x64 bytes with AVX2' linux-x64 qemu-x86_64 -cpu max
 }
 
 linux_arm64() {
-  filter='*SameBytes*' run_tests 'linux-arm64 bytes' linux-arm64 qemu-aarch64 -L /usr/aarch64-linux-gnu
+  stage 'linux-arm64 tests' build_tests linux-arm64 dapple_same_bytes_tests
+  run_tests 'linux-arm64 bytes' linux-arm64 qemu-aarch64 -L /usr/aarch64-linux-gnu
 }
 
 windows_x64() {
+  stage 'windows-x64 tests' build_tests windows-x64 dapple_tests dapple_referee_tests dapple_same_bytes_tests
   stage 'windows-x64 program of a user' build_consumer windows-x64
   run_tests 'windows-x64 native tests' windows-x64 wine
   stage 'windows-x64 program of a user runs' run_consumer windows-x64
@@ -95,7 +99,4 @@ done
 scripts/dependencies.sh "${platforms[@]}"
 need_packages wine wine64 qemu-user libc6-arm64-cross
 mkdir -p "$ship/reports"
-for platform in "${platforms[@]}"; do
-  stage "$platform tests" build_tests "$platform"
-  "${platform/-/_}"
-done
+for platform in "${platforms[@]}"; do "${platform/-/_}"; done

@@ -80,7 +80,6 @@ class FullDisk {
   explicit FullDisk(rlim_t bytes) : before_(std::signal(SIGXFSZ, SIG_IGN)) {
     getrlimit(RLIMIT_FSIZE, &limit_);
     const rlimit low{bytes, limit_.rlim_max};
-#endif
     setrlimit(RLIMIT_FSIZE, &low);
   }
   FullDisk(const FullDisk&) = delete;
@@ -94,6 +93,7 @@ class FullDisk {
   rlimit limit_{};
   void (*before_)(int);
 };
+#endif
 
 /// Coordinates whose digits fill a double, far from the origin and tiny.
 Shape digits() {
