@@ -152,7 +152,7 @@ test_extension() {
 
 # run_tests NAME RESULT=REPORTS... -- COMMAND...: keeps what JUnit reports below a root's build folder say.
 run_tests() {
-  local name=$1 kept=() one good bad
+  local name=$1 kept=() one good bad said
   shift
   while [ "$1" != -- ]; do kept+=("$1") && shift; done
   shift
@@ -160,7 +160,11 @@ run_tests() {
   for one in "${kept[@]}"; do
     # shellcheck disable=SC2086
     read -r good bad _ < <("$roots/tools/bin/python" tests/tally.py "$roots"/${one#*=})
-    echo "$good passed$([ "$bad" -eq 0 ] || printf ', %s failed' "$bad")" | tee "$results/${one%%=*}" | sed 's/^/   /'
+    said="$good passed"
+    [ "$bad" -eq 0 ] || said+=", $bad failed"
+    [ "$((good + bad))" -gt 0 ] || said='failed before any test'
+    echo "   ${one%%=*}: $said"
+    echo "$said" >"$results/${one%%=*}"
   done
 }
 
