@@ -83,6 +83,12 @@ install_tools() {
   rm -rf "$tools" && "$python" -m pip install --no-input --target "$tools" -r scripts/requirements-release.txt
 }
 
+# A static library exports nothing: a module would show what is in it.
+mend_onetbb() {
+  sed -i '/tbb\.rc/d' src/tbb/CMakeLists.txt &&
+    sed -i 's/\(#define __TBB_EXPORT\) .*/\1/' include/oneapi/tbb/detail/_export.h
+}
+
 # Two operators that print, which newer compilers look into; exports, of which a static library needs none; and flags for
 # Microsoft's own compiler, which another one for Windows does not take.
 mend_embree() {
@@ -95,7 +101,7 @@ mend_embree() {
 
 mend_sources() {
   (cd "$ship/source/embree" && mend_embree) &&
-    sed -i '/tbb\.rc/d' "$ship/source/onetbb/src/tbb/CMakeLists.txt"
+    (cd "$ship/source/onetbb" && mend_onetbb)
 }
 
 fetch() {
@@ -232,7 +238,7 @@ mkdir -p build/ccache
 launcher="$(command -v cmake);-E;env;CCACHE_DIR=$root/build/ccache;CCACHE_MAXSIZE=2G;$(command -v ccache)"
 
 once release-tools "$(<scripts/requirements-release.txt)" install_tools
-once fetch "$(hash_of "$(<$table)" "$(declare -f fetch_sources mend_sources mend_embree)")" fetch
+once fetch "$(hash_of "$(<$table)" "$(declare -f fetch_sources mend_sources mend_embree mend_onetbb)")" fetch
 once licenses "$(<$table)" collect_licenses
 for target in "${targets[@]}"; do
   base=$(hash_of "$root" "$(<$table)" "$(<scripts/requirements-release.txt)" "$(zig_flags "$target")" \
@@ -241,6 +247,6 @@ for target in "${targets[@]}"; do
   once "$target-headers" "$base" link_headers "$target"
   once "$target-python" "$(hash_of "$base" "$(declare -f make_python make_python_library)")" make_python "$target"
   for name in onetbb openmesh googletest embree; do
-    once "$target-$name" "$(hash_of "$base" "$(declare -f "build_$name" mend_embree)" "$(<cmake/openmesh/CMakeLists.txt)")" "build_$name" "$target"
+    once "$target-$name" "$(hash_of "$base" "$(declare -f "build_$name" mend_embree mend_onetbb)" "$(<cmake/openmesh/CMakeLists.txt)")" "build_$name" "$target"
   done
 done
