@@ -268,7 +268,7 @@ class CutMesh {
   [[nodiscard]] std::vector<std::int32_t> joined_edges() const {
     std::vector<std::int32_t> result;
     for (const Triangle& triangle : triangles_) {
-      check_at(context_, result.size(), 3 * 4096);
+      check_at(context_, result.size(), std::size_t{3} * 4096);
       for (const std::int32_t e : triangle.edges) {
         std::int32_t lowest = e;
         for (std::int32_t t = edge(e).twin; t != e; t = edge(t).twin) lowest = std::min(lowest, t);
