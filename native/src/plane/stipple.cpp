@@ -203,7 +203,7 @@ std::array<Image, kInks> separate(const ColorImage& picture) {
   constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
   // Of the three process colors, the ink that two make and the one that is left alone.
   constexpr std::array<Ink, 3> kWithout = {Ink::kRed, Ink::kGreen, Ink::kBlue};
-  constexpr std::array<Ink, 3> kAlone = {Ink::kCyan, Ink::kMagenta, Ink::kYellow};
+  constexpr std::array<Ink, 3> kLeftAlone = {Ink::kCyan, Ink::kMagenta, Ink::kYellow};
   for (std::size_t k = 0; k < 3; ++k) {
     check_shape(kNames[k], picture[k], picture[0]);
     check_same_length(kNames[k], picture[k].values.size(), "its pixels",
@@ -225,7 +225,7 @@ std::array<Image, kInks> separate(const ColorImage& picture) {
     const auto [least, middle, most] = order;
     inks[index(Ink::kBlack)].values[p] = covers(least);
     inks[index(kWithout[least])].values[p] = covers(middle) - covers(least);
-    inks[index(kAlone[most])].values[p] = covers(most) - covers(middle);
+    inks[index(kLeftAlone[most])].values[p] = covers(most) - covers(middle);
   }
   return inks;
 }

@@ -204,7 +204,7 @@ void Projector::Scene::find_size(const Context* context) {
 
 void Projector::Scene::build(const Context* context) {
   if (context)
-    rtcSetSceneProgressMonitorFunction(handle.get(), go_on, static_cast<void*>(&context));
+    rtcSetSceneProgressMonitorFunction(handle.get(), go_on, reinterpret_cast<void*>(&context));
   rtcCommitScene(handle.get());
   if (context) rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
   check();
