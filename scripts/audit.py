@@ -174,12 +174,7 @@ def audit(path: Path) -> str:
         raise RefusedError(f"has {path.stat().st_size:,} bytes, more than {MOST_BYTES:,}")
     with ZipFile(path) as archive:
         module = module_of(archive, wheel)
-    audits = {
-        lief.ELF.Binary: audit_linux,
-        lief.PE.Binary: audit_windows,
-        lief.MachO.Binary: audit_macos,
-    }
-    least = audits[type(module)](module, wheel)
+    least = AUDITS[type(module)](module, wheel)
     return f"{wheel.name}: {path.stat().st_size / 1e6:.1f} MB, from {least}"
 
 
