@@ -21,6 +21,8 @@ ENTRY = "PyInit__native"
 LINUX = re.compile(r"(libc|libm|libpthread|libdl|librt)\.so\.\d+|ld-linux-[\w-]+\.so\.\d+")
 WINDOWS = re.compile(r"(kernel32|ntdll|advapi32|bcrypt|ucrtbase|api-ms-win-[\w-]+)\.dll", re.I)
 MACOS = re.compile(r"/usr/lib/libSystem\.B\.dylib")
+# Weak ones, which the loader joins with the system's, and the file's own head.
+MACOS_SHOWS_TOO = re.compile(r"_Zn[aw]m\w*|_Zd[al]Pv\w*|_mh_dylib_header|__dso_handle")
 PYTHON = re.compile(r"_?Py\w+")
 GLIBC = (2, 28)
 MACOS_LEAST = (11, 0)
@@ -110,6 +112,12 @@ def audit_windows(module: Any, wheel: Wheel) -> str:
     return f"Windows {optional.major_subsystem_version}.{optional.minor_subsystem_version}"
 
 
+def own_exports(names: Iterable[str]) -> list[str]:
+    """What a Mach-O file shows besides what every one shows that brings its C++ library."""
+    plain = (name.removeprefix("_") for name in names)
+    return [name for name in plain if not MACOS_SHOWS_TOO.fullmatch(name)]
+
+
 def audit_macos(module: Any, wheel: Wheel) -> str:
     """A Mach-O file: its libraries, the macOS that it needs, its symbols."""
     processor = {"arm64": "ARM64", "x86_64": "X86_64"}[wheel.platform.split("_", 3)[3]]
@@ -123,13 +131,9 @@ def audit_macos(module: Any, wheel: Wheel) -> str:
     least = tuple((module.build_version or module.version_min).minos[:2])
     if least > MACOS_LEAST:
         raise RefusedError(f"needs macOS {least}, {wheel.platform} promises {MACOS_LEAST}")
-    lookups = (
-        symbol.name.removeprefix("_")
-        for symbol in module.imported_symbols
-        if not (symbol.has_binding_info and symbol.binding_info.library)
-    )
+    lookups = (s.name.removeprefix("_") for s in module.imported_symbols if not s.library_ordinal)
     refuse_others("asks for", lookups, PYTHON)
-    refuse_exports(symbol.name.removeprefix("_") for symbol in module.exported_symbols)
+    refuse_exports(own_exports(symbol.name for symbol in module.exported_symbols))
     return f"macOS {'.'.join(map(str, least))}"
 
 
