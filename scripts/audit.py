@@ -184,6 +184,7 @@ def audit(path: Path) -> str:
 
 def main(paths: list[str]) -> None:
     """Audit all."""
+    lief.logging.disable()  # it remarks on tables that a linker has left empty
     for path in map(Path, paths):
         try:
             print(audit(path))

@@ -70,6 +70,12 @@ build_jobs() {
 apt() { "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@"; }
 install_packages() { apt update && apt install -y --no-install-recommends "$@"; }
 
+# Where this system's own packages come from.
+debian_mirror() {
+  # shellcheck disable=SC2016  # the variable is apt's
+  apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' | sort -u | head -n 1
+}
+
 # need_packages NAME...: installs those of the distribution's packages that are missing.
 need_packages() {
   local missing=() sudo=()

@@ -31,10 +31,8 @@ value() { awk -v name="$1" -v column="$2" '$2 == name {print $column}' "$table";
 # The distribution's own mirror, with lists of both suites that touch nothing of the machine's.
 write_apt_configuration() {
   local mirror keys=/usr/share/keyrings/debian-archive-keyring.gpg suite kind
-  # shellcheck disable=SC2016  # the variables are apt's
-  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Codename: bookworm' |
-    sort -u | head -n 1)
-  [ -n "$mirror" ] || { echo "apt knows no mirror of Debian 12"; return 1; }
+  mirror=$(debian_mirror)
+  [ -n "$mirror" ] || { echo "apt knows no mirror of Debian"; return 1; }
   rm -rf "$ship/apt" && mkdir -p "$ship"/apt/{lists,cache/archives}/partial || return
   for suite in bookworm trixie; do
     for kind in deb deb-src; do echo "$kind [signed-by=$keys] $mirror $suite main"; done

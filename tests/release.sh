@@ -52,15 +52,9 @@ inside() {
     DEBIAN_FRONTEND=noninteractive PIP_NO_INDEX=1 PIP_FIND_LINKS=/wheels PIP_ROOT_USER_ACTION=ignore "$@"
 }
 
-# Where this system's own packages come from.
-mirror() {
-  # shellcheck disable=SC2016
-  apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' | head -n 1
-}
-
 bootstrap() {
   local at=$roots/$1 suite=$2 from
-  from=$(mirror)
+  from=$(debian_mirror)
   rm -rf "$at" "$at.part"
   debootstrap --variant=minbase "$suite" "$at.part" "$from" || return
   # Newer sources, as Debian 11 has no Python that Dapple supports.
@@ -152,17 +146,14 @@ test_extension() {
 
 # run_tests NAME RESULT=REPORTS... -- COMMAND...: keeps what JUnit reports below a root's build folder say.
 run_tests() {
-  local name=$1 kept=() one good bad said
+  local name=$1 kept=() one said
   shift
   while [ "$1" != -- ]; do kept+=("$1") && shift; done
   shift
   stage "$name" "$@" || failed+=("$name")
   for one in "${kept[@]}"; do
     # shellcheck disable=SC2086
-    read -r good bad _ < <("$roots/tools/bin/python" tests/tally.py "$roots"/${one#*=})
-    said="$good passed"
-    [ "$bad" -eq 0 ] || said+=", $bad failed"
-    [ "$((good + bad))" -gt 0 ] || said='failed before any test'
+    said=$("$roots/tools/bin/python" tests/tally.py --sentence "$roots"/${one#*=})
     echo "   ${one%%=*}: $said"
     echo "$said" >"$results/${one%%=*}"
   done

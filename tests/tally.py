@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What JUnit reports say: python tests/tally.py FILE...
+"""What JUnit reports say: python tests/tally.py [--sentence] FILE...
 
-Prints how many tests passed, failed and were skipped, then the failed ones, a line each. A report
-that is missing or cut off counts nothing: whoever wrote it has failed for itself.
+Prints how many tests passed, failed and were skipped, then the failed ones, a line each; or, as a
+sentence, "12 passed, 1 failed". A report that is missing or cut off counts nothing: whoever wrote
+it has failed for itself.
 """
 
 import sys
@@ -19,14 +20,26 @@ def read(paths: list[str]) -> list[ElementTree.Element]:
     return suites
 
 
-def main(paths: list[str]) -> None:
-    suites = read(paths)
+def sentence(passed: int, failed: int) -> str:
+    """For a table of what was run."""
+    if passed + failed == 0:
+        return "failed before any test"
+    return f"{passed} passed" + (f", {failed} failed" if failed else "")
+
+
+def main(arguments: list[str]) -> None:
+    in_words = arguments[:1] == ["--sentence"]
+    suites = read(arguments[in_words:])
 
     def total(*kinds: str) -> int:
         return sum(int(suite.get(kind, 0)) for suite in suites for kind in kinds)
 
     failed, skipped = total("failures", "errors"), total("skipped", "disabled")
-    print(total("tests") - failed - skipped, failed, skipped)
+    passed = total("tests") - failed - skipped
+    if in_words:
+        print(sentence(passed, failed))
+        return
+    print(passed, failed, skipped)
     for case in (case for suite in suites for case in suite.iter("testcase")):
         if case.find("failure") is not None or case.find("error") is not None:
             print(case.get("classname"), case.get("name"))

@@ -154,12 +154,14 @@ def test_reports_are_added_up_and_name_what_failed(root, tmp_path):
     counts, *failed = tally(root, report, ctest)
     assert counts.split() == ["3", "3", "1"]
     assert failed == ["test_mixed test_bad", "test_mixed test_error", "Plane.IsFlat Plane.IsFlat"]
+    assert tally(root, "--sentence", report, ctest) == ["3 passed, 3 failed"]
 
 
 def test_a_report_that_is_missing_or_cut_off_counts_nothing(root, tmp_path):
     cut = tmp_path / "cut.xml"
     cut.write_text('<testsuites><testsuite tests="3" failures="0">')
     assert tally(root, cut, tmp_path / "none.xml") == ["0 0 0"]
+    assert tally(root, "--sentence", cut) == ["failed before any test"]
 
 
 def table(root, path, *cells):
