@@ -30,7 +30,7 @@ OF_THE_CHECKOUT = (
     "wheel_builds",
     "workflows",
 )
-NEEDED = ("numpy", "click", "matplotlib", "pillow", "pytest", "scikit-image")
+NEEDED = ("numpy", "click", "matplotlib", "pillow", "pytest", "scikit-image", "usd-core")
 
 
 def call(*command: object) -> None:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import sysconfig
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import dapple3d as dapple
@@ -118,11 +119,14 @@ def test_reads_defaults_from_the_library():
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_every_format_keeps_every_digit(tmp_path, suffix, samples):
     path = tmp_path / f"points{suffix}"
-    stored = points.points_of(samples)
+    random = np.random.default_rng(0)
+    columns = {"orientations": 4, "scales": 3, "velocities": 3}
+    more = {name: random.normal(size=(len(samples), n)) for name, n in columns.items()}
+    stored = replace(points.points_of(samples), **more)
     points.write_points(path, stored)
     found = points.read_points(path).arrays()
     lost = {
-        ".obj": {"ids", "classes", "faces", "barycentric"},
+        ".obj": {"ids", "classes", "faces", "barycentric", *columns},
         ".csv": {"faces", "barycentric"},
         ".npz": set(),
     }

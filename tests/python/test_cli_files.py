@@ -4,13 +4,14 @@
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused, run
-from dapple3d import stippling
+from dapple3d import stippling, usd
 from dapple3d.cli import points
 from dapple3d.writing import replacing
 from PIL import Image
@@ -57,6 +58,7 @@ OUTPUTS = [
     *(("mosaic", suffix) for suffix in (".ply", ".obj", ".off", ".stl", ".npz")),
     *(("stipple", suffix) for suffix in (".png", ".svg", ".pdf")),
     ("track", ".npz"),
+    *(("sample", suffix) for suffix in usd.SUFFIXES if find_spec("pxr")),
     ("json", ".json"),
 ]
 

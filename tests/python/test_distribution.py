@@ -23,6 +23,7 @@ REQUIREMENTS = {
     'click; extra == "cli"',
     'matplotlib; extra == "pictures"',
     'pillow; extra == "pictures"',
+    'usd-core; extra == "usd"',
 }
 
 

@@ -25,6 +25,7 @@ RUN = {
     },
     "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
     "docs/command-line.md": {"console": (3, "here")},
+    "docs/export.md": {"sh": (1, "here")},
     "docs/cpp.md": {
         "sh": (1, "tests/consumer"),
         "cmake": (2, "tests/consumer"),
@@ -119,6 +120,17 @@ def test_commands_print_what_the_pages_show(files):
         assert program == "dapple"
         assert form(found.output.strip()) == form(expected), command
         assert found.exit_code == int(expected.startswith("Error")), command
+
+
+def test_the_export_page_runs(files):
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    dapple.write_mesh("rock.ply", *shapes.torus())
+    for out in ("fern.usda", "plants.csv"):
+        assert run("sample", "bunny.ply", out, "-n", 50).exit_code == 0
+    assert run("track", "walk.npz", "walk_points.npz", "-n", 50).exit_code == 0
+    for command in code("docs/export.md", "sh").splitlines():
+        assert run(*shlex.split(command)[1:]).exit_code == 0, command
+    assert Path("frame_3.csv").is_file()
 
 
 def test_the_stippling_page_runs(files):

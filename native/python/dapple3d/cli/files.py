@@ -3,7 +3,7 @@
 
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -82,7 +82,7 @@ def load_npy(path: Path) -> NDArray:
         return found
 
 
-def listed(formats: Mapping[str, object]) -> str:
+def listed(formats: Iterable[str]) -> str:
     """The extensions of several formats, in words."""
     *first, last = formats
     return f"{', '.join(first)} or {last}"

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point sets in files: PLY, CSV, npz, OBJ and OFF, by the extension, with every digit."""
+"""Point sets in files: PLY, CSV, npz, OBJ, OFF and USD, by the extension.
+
+All digits are kept, but by USD, whose numbers have 32 bits.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple3d as dapple
+from dapple3d import instances, usd
 from dapple3d.cli import ply, text
 from dapple3d.cli.files import Arrays, about, listed, load_npz
 from dapple3d.writing import replacing, write_npz
@@ -23,6 +27,7 @@ class Points:
     positions: (n, 2) or (n, 3) float64.
     normals: (n, 3) float64. ids, classes: (n,) int32.
     faces, barycentric: (n,) int32 and (n, 3) float64, where on the mesh each point is.
+    orientations, scales, velocities: (n, 4), (n, 3), (n, 3) float64, as in dapple3d.instances.
     """
 
     positions: NDArray
@@ -31,19 +36,56 @@ class Points:
     classes: NDArray | None = None
     faces: NDArray | None = None
     barycentric: NDArray | None = None
+    orientations: NDArray | None = None
+    scales: NDArray | None = None
+    velocities: NDArray | None = None
 
     def arrays(self) -> Arrays:
         """Those that are there, by name."""
         return {name: value for name, value in vars(self).items() if value is not None}
 
 
-NAMES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
+OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
+NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities")
 WHOLE = ("ids", "classes", "faces")
+COLUMNS = {
+    "normals": ("nx", "ny", "nz"),
+    "orientations": ("qw", "qx", "qy", "qz"),
+    "scales": ("sx", "sy", "sz"),
+    "velocities": ("vx", "vy", "vz"),
+}
 
 
 def points_of(samples: dapple.Samples) -> Points:
     """All arrays of the samples."""
-    return Points(**{name: getattr(samples, name) for name in NAMES})
+    return Points(**{name: getattr(samples, name) for name in OF_SAMPLES})
+
+
+def instances_of(points: Points) -> instances.Instances:
+    """What other programs place: along the normals, if nothing else is known.
+
+    Raises:
+        ValueError: naming the array that is wrong and its first offender.
+    """
+    turns = points.orientations
+    if turns is None and points.normals is not None:
+        turns = instances.orientations(points.normals)
+    known = ("scales", "velocities", "normals", "ids", "classes")
+    return instances.Instances(
+        _padded(points.positions), turns, **{name: getattr(points, name) for name in known}
+    )
+
+
+def of_instances(found: instances.Instances) -> Points:
+    """The points of what was read.
+
+    Raises:
+        ValueError: naming the first id that has more than 32 bits.
+    """
+    arrays = found.arrays()
+    return Points(
+        **{name: whole(name, arr) if name in WHOLE else arr for name, arr in arrays.items()}
+    )
 
 
 def write_points(path: Path, points: Points) -> None:
@@ -53,9 +95,13 @@ def write_points(path: Path, points: Points) -> None:
         ClickException: no points can be written with this extension.
         OSError: naming the file.
     """
-    write = WRITERS[check_extension(path)]
+    suffix = check_extension(path)
+    if suffix in usd.SUFFIXES:
+        with about(path):
+            usd.write(path, instances_of(points))
+        return
     with replacing(path) as file:
-        write(file, points)
+        WRITERS[suffix](file, points)
 
 
 def check_extension(path: Path) -> str:
@@ -63,12 +109,15 @@ def check_extension(path: Path) -> str:
 
     Raises:
         ClickException: naming those that there are.
+        ImportError: it needs a module that is not installed.
     """
     suffix = path.suffix.lower()
-    if suffix in WRITERS:
+    if suffix in usd.SUFFIXES:
+        usd.check_installed()
+    if suffix in FORMATS:
         return suffix
     trouble = "STL holds triangles, no points" if suffix == ".stl" else f"unknown format '{suffix}'"
-    raise click.ClickException(f"{path}: {trouble}; points are written as {listed(WRITERS)}")
+    raise click.ClickException(f"{path}: {trouble}; points are written as {listed(FORMATS)}")
 
 
 def read_points(path: Path) -> Points:
@@ -95,6 +144,10 @@ def in_space(positions: NDArray) -> NDArray:
     """
     if len(positions) == 0:
         raise ValueError("holds no points")
+    return _padded(positions)
+
+
+def _padded(positions: NDArray) -> NDArray:
     return np.pad(positions, ((0, 0), (0, 3 - positions.shape[1])))
 
 
@@ -116,8 +169,10 @@ def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
 
 def _columns(points: Points) -> Arrays:
     columns = dict(zip("xyz", points.positions.T, strict=False))
-    if points.normals is not None:
-        columns |= dict(zip(("nx", "ny", "nz"), points.normals.T, strict=True))
+    for name, letters in COLUMNS.items():
+        values = getattr(points, name)
+        if values is not None:
+            columns |= dict(zip(letters, values.T, strict=True))
     if points.ids is not None:
         columns["id"] = points.ids
     if points.classes is not None:
@@ -157,7 +212,8 @@ def _from_columns(columns: Mapping[str, NDArray]) -> Points:
     positions = stacked("x", "y", "z") if "z" in columns else stacked("x", "y")
     if positions is None:
         raise ValueError(f"has the columns {', '.join(columns)}: x, y (and z) are needed")
-    return Points(positions, stacked("nx", "ny", "nz"), integers("id"), integers("class"))
+    vectors = {name: stacked(*letters) for name, letters in COLUMNS.items()}
+    return Points(positions, ids=integers("id"), classes=integers("class"), **vectors)
 
 
 def _read_npz(path: Path) -> Points:
@@ -180,6 +236,13 @@ def _read_npz(path: Path) -> Points:
         if name in stored:
             stored[name] = whole(name, stored[name])
     return Points(**stored | {"positions": positions.astype(np.float64)})
+
+
+def _read_usd(path: Path) -> Points:
+    frames = usd.read(path).frames
+    if len(frames) > 1:
+        raise ValueError(f"holds {len(frames)} frames; `dapple export --frame` takes one out")
+    return of_instances(frames[0])
 
 
 def _write_npz(file: IO[bytes], points: Points) -> None:
@@ -215,4 +278,6 @@ READERS: dict[str, Callable[[Path], Points]] = {
     ".npz": _read_npz,
     ".obj": lambda path: _from_columns(text.read_obj(path)),
     ".off": lambda path: _from_columns(text.read_off(path)),
+    **dict.fromkeys(usd.SUFFIXES, _read_usd),
 }
+FORMATS = (*WRITERS, *usd.SUFFIXES)

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple export: points, still or moving, for other programs."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from dapple3d import instances, usd
+from dapple3d.cli import meshes, motions, options, points
+from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.report import Reporter
+
+POSITIVE = click.FloatRange(min=0, min_open=True)
+SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}
+NAMED = re.compile(r"(?P<path>.*\.usd[acz]?)(?::(?P<prim>/.*))?", re.IGNORECASE)
+
+
+class PrototypeType(click.ParamType):
+    """FILE[:PRIM]."""
+
+    name = "prototype"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> usd.Reference:
+        """Tell the file from the prim in it."""
+        found = NAMED.fullmatch(value)
+        path = Path(found["path"] if found else value)
+        if not path.is_file():
+            self.fail(f"'{path}': there is no such file", param, ctx)
+        return usd.Reference(path, (found["prim"] or "") if found else "")
+
+
+@click.command("export", short_help="Points for other programs: USD and others.")
+@click.argument("source", metavar="POINTS", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option(
+    "--prototype",
+    "prototypes",
+    type=PrototypeType(),
+    multiple=True,
+    metavar="FILE[:PRIM]",
+    help="What stands at the points, once for each class: a prim of a USD file, which OUT refers "
+    "to, by default its default prim; or a mesh (.ply .obj .stl .off), which OUT holds.  "
+    "[default: balls]",
+)
+@click.option("--frame", type=click.IntRange(min=1), help="Only this one, counted from 1.")
+@click.option("--start", type=int, help="Number of the first frame.  [default: as in POINTS, or 1]")
+@click.option("--fps", type=POSITIVE, help="Frames in a second.  [default: as in POINTS, or 24]")
+@click.option(
+    "--up",
+    type=click.Choice(["Y", "Z"], case_sensitive=False),
+    help="The axis of POINTS that points up.  [default: as in POINTS, or Z]",
+)
+@click.option(
+    "--meters-per-unit",
+    type=POSITIVE,
+    help="Length of a unit of POINTS.  [default: as in POINTS, or 1]",
+)
+@click.option(
+    "--scale", type=POSITIVE, help="Size of what stands at the points, times the scales of POINTS."
+)
+@options.report_options
+def command(
+    source: Path,
+    out: Path,
+    prototypes: tuple[usd.Reference, ...],
+    frame: int | None,
+    start: int | None,
+    fps: float | None,
+    up: usd.Up | None,
+    meters_per_unit: float | None,
+    scale: float | None,
+    json_out: str | None,
+    quiet: bool,
+) -> None:
+    """Write POINTS, still or in motion, to OUT for another program.
+
+    POINTS is what `dapple sample`, `classes` or `track` has written, or .usd .usda .usdc. OUT is
+    .usd, .usda or .usdc: a PointInstancer with ids, classes, orientations (along the normals, if
+    POINTS has none), scales and velocities, with time samples for a motion. USD rounds numbers to
+    32 bits. OUT can also be .ply, .csv, .npz, .obj or .off; of these only .npz holds a motion.
+
+    \b
+    Examples:
+      dapple export points.ply points.usda
+      dapple export walk.npz walk.usdc --fps 25 --prototype fern.usd --prototype rocks.usd:/Rock_3
+      dapple export walk.usdc frame_10.csv --frame 10
+    """
+    reporter = Reporter(json_out, quiet)
+    suffix = points.check_extension(out)
+    check_outputs([source, *(one.path for one in prototypes)], [out, reporter.file])
+    motion = chosen(motions.read(source), source, frame, start)
+    if scale is not None:
+        motion = replace(motion, frames=[motions.scaled(one, scale) for one in motion.frames])
+    given = options.given({"fps": fps, "up": up, "meters_per_unit": meters_per_unit})
+    scene = SCENE | motion.scene | given
+    if suffix in usd.SUFFIXES:
+        write_usd(out, motion, source, [prototype(one) for one in prototypes], scene)
+    elif prototypes:
+        raise click.UsageError(f"--prototype: {suffix} holds points alone")
+    else:
+        write_points(out, motion, source)
+    counts = [len(one.positions) for one in motion.frames]
+    reporter.store(
+        "export",
+        input=str(source),
+        output=str(out),
+        settings={
+            "prototypes": [f"{one.path}{':' * bool(one.prim)}{one.prim}" for one in prototypes],
+            "frame": frame,
+            "scale": scale,
+            **scene,
+        },
+        points=counts,
+    )
+    moving = f" on {len(counts)} frames" if len(counts) > 1 else ""
+    reporter.say(f"{out}: {max(counts)} points{moving}")
+
+
+def chosen(
+    motion: motions.Motion, source: Path, frame: int | None, start: int | None
+) -> motions.Motion:
+    """The frame that is asked for, or all, with the numbers that are asked for.
+
+    Raises:
+        ClickException: there is no such frame.
+    """
+    count = len(motion.frames)
+    if frame is not None:
+        if frame > count:
+            raise click.ClickException(f"{source}: has {count} frames, so there is no {frame}")
+        return motions.Motion(motion.frames[frame - 1 : frame], scene=motion.scene)
+    if start is None or count == 1:
+        return motion
+    times = np.arange(1.0 * count) if motion.times is None else motion.times - motion.times[0]
+    return replace(motion, times=start + times)
+
+
+def prototype(given: usd.Reference) -> usd.Reference | usd.Mesh:
+    """A file of USD stays where it is, a mesh is read."""
+    if NAMED.fullmatch(str(given.path)):
+        return given
+    mesh = meshes.read_mesh(given.path)
+    return usd.Mesh(mesh.vertices, mesh.faces)
+
+
+def write_usd(
+    out: Path,
+    motion: motions.Motion,
+    source: Path,
+    prototypes: list[usd.Reference | usd.Mesh],
+    scene: dict[str, Any],
+) -> None:
+    """With velocities, if there are several frames."""
+    with about(source):
+        frames = [points.instances_of(one) for one in motion.frames]
+    if len(frames) > 1:
+        frames = instances.with_velocities(frames, scene["fps"])
+    with about(out):
+        usd.write(out, frames, times=motion.times, prototypes=prototypes, **scene)
+
+
+def write_points(out: Path, motion: motions.Motion, source: Path) -> None:
+    """In a format of points alone.
+
+    Raises:
+        ClickException: it holds a single frame, but there are several.
+    """
+    if len(motion.frames) == 1:
+        points.write_points(out, motion.frames[0])
+    elif out.suffix.lower() == ".npz":
+        motions.write_npz_motion(out, motion.frames)
+    else:
+        raise click.ClickException(
+            f"{out}: {source} has {len(motion.frames)} frames, of which --frame takes one; "
+            "all fit into .npz and USD files"
+        )

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points on several frames, in npz and USD files; files of still points are one frame."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+from dapple3d import usd
+from dapple3d.cli import points
+from dapple3d.cli.files import about, load_npz
+from dapple3d.cli.points import Points
+from dapple3d.writing import replacing, write_npz
+
+DIMENSIONS = {"ids": 1, "classes": 1, "faces": 1}  # of an array of one frame; others have 2
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Points on one or more frames.
+
+    times: their numbers, if the file has them.
+    scene: fps, up and meters_per_unit as in dapple3d.usd, if the file has them.
+    """
+
+    frames: list[Points]
+    times: NDArray[np.float64] | None = None
+    scene: dict[str, Any] = field(default_factory=dict)
+
+
+def read(path: Path) -> Motion:
+    """Read one frame or all, in the format of the extension.
+
+    Raises:
+        ClickException: naming the file and what is wrong with it.
+        OSError: naming the file.
+    """
+    suffix = path.suffix.lower()
+    if suffix in usd.SUFFIXES:
+        with about(path):
+            found = usd.read(path)
+            frames = [points.of_instances(frame) for frame in found.frames]
+            scene = {name: getattr(found, name) for name in ("fps", "up", "meters_per_unit")}
+            return Motion(frames, found.times if len(frames) > 1 else None, scene)
+    if suffix == ".npz":
+        arrays = load_npz(path)
+        if "positions" in arrays and arrays["positions"].ndim == 3:
+            with about(path):
+                return Motion(_frames(arrays))
+    return Motion([points.read_points(path)])
+
+
+def _frames(arrays: dict[str, NDArray]) -> list[Points]:
+    """One after the other; what has no axis for the frames is the same on all."""
+    positions = arrays["positions"]
+    if positions.shape[2] not in (2, 3) or positions.dtype.kind not in "fiu":
+        raise ValueError(
+            f"positions is {positions.dtype.name} {positions.shape}: numbers (frames, n, 2) or "
+            "(frames, n, 3) are needed"
+        )
+    count = len(positions)
+    if count == 0:
+        raise ValueError("positions holds no frame")
+    known = {name: values for name, values in arrays.items() if name in points.NAMES}
+    moving = {name for name, values in known.items() if values.ndim > DIMENSIONS.get(name, 2)}
+    for name in moving:
+        if len(known[name]) != count:
+            raise ValueError(f"{name} has {len(known[name])} frames, but positions {count}")
+    for name in points.WHOLE:
+        if name in known:
+            flat = points.whole(name, known[name].ravel())
+            known[name] = flat.reshape(known[name].shape)
+    return [
+        Points(**{name: known[name][k] if name in moving else known[name] for name in known})
+        for k in range(count)
+    ]
+
+
+def write_npz_motion(path: Path, frames: Sequence[Points]) -> None:
+    """Write several frames: a first axis for them, but of ids and classes, which are of all.
+
+    Raises:
+        ClickException: the points are not the same ones on all frames.
+    """
+    first = frames[0]
+    for name in ("ids", "classes"):
+        if any(not _same(getattr(frame, name), getattr(first, name)) for frame in frames):
+            raise click.ClickException(f"{path}: {name} change over the frames; USD can hold that")
+    if len({len(frame.positions) for frame in frames}) > 1:
+        raise click.ClickException(f"{path}: the number of points changes; USD can hold that")
+    arrays = {
+        name: values if name in ("ids", "classes") else np.stack([f.arrays()[name] for f in frames])
+        for name, values in first.arrays().items()
+    }
+    with replacing(path) as file:
+        write_npz(file, arrays)
+
+
+def _same(one: NDArray | None, other: NDArray | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(one, other)
+
+
+def scaled(found: Points, factor: float) -> Points:
+    """With instances of another size."""
+    scales = np.ones((len(found.positions), 3)) if found.scales is None else found.scales
+    return replace(found, scales=factor * scales)

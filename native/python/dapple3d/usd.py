@@ -1,0 +1,435 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""USD files: instances as a PointInstancer, on one frame or many; needs usd-core.
+
+>>> from dapple3d import instances, usd
+>>> usd.write("points.usda", instances.of_samples(samples))
+>>> usd.read("points.usda").frames[0].positions
+
+USD holds positions and all else that is no whole number as 32-bit floats: what is read back is
+rounded to those.
+"""
+
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._native import nearest_distances
+from .instances import Instances
+from .writing import replacing
+
+__all__ = ["SUFFIXES", "Contents", "Mesh", "Reference", "Up", "check_installed", "read", "write"]
+
+Up = Literal["Y", "Z"]
+
+SUFFIXES: Final = (".usd", ".usda", ".usdc")
+"""Of the files that write() and read() know: binary, text, binary."""
+
+VECTORS = {
+    "positions": "positions",
+    "scales": "scales",
+    "velocities": "velocities",
+    "normals": "primvars:normals",
+}
+BALL = 0.2  # radius of what stands where no prototype is given, in spacings
+MISSING = "USD files need the module pxr, which is missing: pip install usd-core"
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A prototype in another USD file, which the written file refers to.
+
+    Attributes:
+        path: of the file.
+        prim: in it, such as "/Plants/Fern"; empty is the file's default prim.
+    """
+
+    path: Path
+    prim: str = ""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A prototype of triangles, which the written file holds.
+
+    Attributes:
+        vertices: (v, 3) float64.
+        faces: (m, 3) int32.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a file holds.
+
+    Attributes:
+        frames: the instances, in the order of the times.
+        times: (frames,) float64, time codes: numbers of frames; a file without time samples has
+            one frame at 0.
+        fps: time codes in a second.
+        up: the axis that points up.
+        meters_per_unit: length of a unit of the positions.
+        prototypes: the paths of the prims that stand at the classes.
+    """
+
+    frames: list[Instances]
+    times: NDArray[np.float64]
+    fps: float
+    up: Up
+    meters_per_unit: float
+    prototypes: tuple[str, ...]
+
+
+@cache
+def _pxr() -> SimpleNamespace:
+    try:
+        from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils, Vt
+    except ModuleNotFoundError as error:
+        raise ImportError(MISSING) from error
+    modules = (Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils, Vt)
+    return SimpleNamespace(**{one.__name__.rpartition(".")[2]: one for one in modules})
+
+
+def check_installed() -> None:
+    """Find out before long work whether files can be written and read.
+
+    Raises:
+        ImportError: usd-core is not installed.
+    """
+    _pxr()
+
+
+# Writing
+
+
+def write(
+    path: str | os.PathLike[str],
+    frames: Instances | Sequence[Instances],
+    *,
+    times: ArrayLike | None = None,
+    fps: float = 24.0,
+    up: Up = "Z",
+    meters_per_unit: float = 1.0,
+    prototypes: Sequence[Reference | Mesh] = (),
+    name: str = "points",
+) -> None:
+    """Write instances as a UsdGeom PointInstancer, the file as a whole or not at all.
+
+    Orientations are written twice: as `orientations`, 16-bit floats that every reader knows, and
+    as `orientationsf`, 32-bit floats that newer ones take instead. Normals become a primvar. What
+    is the same on all frames is written once.
+
+    Args:
+        path: ends with one of SUFFIXES.
+        frames: the instances, or those of several frames; their number may change.
+        times: (frames,) time codes that grow; by default 1, 2, ...; a single frame without one is
+            there at all times.
+        fps: time codes in a second.
+        up: the axis that points up. Nothing is turned.
+        meters_per_unit: length of a unit of the positions.
+        prototypes: what stands at class 0, 1, ...; none are small balls, one for each class.
+        name: of the PointInstancer.
+
+    Raises:
+        ValueError: an argument is wrong; it names the first offender.
+        OSError: naming the file.
+        ImportError: usd-core is not installed.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{target}: a USD file ends with {', '.join(SUFFIXES)}")
+    listed = [frames] if isinstance(frames, Instances) else list(frames)
+    codes = _codes(listed, times)
+    shapes = _shapes(listed, prototypes)
+    stage = _stage(codes, fps, up, meters_per_unit)
+    _add_instancer(stage, name, listed, codes, shapes)
+    _save(stage, target)
+
+
+def _codes(frames: Sequence[Instances], times: ArrayLike | None) -> list[float] | None:
+    if not frames:
+        raise ValueError("frames is empty: at least one is needed")
+    names = [sorted(frame.arrays()) for frame in frames]
+    for k, found in enumerate(names):
+        if found != names[0]:
+            raise ValueError(f"frames[{k}] has {found}, but frames[0] {names[0]}")
+    if times is None:
+        return [k + 1.0 for k in range(len(frames))] if len(frames) > 1 else None
+    codes = np.asarray(times, np.float64)
+    if codes.shape != (len(frames),) or not np.isfinite(codes).all() or (np.diff(codes) <= 0).any():
+        raise ValueError(f"times is {codes.tolist()}: {len(frames)} growing numbers are needed")
+    return codes.tolist()
+
+
+def _shapes(
+    frames: Sequence[Instances], prototypes: Sequence[Reference | Mesh]
+) -> list[Reference | Mesh | float]:
+    """The prototypes, or radii of balls."""
+    classes = [frame.classes for frame in frames if frame.classes is not None]
+    needed = max((int(one.max(initial=0)) for one in classes), default=0) + 1
+    if not prototypes:
+        return [_ball(frames)] * needed
+    if len(prototypes) < needed:
+        raise ValueError(
+            f"classes has the class {needed - 1}, but there are only {len(prototypes)} prototypes"
+        )
+    return list(prototypes)
+
+
+def _ball(frames: Sequence[Instances]) -> float:
+    """A radius that keeps balls apart on the first frame that has two points."""
+    several = next((frame.positions for frame in frames if len(frame) > 1), None)
+    if several is None:
+        return BALL
+    return BALL * float(np.median(nearest_distances(several))) or BALL
+
+
+def _stage(codes: list[float] | None, fps: float, up: Up, meters_per_unit: float) -> Any:
+    pxr = _pxr()
+    if up not in ("Y", "Z"):
+        raise ValueError(f"up is {up!r}: Y or Z is needed")
+    for name, value in (("fps", fps), ("meters_per_unit", meters_per_unit)):
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{name} is {value}: a number > 0 is needed")
+    stage = pxr.Usd.Stage.CreateInMemory()
+    pxr.UsdGeom.SetStageUpAxis(stage, up)
+    pxr.UsdGeom.SetStageMetersPerUnit(stage, meters_per_unit)
+    stage.SetTimeCodesPerSecond(fps)
+    stage.SetFramesPerSecond(fps)
+    if codes:
+        stage.SetStartTimeCode(codes[0])
+        stage.SetEndTimeCode(codes[-1])
+    root = pxr.UsdGeom.Xform.Define(stage, "/dapple")
+    pxr.Usd.ModelAPI(root).SetKind("component")
+    stage.SetDefaultPrim(root.GetPrim())
+    return stage
+
+
+def _add_instancer(
+    stage: Any,
+    name: str,
+    frames: Sequence[Instances],
+    codes: list[float] | None,
+    shapes: Sequence[Reference | Mesh | float],
+) -> None:
+    pxr = _pxr()
+    if not pxr.Sdf.Path.IsValidIdentifier(name):
+        raise ValueError(f"name is {name!r}: letters, digits and _ are needed, no digit first")
+    path = f"/dapple/{name}"
+    instancer = pxr.UsdGeom.PointInstancer.Define(stage, path)
+    pxr.UsdGeom.Scope.Define(stage, f"{path}/prototypes")
+    paths = [f"{path}/prototypes/class_{k}" for k in range(len(shapes))]
+    for prim, shape in zip(paths, shapes, strict=True):
+        _add_prototype(stage, prim, shape)
+        instancer.GetPrototypesRel().AddTarget(prim)
+    _add_arrays(instancer.GetPrim(), frames, codes)
+    for code in codes or [pxr.Usd.TimeCode.Default()]:
+        extent = instancer.ComputeExtentAtTime(code, code)
+        instancer.GetExtentAttr().Set(extent, code)
+
+
+def _add_prototype(stage: Any, path: str, shape: Reference | Mesh | float) -> None:
+    geometry = _pxr().UsdGeom
+    if isinstance(shape, Reference):
+        prim = geometry.Xform.Define(stage, path).GetPrim()
+        prim.GetReferences().AddReference(*_checked_reference(shape))
+    elif isinstance(shape, Mesh):
+        mesh = geometry.Mesh.Define(stage, path)
+        faces = np.ascontiguousarray(shape.faces, np.int32)
+        mesh.GetPointsAttr().Set(_vectors("vertices", shape.vertices))
+        mesh.GetFaceVertexCountsAttr().Set([3] * len(faces))
+        mesh.GetFaceVertexIndicesAttr().Set(_pxr().Vt.IntArray.FromNumpy(faces.ravel()))
+        mesh.GetSubdivisionSchemeAttr().Set(geometry.Tokens.none)
+        mesh.GetExtentAttr().Set(geometry.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
+    else:
+        ball = geometry.Sphere.Define(stage, path)
+        ball.GetRadiusAttr().Set(shape)
+        ball.GetExtentAttr().Set([(-shape,) * 3, (shape,) * 3])
+
+
+def _checked_reference(reference: Reference) -> tuple[str, ...]:
+    """File, with its whole path, and prim if it is named, both of which there must be."""
+    path = Path(reference.path).resolve()
+    with _opened(path) as stage:
+        prim = stage.GetPrimAtPath(reference.prim) if reference.prim else stage.GetDefaultPrim()
+        if not prim:
+            missing = f"no prim {reference.prim}" if reference.prim else "no default prim: name one"
+            raise ValueError(f"{reference.path}: has {missing}")
+        return (path.as_posix(), reference.prim) if reference.prim else (path.as_posix(),)
+
+
+def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | None) -> None:
+    """What is the same on all frames goes in without a time."""
+    pxr = _pxr()
+    if frames[0].normals is not None:
+        primvars, types = pxr.UsdGeom.PrimvarsAPI(prim), pxr.Sdf.ValueTypeNames
+        primvars.CreatePrimvar("normals", types.Normal3fArray, pxr.UsdGeom.Tokens.vertex)
+    rows = [_values(frame) for frame in frames]
+    for name, first in rows[0].items():
+        attribute = prim.GetAttribute(name)
+        if all(row[name] == first for row in rows):
+            attribute.Set(first)
+            continue
+        for code, row in zip(codes or [], rows, strict=True):
+            attribute.Set(row[name], code)
+
+
+def _values(frame: Instances) -> dict[str, Any]:
+    """USD's arrays by the names of its attributes."""
+    vt, turns = _pxr().Vt, frame.orientations
+    classes = np.zeros(len(frame), np.int32) if frame.classes is None else frame.classes
+    found = {"protoIndices": vt.IntArray.FromNumpy(classes)}
+    for name, attribute in VECTORS.items():
+        values = getattr(frame, name)
+        if values is not None:
+            found[attribute] = _vectors(name, values)
+    if turns is not None:
+        turns = np.roll(turns, -1, axis=1)  # in memory they are x, y, z, w
+        found["orientations"] = vt.QuathArray.FromNumpy(turns.astype(np.float16))
+        found["orientationsf"] = vt.QuatfArray.FromNumpy(turns.astype(np.float32))
+    if frame.ids is not None:
+        found["ids"] = vt.Int64Array.FromNumpy(frame.ids)
+    return found
+
+
+def _vectors(name: str, values: NDArray) -> Any:
+    with np.errstate(over="ignore"):
+        single = np.ascontiguousarray(values, np.float32)
+    if not np.isfinite(single).all():
+        k = int((~np.isfinite(single).all(axis=1)).argmax())
+        raise ValueError(f"{name}[{k}] is no 32-bit float: {values[k].tolist()}")
+    return _pxr().Vt.Vec3fArray.FromNumpy(single)
+
+
+def _save(stage: Any, path: Path) -> None:
+    """Write by way of a file elsewhere, as USD writes nothing but files that it opens itself."""
+    pxr, folder = _pxr(), path.resolve().parent
+    layer = pxr.Sdf.Layer.CreateAnonymous()
+    layer.TransferContent(stage.GetRootLayer())  # the stage would look for the relative paths
+    pxr.UsdUtils.ModifyAssetPaths(layer, lambda asset: _relative(asset, folder))
+    with tempfile.TemporaryDirectory() as elsewhere, replacing(path) as file:
+        made = Path(elsewhere, f"whole{path.suffix.lower()}")
+        with _telling(path, ""):
+            layer.Export(str(made))
+        with made.open("rb") as whole:
+            shutil.copyfileobj(whole, file)
+
+
+def _relative(asset: str, folder: Path) -> str:
+    try:
+        found = Path(os.path.relpath(asset, folder)).as_posix()
+    except ValueError:  # on another drive
+        return asset
+    return found if found.startswith(".") else f"./{found}"
+
+
+@contextmanager
+def _telling(path: Path, before: str) -> Iterator[None]:
+    """Say on one line what USD says in many."""
+    try:
+        yield
+    except _pxr().Tf.ErrorException as error:
+        told = error.args[0].commentary.removeprefix("Error occurred writing file: ")
+        raise OSError(None, before + told, str(path)) from error
+
+
+# Reading
+
+
+def read(path: str | os.PathLike[str], prim: str | None = None) -> Contents:
+    """Read a PointInstancer, in its own space: transforms of prims above it are left out.
+
+    Args:
+        path: ends with one of SUFFIXES.
+        prim: path of the PointInstancer; needed if the file has several.
+
+    Raises:
+        ValueError: there is none, there are several, or its arrays do not belong together.
+        OSError: naming the file, which is missing or no USD file.
+        ImportError: usd-core is not installed.
+    """
+    geometry = _pxr().UsdGeom
+    with _opened(Path(path)) as stage:
+        instancer = _found(stage, prim)
+        times = _times(instancer)
+        return Contents(
+            [_frame(instancer, time) for time in times],
+            np.array(times),
+            stage.GetTimeCodesPerSecond(),
+            geometry.GetStageUpAxis(stage),
+            geometry.GetStageMetersPerUnit(stage),
+            tuple(map(str, geometry.PointInstancer(instancer).GetPrototypesRel().GetTargets())),
+        )
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    if not path.exists():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    with _telling(path, "could not be read as USD: "):
+        stage = _pxr().Usd.Stage.Open(str(path))
+    yield stage
+
+
+def _found(stage: Any, path: str | None) -> Any:
+    there = list(_outermost(stage))
+    names = ", ".join(str(prim.GetPath()) for prim in there)
+    chosen = [prim for prim in there if path in (None, str(prim.GetPath()))]
+    if len(chosen) == 1:
+        return chosen[0]
+    if not there:
+        raise ValueError("has no PointInstancer")
+    if path is None:
+        raise ValueError(f"has {len(there)} PointInstancers, name one of them: {names}")
+    raise ValueError(f"has no PointInstancer {path}, but {names}")
+
+
+def _outermost(stage: Any) -> Iterator[Any]:
+    """The PointInstancers that are no prototypes of another one."""
+    prims = iter(stage.Traverse())
+    for prim in prims:
+        if prim.IsA(_pxr().UsdGeom.PointInstancer):
+            prims.PruneChildren()
+            yield prim
+
+
+def _times(prim: Any) -> list[float]:
+    read_from = ("protoIndices", "ids", "orientations", "orientationsf", *VECTORS.values())
+    attributes = [prim.GetAttribute(name) for name in read_from]
+    samples = [attribute.GetTimeSamples() for attribute in attributes if attribute]
+    return sorted({time for times in samples for time in times}) or [0.0]
+
+
+def _frame(prim: Any, time: float) -> Instances:
+    def array(name: str) -> NDArray | None:
+        attribute = prim.GetAttribute(name)
+        values = attribute.Get(time) if attribute else None
+        return None if values is None else np.array(values)
+
+    turns = array("orientationsf")
+    if turns is None or len(turns) == 0:
+        turns = array("orientations")
+    found = {name: array(attribute) for name, attribute in VECTORS.items()}
+    positions = found.pop("positions")
+    if positions is None:
+        raise ValueError(f"{prim.GetPath()} has no positions")
+    return Instances(
+        positions,
+        None if turns is None else np.roll(turns, 1, axis=1),
+        ids=array("ids"),
+        classes=array("protoIndices"),
+        **found,
+    )

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What stands at points: checks, turns and velocities."""
+
+import numpy as np
+import pytest
+from dapple3d import instances
+from dapple3d.instances import Instances
+
+
+def turned(turns: np.ndarray, vector: tuple[float, float, float]) -> np.ndarray:
+    """The vector turned by unit quaternions w, x, y, z."""
+    real, imaginary = turns[:, :1], turns[:, 1:]
+    twice = 2 * np.cross(imaginary, np.broadcast_to(vector, imaginary.shape))
+    return vector + real * twice + np.cross(imaginary, twice)
+
+
+@pytest.fixture
+def normals() -> np.ndarray:
+    vectors = np.random.default_rng(0).normal(size=(200, 3))
+    return np.vstack([vectors, np.eye(3), -np.eye(3), [[1e-9, 0, -1]]])
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def test_instances_stand_along_normals_by_the_shortest_turn(normals):
+    turns = instances.orientations(normals)
+    np.testing.assert_allclose(np.linalg.norm(turns, axis=1), 1)
+    np.testing.assert_allclose(turned(turns, (0, 0, 1)), unit(normals), atol=1e-8)
+    np.testing.assert_allclose(turns[:, 3], 0)  # no turn about the z axis
+    assert (turns[:, 0] >= 0).all()
+
+
+def test_the_x_axis_points_along_tangents(normals):
+    tangents = np.random.default_rng(1).normal(size=normals.shape)
+    turns = instances.orientations(normals, tangents)
+    np.testing.assert_allclose(turned(turns, (0, 0, 1)), unit(normals), atol=1e-12)
+    x = turned(turns, (1, 0, 0))
+    across = np.cross(unit(normals), tangents)
+    np.testing.assert_allclose(np.einsum("ij,ij->i", x, across), 0, atol=1e-12)
+    assert (np.einsum("ij,ij->i", x, tangents) > 0).all()
+    assert (turns[:, 0] >= 0).all()
+
+
+def test_what_has_no_direction_is_named():
+    with pytest.raises(ValueError, match=r"normals\[1\] has no direction"):
+        instances.orientations([[0, 0, 1], [0, 0, 0]])
+    with pytest.raises(ValueError, match=r"normals\[0\] has no direction: \[nan"):
+        instances.orientations([[np.nan, 0, 1]])
+    with pytest.raises(ValueError, match=r"tangents across the normal\[0\]"):
+        instances.orientations([[0, 0, 1]], [[0, 0, 2]])
+    with pytest.raises(ValueError, match=r"normals has the shape \(3,\): \(n, 3\)"):
+        instances.orientations([0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("arrays", "said"),
+    [
+        ({"scales": np.ones((3, 3))}, r"scales is float64 \(3, 3\): numbers \(2, 3\) are needed"),
+        ({"ids": np.array(["a", "b"])}, r"ids is str32 \(2,\): numbers \(2,\) are needed"),
+        ({"normals": [[0, 0, 1], [np.inf, 0, 0]]}, r"normals\[1\] is not finite: \[inf"),
+        ({"classes": [0, -1]}, r"classes\[1\] is not at least 0: -1"),
+        ({"orientations": np.ones((2, 3))}, r"orientations .* \(2, 4\) are needed"),
+    ],
+)
+def test_arrays_that_do_not_belong_together_are_named(arrays, said):
+    with pytest.raises(ValueError, match=said):
+        Instances(np.zeros((2, 3)), **arrays)
+
+
+def test_samples_stand_along_their_normals(samples):
+    found = instances.of_samples(samples)
+    np.testing.assert_array_equal(found.positions, samples.positions)
+    np.testing.assert_array_equal(found.ids, samples.ids)
+    np.testing.assert_array_equal(found.classes, samples.classes)
+    np.testing.assert_allclose(turned(found.orientations, (0, 0, 1)), samples.normals, atol=1e-12)
+
+
+def at(places: dict[int, float]) -> Instances:
+    """Points on the x axis by their ids."""
+    positions = [[x, 0, 0] for x in places.values()]
+    return Instances(np.array(positions), ids=np.array(list(places)))
+
+
+def test_velocities_lead_to_the_next_frame():
+    frames = [at({1: 0.0, 2: 5.0}), at({1: 1.0, 2: 5.0}), at({1: 3.0, 2: 4.0})]
+    found = instances.with_velocities(frames, 24)
+    x = [frame.velocities[:, 0].tolist() for frame in found]
+    assert x == [[24, 0], [48, -24], [48, -24]]
+
+
+def test_velocities_follow_ids_not_rows():
+    frames = [at({7: 0.0, 8: 5.0}), at({9: 2.0, 8: 6.0, 7: 1.0}), at({9: 4.0})]
+    found = instances.with_velocities(frames, 10)
+    x = [frame.velocities[:, 0].tolist() for frame in found]
+    assert x == [[10, 10], [20, 10, 10], [20]]
+
+
+def test_velocities_that_are_known_stay():
+    known = Instances(np.zeros((1, 3)), velocities=np.ones((1, 3)))
+    found = instances.with_velocities([known, Instances(np.ones((1, 3)))], 24)
+    assert [frame.velocities.tolist() for frame in found] == [[[1, 1, 1]], [[1, 1, 1]]]
