@@ -21,7 +21,7 @@ ENTRY = "PyInit__native"
 LINUX = re.compile(r"(libc|libm|libpthread|libdl|librt)\.so\.\d+|ld-linux-[\w-]+\.so\.\d+")
 WINDOWS = re.compile(r"(kernel32|ntdll|advapi32|bcrypt|ucrtbase|api-ms-win-[\w-]+)\.dll", re.I)
 MACOS = re.compile(r"/usr/lib/libSystem\.B\.dylib")
-# Weak ones, of which the loader takes one for all (operators, exceptions' types), and the file's head.
+# Weak ones, of which the loader takes one for all (operators, exceptions' types); the file's head.
 MACOS_SHOWS_TOO = re.compile(r"_Zn[aw]m\w*|_Zd[al]Pv\w*|_ZT[IS]\w+|_mh_dylib_header|__dso_handle")
 PYTHON = re.compile(r"_?Py\w+")
 GLIBC = (2, 28)
