@@ -9,6 +9,7 @@ import bpy
 
 from . import copies, ui
 from .base import recent, renders, translation, under_way
+from .command import entry
 from .data import older_files
 from .live import instanced, modifier_tab, placing, watcher
 from .ops import (
@@ -85,7 +86,7 @@ def _steps() -> list[Step]:
     first: Any = (translation, properties)
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
-    edge: Any = (keymaps, point_tool)
+    edge: Any = (keymaps, point_tool, entry)
     last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, *edge)
     return [
         *((module.register, module.unregister) for module in first),

@@ -24,6 +24,7 @@ from .records import Binding, Columns
 from .settings import Settings
 from .solve import Report
 from .surface import Ints, SurfaceArrays
+from .whole import replacing
 
 FORMAT = 2
 
@@ -105,24 +106,17 @@ class Sidecar:
         part = self.path(frame).with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
         some: dict[str, Any] = {} if lean is None else {"lean": lean}
-        try:
-            with part.open("wb") as file:
-                np.savez(
-                    file,
-                    fingerprint=np.array(fingerprint),
-                    faces=solved.placed.faces,
-                    barycentric=solved.placed.binding.barycentric,
-                    carry=solved.placed.binding.carry,
-                    report=np.array(json.dumps(asdict(solved.report))),
-                    settled=np.array(solved.settled),
-                    **some,
-                )
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(self.path(frame))
-        finally:
-            part.unlink(missing_ok=True)
-        _sync_folder(self.folder)
+        with replacing(self.path(frame), part), part.open("wb") as file:
+            np.savez(
+                file,
+                fingerprint=np.array(fingerprint),
+                faces=solved.placed.faces,
+                barycentric=solved.placed.binding.barycentric,
+                carry=solved.placed.binding.carry,
+                report=np.array(json.dumps(asdict(solved.report))),
+                settled=np.array(solved.settled),
+                **some,
+            )
 
     def frames(self) -> int:
         """Number of files of frames that are there, whatever they hold."""
@@ -167,14 +161,3 @@ def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
     report = Report(**json.loads(str(stored["report"])))
     placed = Placed(stored["faces"], binding, lean=stored.get("lean"))
     return Solved(placed, report, bool(stored["settled"]))
-
-
-def _sync_folder(folder: Path) -> None:
-    """Flush the renaming too, where a folder can be opened (not on Windows)."""
-    if not hasattr(os, "O_DIRECTORY"):
-        return
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

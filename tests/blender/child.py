@@ -3,6 +3,7 @@
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -118,3 +119,29 @@ def blender(*options):
         "1",
         *options,
     ]
+
+
+_ENABLE = """
+import addon_host
+from pathlib import Path
+addon_host.add_repository(Path(arguments[0], "repository"))
+addon_host.enable()
+bpy.ops.wm.save_userpref()
+"""
+
+
+def program(folder):
+    """A program to call as `blender`: this executable with the add-on enabled in its preferences
+    and nothing else of the user's, or what stands in for one.
+    """
+    home = Path(folder, "blender home")
+    home.mkdir()
+    command = [sys.executable, str(HERE / "stand_in.py")]
+    if bpy.app.binary_path:
+        run(_ENABLE, home, BLENDER_USER_RESOURCES=str(home))
+        command = [bpy.app.binary_path, "--python-use-system-env"]
+    path = Path(folder, "blender")
+    words = shlex.join(["env", f"BLENDER_USER_RESOURCES={home}", *command])
+    path.write_text(f'#!/bin/sh\nexec {words} "$@"\n')
+    path.chmod(0o755)
+    return path

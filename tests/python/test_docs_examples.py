@@ -31,6 +31,10 @@ RUN = {
         "cmake": (2, "tests/consumer"),
         "cpp": (1, "tests/consumer, test_module.py"),
     },
+    "docs/farm.md": {
+        "sh": (1, "tests/blender/test_command.py"),
+        "json": (1, "tests/blender/test_command.py"),
+    },
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},

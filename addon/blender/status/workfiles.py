@@ -185,7 +185,7 @@ def _is_finished(obj: bpy.types.Object, files: Sidecar) -> bool:
     return files.fingerprint(last) == settings.bake_fingerprint
 
 
-def _saved(path: str, *_arguments: Any) -> None:
+def saved(path: str, *_arguments: Any) -> None:
     """Have the work files follow, and remove those of bakes that the file now holds."""
     if not bpy.data.filepath or Path(path) != Path(bpy.data.filepath):
         return  # a copy, or the startup file: the work files are still those of the open one
@@ -261,7 +261,7 @@ def _edited(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 _HANDLERS: Handlers = {
-    "save_post": _saved,
+    "save_post": saved,
     "load_post": _loaded,
     "undo_post": _forget,
     "redo_post": _forget,

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the command line understands; docs/farm.md tells users."""
+
+import argparse
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+_FRAMES = re.compile(r"(-?\d+)(?:-(-?\d+))?")
+_CODES = "Exit codes: 0 done; 1 failed, or not up to date; 2 wrong usage; 130, 143 stopped."
+
+if TYPE_CHECKING:
+    _Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
+
+
+class Asked(argparse.Namespace):
+    """A command line, read; each verb has some of these."""
+
+    verb: str
+    scatters: list[str]  # none: all
+    json: Path | None
+    progress: str
+    quiet: bool
+    frames: tuple[int, int] | None = None  # those of the scene
+    frame: int | None = None  # the one that the file shows
+    output: Path | None = None  # the file itself
+    if_needed: bool = False
+    drop_keys: bool = False
+    baked: bool = False
+
+
+def parsed(arguments: list[str]) -> Asked:
+    """A command line; SystemExit with the exit code where there is nothing to do."""
+    return _parser().parse_args(arguments, Asked())
+
+
+def frames(text: str) -> tuple[int, int]:
+    """First and last frame, of "1-250" or of "7"."""
+    found = _FRAMES.fullmatch(text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a range of frames such as 1-250")
+    first, last = int(found[1]), int(found[2] or found[1])
+    if last < first:
+        raise argparse.ArgumentTypeError(f"the range of frames is empty: {first} to {last}")
+    return first, last
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="blender -b FILE.blend --command dapple",
+        description="Solves the scatters of a file without a window.",
+        epilog=_CODES,
+    )
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
+    _add_bake(verbs)
+    _add_optimize(verbs)
+    _add_check(verbs)
+    return parser
+
+
+def _add_bake(verbs: "_Verbs") -> None:
+    verb = _verb(verbs, "bake", "bake keyframes, and save the file")
+    _add_frames(verb, "to bake")
+    verb.add_argument(
+        "--if-needed", action="store_true", help="leave out scatters whose bake is up to date"
+    )
+    _add_output(verb)
+
+
+def _add_optimize(verbs: "_Verbs") -> None:
+    verb = _verb(verbs, "optimize", "distribute the points in one frame, and save the file")
+    verb.add_argument("--frame", type=int, help="the frame; default: the one that the file shows")
+    verb.add_argument(
+        "--drop-keys", action="store_true", help="delete the keyframes of scatters that are baked"
+    )
+    _add_output(verb)
+
+
+def _add_check(verbs: "_Verbs") -> None:
+    verb = _verb(verbs, "check", "say whether scatters are up to date; 1 if one is not")
+    _add_frames(verb, "to compare")
+    verb.add_argument(
+        "--baked", action="store_true", help="take scatters that are not baked for out of date"
+    )
+
+
+def _verb(verbs: "_Verbs", name: str, told: str) -> argparse.ArgumentParser:
+    verb = verbs.add_parser(name, help=told, description=told.capitalize() + ".", epilog=_CODES)
+    verb.add_argument(
+        "--scatter",
+        action="append",
+        default=[],
+        dest="scatters",
+        metavar="NAME",
+        help="a scatter object, several times for several; default: all of the scene",
+    )
+    verb.add_argument("--json", type=Path, metavar="FILE", help="write a report")
+    verb.add_argument(
+        "--progress",
+        choices=["text", "openjd"],
+        default="text",
+        help="form of the lines on stderr; openjd: as Open Job Description reads them",
+    )
+    verb.add_argument("--quiet", action="store_true", help="no progress, only errors")
+    return verb
+
+
+def _add_frames(verb: argparse.ArgumentParser, what: str) -> None:
+    verb.add_argument(
+        "--frames", type=frames, metavar="A-B", help=f"frames {what}; default: those of the scene"
+    )
+
+
+def _add_output(verb: argparse.ArgumentParser) -> None:
+    verb.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.blend",
+        help="save there and leave the file as it is; default: the file itself",
+    )

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command that the add-on adds to Blender's command line; its work on all scatters."""
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ...core.errors import ScatterError, StoppedError
+from .arguments import Asked, parsed
+from .report import write_report
+from .shot import Shot
+from .telling import Stops, Teller, run_told
+from .verbs import CURRENT, OUTDATED, VERBS, Facts
+
+NAME = "dapple"
+FAILED, STOPPED = "failed", "stopped"
+_SIGNALED = 128  # is added to the number of a signal
+
+
+@dataclass
+class _State:
+    """The registered command."""
+
+    handle: Any = None
+
+
+_state = _State()
+
+
+def main(arguments: list[str]) -> int:
+    """Run a command line on the file that is open; the exit code."""
+    try:
+        asked = parsed(arguments)
+    except SystemExit as end:
+        return int(end.code or 0)
+    with Stops() as stops:
+        return _Run(asked, stops).all()
+
+
+@dataclass
+class _Run:
+    """One command."""
+
+    asked: Asked
+    stops: Stops
+    found: list[Facts] = field(default_factory=list)  # one for each scatter
+    troubles: list[str] = field(default_factory=list)  # of the whole
+    saved: str = ""  # the file
+
+    def __post_init__(self) -> None:
+        self.teller = Teller(self.asked.progress, self.asked.quiet)
+        self.verb = VERBS[self.asked.verb]
+
+    def all(self) -> int:
+        """Do it for all scatters, and report; the exit code."""
+        begin = time.monotonic()
+        self._attempt(self._work)
+        code = self._code()
+        if self.asked.json is not None:
+            self._attempt(self._report, self.asked.json, code, time.monotonic() - begin)
+        return code or self._code()
+
+    def _report(self, path: Path, code: int, seconds: float) -> None:
+        facts = {"exit": code, "seconds": seconds, "saved": self.saved, "errors": self.troubles}
+        write_report(path, self.asked.verb, {**facts, "scatters": self.found})
+
+    def _work(self) -> None:
+        shot = Shot(self.asked)
+        self.teller.count = len(shot.scatters)
+        for self.teller.at, obj in enumerate(shot.scatters):
+            if not self.stops.number:
+                self._one(obj)
+        if self.verb.saves and self._is_worth_saving():
+            shot.save()
+            self.saved = str(shot.target)
+            self.teller.line(f"saved '{self.saved}'")
+        if not self._code():
+            self.teller.done()
+
+    def _is_worth_saving(self) -> bool:
+        """Whether something was done, or another file is to hold what was done before."""
+        copied = self.asked.output is not None and not any(map(_is_wrong, self.found))
+        return copied or any(map(_has_changed, self.found))
+
+    def _attempt(self, work: Callable[..., None], *arguments: Any) -> None:
+        try:
+            work(*arguments)
+        except (ScatterError, OSError) as error:
+            self.troubles.append(str(error))
+            self.teller.error(str(error))
+
+    def _one(self, obj: bpy.types.Object) -> None:
+        """The work on a scatter; what goes wrong there does not keep others from theirs."""
+        facts: Facts = {"name": obj.name}
+        self.found.append(facts)
+        begin = time.monotonic()
+        try:
+            with bpy.context.temp_override(object=obj, active_object=obj):
+                facts |= run_told(self.verb.steps(obj, self.asked), self.stops, self._progress(obj))
+        except StoppedError as error:
+            facts |= {"state": STOPPED, "error": str(error)}
+        except ScatterError as error:
+            facts |= {"state": FAILED, "error": str(error)}
+        except Exception as error:  # a bug, or no memory: the others are done and saved
+            traceback.print_exc()
+            facts |= {"state": FAILED, "error": f"{type(error).__name__}: {error}"}
+        facts["seconds"] = time.monotonic() - begin
+        self._tell(facts)
+
+    def _progress(self, obj: bpy.types.Object) -> Any:
+        name, scene = obj.name, bpy.context.scene
+        return lambda share: self.teller.progress(name, scene.frame_current, share)
+
+    def _tell(self, facts: Facts) -> None:
+        text = f"'{facts['name']}': {facts['state']}"
+        if "error" in facts:
+            self.teller.error(f"{text}: {facts['error']}")
+        elif facts["state"] in (CURRENT, OUTDATED):
+            print(": ".join(filter(None, (text, facts.get("reason")))), flush=True)
+        else:
+            self._tell_done(text, facts)
+
+    def _tell_done(self, text: str, facts: Facts) -> None:
+        if facts.get("resumed"):
+            text = f"{text}, {facts['resumed']} frames by a run before"
+        self.teller.line(text)
+        for warning in facts.get("warnings", ()):
+            self.teller.error(warning)
+
+    def _code(self) -> int:
+        if self.stops.number:
+            return _SIGNALED + self.stops.number
+        return int(bool(self.troubles) or any(map(_is_wrong, self.found)))
+
+
+def _has_changed(facts: Facts) -> bool:
+    return facts["state"] not in (FAILED, STOPPED, CURRENT)
+
+
+def _is_wrong(facts: Facts) -> bool:
+    return facts["state"] in (FAILED, STOPPED, OUTDATED)
+
+
+def register() -> None:
+    """Add the command to Blender's command line."""
+    _state.handle = bpy.utils.register_cli_command(NAME, main)
+
+
+def unregister() -> None:
+    """Take it back."""
+    if _state.handle is not None:
+        bpy.utils.unregister_cli_command(_state.handle)
+        _state.handle = None

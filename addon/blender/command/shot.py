@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The file that is open: its scatters, and how it is saved as a whole or not at all."""
+
+from contextlib import suppress
+from pathlib import Path
+
+import bpy
+
+from ...core.errors import ScatterError
+from ...core.native import missing
+from ...core.whole import part_of, replacing
+from ..base.translation import english
+from ..data.library import is_in_view_layer, read_only
+from ..data.scatter import is_scatter
+from ..status.workfiles import finished_files, saved
+from .arguments import Asked
+
+Stamp = tuple[int, int]
+
+
+class Shot:
+    """The open file, as it was when the command began."""
+
+    def __init__(self, asked: Asked) -> None:
+        self._check(asked)
+        self.path = Path(bpy.data.filepath)
+        self.target = (asked.output or self.path).absolute()
+        self._stamp = _stamp(self.path)
+        self.scatters = _chosen(asked.scatters)
+
+    def save(self) -> None:
+        """Write the file; what there was before stays where that fails."""
+        if self.target == self.path and _stamp(self.path) != self._stamp:
+            raise ScatterError(
+                f"'{self.path}' was changed by another program meanwhile: it was not saved. Run "
+                "the command again, or use --output"
+            )
+        try:
+            with replacing(self.target.resolve(), part_of(self.target)) as part:
+                bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True)
+        except (OSError, RuntimeError) as error:
+            raise ScatterError(f"'{self.target}' could not be saved: {error}") from error
+        self._stamp = _stamp(self.path)
+        self._tidy()
+
+    def _tidy(self) -> None:
+        """Remove the work files of bakes that the saved file holds."""
+        if self.target == self.path:
+            saved(str(self.path))
+        else:
+            for files in [files for obj in self.scatters for files in finished_files(obj)]:
+                files.clear()
+
+    @staticmethod
+    def _check(asked: Asked) -> None:
+        if missing():
+            raise ScatterError(missing())
+        if not bpy.data.filepath:
+            raise ScatterError("No file is open: write 'blender -b FILE.blend --command dapple'")
+        if bpy.context.mode != "OBJECT":
+            raise ScatterError(f"'{bpy.data.filepath}' is not in Object Mode: save it in that")
+        for path in filter(None, (asked.output, asked.json)):
+            if not path.absolute().parent.is_dir():
+                raise ScatterError(f"'{path}': the folder does not exist")
+            if path.is_dir():
+                raise ScatterError(f"'{path}' is a folder")
+        if asked.output is not None and asked.output.suffix != ".blend":
+            raise ScatterError(f"'{asked.output}' must end in .blend")
+
+
+def _stamp(path: Path) -> Stamp | None:
+    """Tells contents of a file apart; None where there is none."""
+    with suppress(OSError):
+        found = path.stat()
+        return found.st_mtime_ns, found.st_size
+    return None
+
+
+def _chosen(names: list[str]) -> list[bpy.types.Object]:
+    """The scatters of these names; without names all of the scene that can be written."""
+    there = {obj.name: obj for obj in filter(is_scatter, bpy.context.scene.objects)}
+    for name in names:
+        if name not in there:
+            known = ", ".join(f"'{one}'" for one in sorted(there)) or "none"
+            scene = bpy.context.scene.name
+            raise ScatterError(f"There is no scatter '{name}'; those of '{scene}': {known}")
+        if _trouble(there[name]):
+            raise ScatterError(_trouble(there[name]))
+    if names:
+        return [there[name] for name in dict.fromkeys(names)]
+    return [there[name] for name in sorted(there) if not _trouble(there[name])]
+
+
+def _trouble(obj: bpy.types.Object) -> str:
+    """Why a scatter cannot be worked on."""
+    if not is_in_view_layer(obj):
+        layer = bpy.context.view_layer.name
+        return f"Scatter '{obj.name}' is not in the view layer '{layer}'"
+    return read_only(obj, english)

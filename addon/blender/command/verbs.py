@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is done with one scatter, as steps that return what the report says of it."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...core.bake import Baker
+from ...core.errors import ScatterError
+from ...core.steps import Steps
+from ..data.scatter import is_unsolved
+from ..steps.baking import bake_steps
+from ..steps.work import optimize_steps
+from ..surface.reading import frame_kept
+from .arguments import Asked
+from .checking import stale_in
+
+Facts = dict[str, Any]  # of a scatter, in the report
+
+BAKED, OPTIMIZED = "baked", "optimized"
+CURRENT, OUTDATED = "up to date", "out of date"
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One of the things that can be done."""
+
+    steps: Callable[[bpy.types.Object, Asked], Steps]  # context.object is the scatter
+    saves: bool  # whether the file is changed
+
+
+def _bake(obj: bpy.types.Object, asked: Asked) -> Steps:
+    first, last = _range(asked)
+    if asked.if_needed and not (yield from _why_not_current(obj, asked, needs_bake=True)):
+        return {"state": CURRENT}
+    baker: Baker = yield from bake_steps(bpy.context, first, last)
+    return {
+        "state": BAKED,
+        "frames": [first, last],
+        "keyframes": obj.dapple.baked_keys,
+        "solved": baker.done - baker.taken,
+        "resumed": baker.taken,
+        "optimized_first": baker.anew,
+        "warnings": [baker.trouble] if baker.trouble else [],
+        **_figures(obj),
+    }
+
+
+def _optimize(obj: bpy.types.Object, asked: Asked) -> Steps:
+    if obj.dapple.baked_keys and not asked.drop_keys:
+        raise ScatterError(
+            f"Scatter '{obj.name}' is baked: --drop-keys deletes the keyframes, or use bake"
+        )
+    with frame_kept(bpy.context.scene, show=asked.frame):
+        frame = bpy.context.scene.frame_current
+        yield from optimize_steps(bpy.context)
+    return {"state": OPTIMIZED, "frame": frame, **_figures(obj)}
+
+
+def _check(obj: bpy.types.Object, asked: Asked) -> Steps:
+    reason = yield from _why_not_current(obj, asked, needs_bake=asked.baked)
+    return {"state": OUTDATED if reason else CURRENT, "reason": reason}
+
+
+def _why_not_current(obj: bpy.types.Object, asked: Asked, needs_bake: bool) -> Any:
+    """Why a scatter is not up to date; empty when it is."""
+    if is_unsolved(obj):
+        return "It has no points yet: optimize"
+    if needs_bake and not obj.dapple.baked_keys:
+        return "It is not baked"
+    with _range_shown(bpy.context.scene, *_range(asked)):
+        return (yield from stale_in(obj, *_range(asked)))
+
+
+def _figures(obj: bpy.types.Object) -> Facts:
+    report = obj.dapple.report
+    names = ("spacing", "capacity_variation", "alpha_min", "converged")
+    return {"points": report.count, **{name: getattr(report, name) for name in names}}
+
+
+def _range(asked: Asked) -> tuple[int, int]:
+    scene = bpy.context.scene
+    return asked.frames or (scene.frame_start, scene.frame_end)
+
+
+@contextmanager
+def _range_shown(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None]:
+    """With these frames as those of the scene, which a bake is compared with."""
+    before = scene.frame_start, scene.frame_end
+    try:
+        scene.frame_start, scene.frame_end = first, last
+        yield
+    finally:
+        scene.frame_start, scene.frame_end = before
+
+
+VERBS = {
+    "bake": Verb(_bake, saves=True),
+    "optimize": Verb(_optimize, saves=True),
+    "check": Verb(_check, saves=False),
+}

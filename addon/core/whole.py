@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files that are there as a whole or not at all, however the process ends."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def replacing(path: Path, part: Path) -> Iterator[Path]:
+    """Write a part, in the same folder, that takes the place of a file once it is on the disk.
+
+    Raises:
+        OSError: the file is as before.
+    """
+    try:
+        yield part
+        _sync(part, os.O_RDWR)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    if hasattr(os, "O_DIRECTORY"):  # not on Windows: flush the renaming too
+        _sync(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+
+
+def part_of(path: Path) -> Path:
+    """A name beside a file that no other process uses."""
+    return path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+
+
+def _sync(path: Path, flags: int) -> None:
+    handle = os.open(path, flags)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --command dapple: exit codes, reports, stops, and a file that is whole or as before."""
+
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+from pathlib import Path
+
+import addon_host
+import bpy
+import child
+import pytest
+import scenes
+
+FRAMES = 6
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def command(*arguments):
+    return addon_host.part("blender.command.entry").main([str(one) for one in arguments])
+
+
+def shot(path, *names, count=60):
+    """A saved file of a tail with scatters, open."""
+    surface = scenes.tail(frames=FRAMES)
+    for name in names or ("Scales",):
+        scenes.scattered(surface, count=count).name = name
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return shot(tmp_path / "shot one.blend")
+
+
+def opened(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return bpy.data.objects
+
+
+def packed(obj):
+    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    columns = {**stored.keys, **stored.triangles, **stored.frames}
+    return {name: values.tobytes() for name, values in columns.items()}
+
+
+def work_files(path):
+    return sorted(path.with_suffix(".dapple").rglob("*.npz"))
+
+
+def read(path):
+    return json.loads(path.read_text())
+
+
+def test_bake_saves_what_the_operator_bakes(path, tmp_path, capfd):
+    assert command("bake", "--json", tmp_path / "report.json") == 0
+    stepped = packed(opened(path)["Scales"])
+    assert not work_files(path)
+    assert not list(tmp_path.glob("*.part*")), "a part was left"
+    scenes._activate(bpy.data.objects["Scales"])
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert packed(bpy.data.objects["Scales"]) == stepped
+    report = read(tmp_path / "report.json")
+    (facts,) = report["scatters"]
+    assert (report["exit"], report["saved"], report["command"]) == (0, str(path), "bake")
+    assert (facts["name"], facts["state"], facts["frames"]) == ("Scales", "baked", [1, FRAMES])
+    assert (facts["points"], facts["solved"], facts["resumed"]) == (60, FRAMES, 0)
+    said = capfd.readouterr()
+    assert re.search(r"^Dapple: Progress: 100%: done$", said.err, re.MULTILINE)
+    assert "Progress" not in said.out
+
+
+def test_some_frames_of_some_scatters(tmp_path):
+    path = shot(tmp_path / "shot.blend", "Leaves", "Scales", "Moss")
+    assert command("bake", "--frames", "2-4", "--scatter", "Moss", "--scatter", "Scales") == 0
+    there = opened(path)
+    keys = [there[name].dapple.baked_keys for name in ("Leaves", "Scales", "Moss")]
+    assert keys == [0, 3, 3]
+    assert there["Moss"].dapple.baked_start == 2
+    scene = bpy.context.scene
+    assert (scene.frame_start, scene.frame_end, scene.frame_current) == (1, FRAMES, 1)
+
+
+def test_another_file_is_saved_and_the_first_stays(path, tmp_path):
+    before, output = path.read_bytes(), tmp_path / "baked.blend"
+    assert command("bake", "--output", output) == 0
+    assert path.read_bytes() == before
+    assert opened(output)["Scales"].dapple.baked_keys == FRAMES
+    assert opened(path)["Scales"].dapple.baked_keys == 0
+    assert not work_files(path)
+
+
+def test_a_baked_file_is_copied_to_where_it_is_asked_for(path, tmp_path, capfd):
+    assert command("bake") == 0
+    assert command("bake", "--if-needed", "--output", tmp_path / "again.blend") == 0
+    assert "'Scales': up to date\n" in capfd.readouterr().out
+    assert opened(tmp_path / "again.blend")["Scales"].dapple.baked_keys == FRAMES
+
+
+@pytest.mark.parametrize("compress", [True, False])
+def test_a_compressed_file_stays_compressed(tmp_path, compress):
+    path = tmp_path / "shot.blend"
+    scenes.scattered(scenes.sphere())
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=compress)
+    opened(path)
+    magic = path.read_bytes()[:4]
+    assert command("bake", "--frames", "1") == 0
+    assert (path.read_bytes()[:4], magic == b"BLEN") == (magic, not compress)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "the following arguments are required: VERB"),
+        (("fry",), "invalid choice: 'fry'"),
+        (("bake", "--frames", "1:9"), "'1:9' is not a range of frames such as 1-250"),
+        (("bake", "--frames", "9-1"), "the range of frames is empty: 9 to 1"),
+        (("bake", "--color"), "unrecognized arguments: --color"),
+    ],
+)
+def test_wrong_usage_is_2(path, capfd, arguments, words):
+    before = path.read_bytes()
+    assert command(*arguments) == 2
+    assert words in capfd.readouterr().err
+    assert path.read_bytes() == before
+
+
+def test_help_is_no_error(capfd):
+    assert command("bake", "--help") == 0
+    assert "--if-needed" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--scatter", "Scals"), "There is no scatter 'Scals'; those of 'Scene': 'Scales'"),
+        (("--scatter", "Tail"), "There is no scatter 'Tail'"),
+        (("--output", "baked.blob"), "'baked.blob' must end in .blend"),
+        (("--output", "missing/baked.blend"), "the folder does not exist"),
+        (("--json", "."), "'.' is a folder"),
+    ],
+)
+def test_bad_input_is_1_and_is_told_before_any_work(path, capfd, arguments, words):
+    before = path.read_bytes()
+    assert command("bake", *arguments) == 1
+    assert words in capfd.readouterr().err
+    assert path.read_bytes() == before
+    assert not path.with_suffix(".dapple").exists()
+
+
+def test_without_a_file_there_is_nothing_to_do(capfd):
+    assert command("check") == 1
+    assert "No file is open" in capfd.readouterr().err
+
+
+def test_one_that_fails_does_not_keep_others_from_being_baked_and_saved(tmp_path, capfd):
+    path = shot(tmp_path / "shot.blend", "Leaves", "Scales")
+    bpy.data.objects["Leaves"].dapple.density.attribute = "Missing"
+    assert command("bake", "--json", tmp_path / "report.json") == 1
+    assert "'Leaves': failed: " in capfd.readouterr().err
+    states = {one["name"]: one["state"] for one in read(tmp_path / "report.json")["scatters"]}
+    assert states == {"Leaves": "failed", "Scales": "baked"}
+    there = opened(path)
+    assert (there["Leaves"].dapple.baked_keys, there["Scales"].dapple.baked_keys) == (0, FRAMES)
+
+
+def test_check_names_what_is_not_up_to_date(tmp_path, capfd):
+    shot(tmp_path / "shot.blend", "Leaves", "Scales")
+    capfd.readouterr()
+    assert command("check") == 0
+    assert capfd.readouterr().out == "'Leaves': up to date\n'Scales': up to date\n"
+    assert command("check", "--baked") == 1
+    assert capfd.readouterr().out.startswith("'Leaves': out of date: It is not baked\n")
+    assert command("bake", "--quiet") == 0
+    assert capfd.readouterr().err == ""
+    assert command("check", "--baked") == 0
+    bpy.data.objects["Scales"].dapple.seed = 5
+    assert command("check", "--scatter", "Leaves") == 0
+    assert command("check") == 1
+    assert re.search(r"^'Scales': out of date: .*bake again$", capfd.readouterr().out, re.MULTILINE)
+
+
+def test_check_finds_motion_that_was_changed_in_one_frame(path, capfd):
+    assert command("bake") == 0
+    curve = bpy.data.objects["Rig"].pose.bones["tip"]
+    curve.rotation_euler = (0.6, 0.3, 0.0)
+    curve.keyframe_insert("rotation_euler", frame=5)
+    curve.rotation_euler = (0.5, 0.0, 0.0)
+    bpy.context.scene.frame_set(1)
+    assert command("check") == 1
+    assert re.search(r"moves differently .*\(frame [2345]\)", capfd.readouterr().out)
+    assert bpy.context.scene.frame_current == 1
+
+
+def test_check_compares_the_frames_that_are_asked_for(path, capfd):
+    assert command("bake", "--frames", "2-4") == 0
+    assert command("check") == 1
+    assert "Frames 2 to 4 are baked, the scene has 1 to 6" in capfd.readouterr().out
+    assert command("check", "--frames", "2-4") == 0
+
+
+def test_only_what_is_out_of_date_is_baked_when_asked(tmp_path):
+    path = shot(tmp_path / "shot.blend", "Leaves", "Scales")
+    assert command("bake", "--scatter", "Leaves") == 0
+    assert command("bake", "--if-needed", "--json", tmp_path / "report.json") == 0
+    states = {one["name"]: one["state"] for one in read(tmp_path / "report.json")["scatters"]}
+    assert states == {"Leaves": "up to date", "Scales": "baked"}
+    assert opened(path)["Scales"].dapple.baked_keys == FRAMES
+
+
+def test_optimize_keeps_a_bake_unless_told(path):
+    assert command("bake") == 0
+    bpy.data.objects["Scales"].dapple.count = 70
+    assert command("optimize") == 1
+    assert bpy.data.objects["Scales"].dapple.baked_keys == FRAMES
+    assert command("optimize", "--drop-keys", "--frame", "3") == 0
+    obj = opened(path)["Scales"]
+    assert (obj.dapple.baked_keys, len(obj.data.vertices)) == (0, 70)
+    assert command("check") == 0
+
+
+def test_a_file_that_another_program_has_saved_is_not_overwritten(path, capfd, monkeypatch):
+    baking = addon_host.part("blender.steps.baking")
+    write = baking.write_bake
+
+    def write_late(*arguments):
+        write(*arguments)
+        path.write_bytes(b"of an artist")
+
+    monkeypatch.setattr(baking, "write_bake", write_late)
+    assert command("bake") == 1
+    assert "was changed by another program meanwhile" in capfd.readouterr().err
+    assert path.read_bytes() == b"of an artist"
+    assert len(work_files(path)) == FRAMES
+
+
+def test_a_file_that_cannot_be_saved_stays(path, capfd, monkeypatch):
+    before, whole = path.read_bytes(), addon_host.part("core.whole")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(whole, "_sync", full)
+    monkeypatch.setattr(addon_host.part("core.sidecar").Sidecar, "store", lambda *_: None)
+    assert command("bake") == 1
+    assert "could not be saved: [Errno 28] No space left on device" in capfd.readouterr().err
+    assert path.read_bytes() == before
+    assert sorted(one.name for one in path.parent.iterdir() if "part" in one.name) == []
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_signal_stops_and_the_next_run_goes_on(path, tmp_path, monkeypatch, number, code):
+    before, kept = path.read_bytes(), 2
+    sidecar = addon_host.part("core.sidecar").Sidecar
+    store = sidecar.store
+
+    def signaled(self, frame, *rest):
+        store(self, frame, *rest)
+        if frame == kept:
+            os.kill(os.getpid(), number)
+
+    monkeypatch.setattr(sidecar, "store", signaled)
+    handler = signal.getsignal(number)
+    assert command("bake", "--json", tmp_path / "report.json") == code
+    assert signal.getsignal(number) == handler
+    (facts,) = read(tmp_path / "report.json")["scatters"]
+    assert facts["state"] == "stopped"
+    assert "solved frames are kept in" in facts["error"]
+    assert path.read_bytes() == before
+    monkeypatch.undo()
+    solved = len(work_files(path))
+    assert kept <= solved < FRAMES
+    assert command("bake", "--json", tmp_path / "report.json") == 0
+    (facts,) = read(tmp_path / "report.json")["scatters"]
+    assert (facts["resumed"], facts["solved"]) == (solved, FRAMES - solved)
+
+
+@pytest.fixture(scope="module")
+def blender(tmp_path_factory):
+    """Blender as a program, or what stands in for it: called with options, the finished process."""
+    program = child.program(tmp_path_factory.mktemp("program"))
+
+    def call(*arguments):
+        words = [str(program), *map(str, arguments)]
+        return subprocess.run(words, capture_output=True, text=True, timeout=120)
+
+    return call
+
+
+def test_the_program_runs_the_command_and_ends_with_its_code(path, blender):
+    done = blender("-b", path, "--command", "dapple", "bake")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Dapple: Progress: 100%: done\n" in done.stderr
+    done = blender("-b", path, "--command", "dapple", "check", "--baked")
+    assert (done.returncode, "'Scales': up to date\n" in done.stdout) == (0, True)
+    assert opened(path)["Scales"].dapple.baked_keys == FRAMES
+    assert blender("-b", path, "--command", "dapple", "fry").returncode == 2
+
+
+def code(language):
+    """The examples of docs/farm.md in a language."""
+    page = (DOCS / "farm.md").read_text()
+    return re.findall(rf"^```{language}\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+
+
+def test_the_examples_of_the_page_run(tmp_path, monkeypatch, blender):
+    monkeypatch.chdir(tmp_path)
+    path = shot(tmp_path / "shot.blend", "Pebbles")
+    bpy.context.scene.frame_end = 3
+    bpy.ops.wm.save_mainfile()
+    for line in code("sh")[0].splitlines():
+        program, *arguments = shlex.split(line.replace("1-250", "1-3"))
+        done = blender(*arguments)
+        assert (program, done.returncode) == ("blender", 0), done.stdout + done.stderr
+    (shown,), report = map(json.loads, code("json")), read(tmp_path / "report.json")
+    assert shown.keys() == report.keys()
+    assert shown["scatters"][0].keys() == report["scatters"][0].keys()
+    assert opened(path)["Pebbles"].dapple.baked_keys == 3
+
+
+def test_every_option_is_told():
+    page = (DOCS / "farm.md").read_text()
+    arguments = addon_host.part("blender.command.arguments")
+    parser = arguments._parser()
+    (verbs,) = parser._subparsers._group_actions
+    for name, verb in verbs.choices.items():
+        assert f"| `{name}` |" in page
+        for action in verb._actions:
+            assert action.dest == "help" or action.option_strings[0] in page, action.dest
