@@ -331,3 +331,12 @@ def test_every_option_is_told():
         assert f"| `{name}` |" in page
         for action in verb._actions:
             assert action.dest == "help" or action.option_strings[0] in page, action.dest
+
+
+def test_the_command_comes_and_goes_with_the_addon(addon):
+    state = addon_host.part("blender.command.entry")._state
+    assert state.handle is not None
+    addon.unregister()
+    assert state.handle is None
+    addon.register()
+    assert state.handle is not None
