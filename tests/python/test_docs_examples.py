@@ -35,6 +35,7 @@ RUN = {
         "sh": (1, "tests/blender/test_command.py"),
         "json": (1, "tests/blender/test_command.py"),
     },
+    "docs/large.md": {"python": (1, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -82,6 +83,14 @@ def test_python_pages_run(here, name):
     namespace = {}
     for page in ("index", name):
         exec(code(f"docs/site/python/{page}.md", "python"), namespace)
+
+
+def test_the_page_on_large_surfaces_runs(here):
+    """With fewer points than it shows."""
+    namespace = {}
+    text = code("docs/large.md", "python")
+    exec(text.replace("40_000", "8_000").replace("10_000", "2_000"), namespace)
+    assert len(namespace["pines"]) == 8_000
 
 
 @pytest.fixture

@@ -80,6 +80,8 @@ dapple3d\._native\.\w+
 dapple3d\._native\.\w+\.__init__
 dapple3d\.libdapple_embree
 dapple3d\.cli\.meshes\.Place
+dapple3d\.distributed\.layout\.Kind
+dapple3d\.distributed\.patches\.Place
 dapple3d\.stippling\.stipple
 """
 

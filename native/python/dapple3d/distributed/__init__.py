@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work for many processes and machines: surfaces with more points than memory, many shots.
+
+>>> from dapple3d.distributed import HeightField, sample_tiles
+>>> pines = sample_tiles(HeightField(heights), "pines", 10_000_000)
+>>> for tile in pines.tiles():
+...     place(tile.positions, tile.normals)
+"""
+
+from .heights import HeightField
+from .patches import Patch, Tileable
+from .results import TilePoints, Tiles
+from .tiling import sample_tiles
+
+__all__ = ["HeightField", "Patch", "TilePoints", "Tileable", "Tiles", "sample_tiles"]
