@@ -196,17 +196,20 @@ build_openmesh() { build "$1" openmesh "$root/cmake/openmesh" -DOPENMESH_SOURCE=
 build_googletest() { build "$1" googletest "$ship/source/googletest" -DBUILD_GMOCK=OFF -DCMAKE_CXX_FLAGS=-w; }
 
 # Triangles and point queries for one instruction set: a fifteenth of the whole. Curves are compiled even if they are off,
-# for minutes. Configuring writes into the sources.
+# for minutes. Configuring writes into the sources, and finds out that a processor is an Arm after it has chosen flags.
 build_embree() {
   local target=$1 copy=$ship/$1/source-embree options=() name component=devel
   for name in QUAD CURVE SUBDIVISION USER INSTANCE GRID POINT; do options+=("-DEMBREE_GEOMETRY_$name=OFF"); done
   for name in SSE42 AVX AVX2 AVX512 NEON2X; do options+=("-DEMBREE_ISA_$name=OFF"); done
+  case $target in
+    *arm64) options+=(-DEMBREE_ARM=ON -DEMBREE_ISA_NEON=ON) ;;
+    *) options+=(-DEMBREE_ISA_SSE2=ON) ;;
+  esac
   rm -rf "$copy" && cp -r "$ship/source/embree" "$copy" &&
     sed -i '/curve_intersector_virtual/d' "$copy/kernels/CMakeLists.txt" &&
     build "$target" embree "$copy" -DEMBREE_STATIC_LIB=ON -DEMBREE_TUTORIALS=OFF -DEMBREE_ISPC_SUPPORT=OFF \
       -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_RAY_PACKETS=OFF -DEMBREE_FILTER_FUNCTION=OFF -DEMBREE_MAX_ISA=NONE \
-      -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF -DEMBREE_TESTING_INTENSITY=0 -DBUILD_TESTING=OFF "${options[@]}" \
-      "-DEMBREE_ISA_$([[ $target == *x64 ]] && echo SSE2 || echo NEON)=ON" &&
+      -DEMBREE_IGNORE_CMAKE_CXX_FLAGS=OFF -DEMBREE_TESTING_INTENSITY=0 -DBUILD_TESTING=OFF "${options[@]}" &&
     rm -rf "$copy"
 }
 

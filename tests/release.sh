@@ -35,6 +35,7 @@ results=$roots/results/$(cat "$zip" "$release"/wheels/*linux*.whl | sha256sum | 
 mkdir -p "$results"
 need_packages debootstrap debian-archive-keyring python3-venv
 failed=()
+mapfile -t needed < <(PYTHONPATH=tests /usr/bin/python3 -c 'import wheel; print(*wheel.NEEDED, sep="\n")')
 
 # inside ROOT COMMAND...: in a root, where the release lies in /release and fetched wheels in /wheels.
 inside() {
@@ -80,7 +81,7 @@ need_root() {
 
 # pinned PYTHON: what the tests need, in the versions of scripts/requirements.txt.
 pinned() {
-  "$roots/tools/bin/python" - "$1" bpy click matplotlib numpy pillow pytest scikit-image <<'END'
+  "$roots/tools/bin/python" - "$1" bpy "${needed[@]}" <<'END'
 import sys
 from pip._vendor.packaging.requirements import Requirement
 
@@ -140,7 +141,7 @@ test_wheel() {
 # test_extension ROOT: the Blender tests on the extension, in the module bpy and in the root's own Blender.
 test_extension() {
   inside "$1" sh -ec "rm -rf /venv && python3 -m venv /venv && mkdir -p /dapple/build && ln -s /venv /dapple/build/venv
-    /venv/bin/pip install -q bpy click matplotlib numpy pillow pytest scikit-image" &&
+    /venv/bin/pip install -q bpy ${needed[*]}" &&
     inside "$1" /dapple/tests/run.sh "${depth[@]}" --only package --zip "/release/${zip##*/}"
 }
 
