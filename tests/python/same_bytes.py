@@ -6,9 +6,8 @@
 
 Other versions of CGAL, Embree, the C library or the compiler may give other last bits, so each case
 has its hashes under EVERY where all systems that have written the file agree, and else under the
-names of the systems. Writing leaves what other systems have written. Sines and angles do not come
-from the C library (native/src/base/elementary.hpp), so processors and compilers agree too, but for
-the last bits of spectra: GCC's and clang's differ still.
+names of the systems. Writing leaves what other systems have written. Sines, logarithms and powers
+do not come from the C library (native/src/base/elementary.hpp), so processors and compilers agree.
 """
 
 import json

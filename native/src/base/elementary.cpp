@@ -28,6 +28,25 @@ double small_angle(double tangent) {
   return 4.0 * tangent * sum;
 }
 
+// ln 2 in two parts: a whole multiple of the first, up to 2^11, has no rounding.
+constexpr double kLogarithmOf2 = 0x1.62e42fefa0000p-1;
+constexpr double kLogarithmOf2Rest = 0x1.cf79abc9e3b3ap-40;
+
+/// e^x on [-ln 2 / 2, ln 2 / 2]: Taylor's series, cut below 1e-18.
+double small_exponential(double x) {
+  double sum = 1.0;
+  for (int k = 16; k >= 1; --k) sum = 1.0 + sum * x / k;
+  return sum;
+}
+
+/// \param x in [-1e300, 0]
+double exponential(double x) {
+  constexpr double kLeast = -800.0;  // e^x is 0 to double precision
+  const double twos = std::floor(std::max(x, kLeast) / std::numbers::ln2 + 0.5);
+  const double rest = (std::max(x, kLeast) - twos * kLogarithmOf2) - twos * kLogarithmOf2Rest;
+  return std::ldexp(small_exponential(rest), static_cast<int>(twos));
+}
+
 }  // namespace
 
 Direction direction(double turns) {
@@ -56,5 +75,23 @@ double angle_of(double y, double x) {
 }
 
 double arc_sine(double sine) { return angle_of(sine, std::sqrt((1.0 - sine) * (1.0 + sine))); }
+
+double logarithm(double x) {
+  int twos = 0;
+  double part = std::frexp(x, &twos);  // in [1/2, 1); below in [sqrt(1/2), sqrt(2)]
+  if (part < 0.5 * std::numbers::sqrt2) {
+    part *= 2.0;
+    --twos;
+  }
+  const double s = (part - 1.0) / (part + 1.0);  // ln part = 2 artanh s; cut below 1e-18
+  double sum = 0.0;
+  for (int k = 23; k >= 1; k -= 2) sum = 1.0 / k + s * s * sum;
+  return twos * kLogarithmOf2 + (twos * kLogarithmOf2Rest + 2.0 * s * sum);
+}
+
+double power(double base, double exponent) {
+  if (base == 0.0 || exponent == 1.0) return base;
+  return exponential(exponent * logarithm(base));
+}
 
 }  // namespace dapple

@@ -3,8 +3,8 @@
 
 namespace dapple {
 
-// Sines and angles from + - * / and square roots alone, which IEEE 754 rounds in one way: those of
-// C libraries differ in their last bits, between systems and between processors.
+// From + - * / and square roots alone, which IEEE 754 rounds in one way: the functions of C
+// libraries differ in their last bits, between systems and between processors.
 
 struct Direction {
   double cosine;
@@ -19,5 +19,13 @@ struct Direction {
 
 /// \param sine in [-1, 1]
 [[nodiscard]] double arc_sine(double sine);
+
+/// Natural, to 2^-51 of it or of 1.
+/// \param x finite, > 0
+[[nodiscard]] double logarithm(double x);
+
+/// base^exponent, to a relative 2^-51 for each unit of its logarithm; exact for a base of 0 or 1
+/// and for an exponent of 1. \param base in [0, 1] \param exponent finite, > 0
+[[nodiscard]] double power(double base, double exponent);
 
 }  // namespace dapple

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/elementary.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
@@ -288,7 +289,7 @@ std::vector<double> curvature_density(const Surface& surface, const CurvatureOpt
   if (clamp <= rounding) clamp = *std::max_element(values.begin(), values.end());
   for (double& value : values) {
     const double share = clamp <= rounding ? 1.0 : std::min(1.0, value / clamp);
-    value = options.floor + (1.0 - options.floor) * std::pow(share, options.exponent);
+    value = options.floor + (1.0 - options.floor) * power(share, options.exponent);
   }
   if (context) context->advance(1.0);
   return values;

@@ -40,8 +40,11 @@ double whole_count_variation(const Surface& surface, const Sites& sites) {
     ++counts[component_of(surface.ordered().ordered_face(face))];
   const double mean = surface.mass() / static_cast<double>(sites.size());
   double sum = 0.0;
-  for (std::size_t c = 0; c < components; ++c)
-    if (counts[c] > 0.0) sum += counts[c] * std::pow(masses[c] / (counts[c] * mean) - 1.0, 2);
+  for (std::size_t c = 0; c < components; ++c) {
+    if (counts[c] == 0.0) continue;
+    const double off = masses[c] / (counts[c] * mean) - 1.0;
+    sum += counts[c] * (off * off);
+  }
   return std::sqrt(sum / static_cast<double>(sites.size()));
 }
 

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <dapple/radial_statistics.hpp>
 #include <limits>
+#include <numbers>
+
+#include "base/elementary.hpp"
 
 namespace dapple {
 
@@ -41,7 +44,8 @@ class Annuli {
 
   static double decibels(const Sums& sums) {
     if (sums.squares <= 0.0 || sums.count < 2.0) return -std::numeric_limits<double>::infinity();
-    return 10.0 * std::log10(sums.squares / (sums.count - 1.0) / (sums.mean * sums.mean));
+    const double ratio = sums.squares / (sums.count - 1.0) / (sums.mean * sums.mean);
+    return 10.0 / std::numbers::ln10 * logarithm(ratio);
   }
 
   std::vector<Sums> annuli_;

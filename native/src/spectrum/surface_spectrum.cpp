@@ -26,8 +26,7 @@ constexpr double kFarthest = 3.0;    // frequency, in sqrt(n / A)
 constexpr double kSameSlope = 1e-6;  // c_p = c_q to rounding: the formula's limit is used
 constexpr double kLargestRadius = 100.0;
 constexpr int kMostBins = 4096;
-constexpr double kGathered = 0.8;    // of the progress: all pairs are counted
-constexpr Eigen::Index kBlock = 32;  // rows of a transform between two checks
+constexpr double kGathered = 0.8;  // of the progress: all pairs are counted
 
 /// Euclidean distance lengthened by what the normals tell of the bend between (Bowers et al. 2010,
 /// section 3.2); none if p and q face away from each other.
@@ -281,9 +280,12 @@ RadialStatistics radial_differentials(const std::vector<double>& ratios, const B
   return annuli.statistics(0.5, bins.width);
 }
 
+using Row = Eigen::RowVectorXd;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// What to transform: ratio - 1, faded out toward the radius (a sharp end would ring).
-Eigen::MatrixXd faded(const std::vector<double>& ratios, const Bins& bins, double radius) {
-  Eigen::MatrixXd result(bins.count, bins.count);
+Rows faded(const std::vector<double>& ratios, const Bins& bins, double radius) {
+  Rows result(bins.count, bins.count);
   auto ratio = ratios.begin();
   for (int y = 0; y < bins.count; ++y)
     for (int x = 0; x < bins.count; ++x, ++ratio) {
@@ -294,31 +296,43 @@ Eigen::MatrixXd faded(const std::vector<double>& ratios, const Bins& bins, doubl
   return result;
 }
 
+/// Each sum in the order of its terms: Eigen's products add as the processor's caches suggest.
+Row product(const Row& left, const Rows& right) {
+  Row sum = Row::Zero(right.cols());
+  for (Eigen::Index k = 0; k < right.rows(); ++k) sum += left[k] * right.row(k);
+  return sum;
+}
+
+/// Cosines and sines of an axis: a row for each bin, a column for each frequency.
+struct Waves {
+  Rows cosines, sines;
+
+  Waves(const Bins& bins, int half_width, double step)
+      : cosines(bins.count, 2 * half_width + 1), sines(bins.count, 2 * half_width + 1) {
+    for (int k = 0; k < bins.count; ++k)
+      for (int f = -half_width; f <= half_width; ++f) {
+        const auto [cosine, sine] = direction(f * step * bins.middle(k));
+        cosines(k, f + half_width) = cosine;
+        sines(k, f + half_width) = sine;
+      }
+  }
+};
+
 /// 1 + number of sites in a squared spacing * Fourier transform; `step` in cycles per spacing. The
 /// transform of what is equal at d and -d is real: cos x cos y - sin x sin y, one axis at a time.
-std::vector<double> transformed(const Eigen::MatrixXd& values, const Bins& bins, int half_width,
-                                double step, Context* context) {
-  const int size = 2 * half_width + 1;
-  Eigen::MatrixXd cosines(size, bins.count);
-  Eigen::MatrixXd sines(size, bins.count);
-  for (int k = 0; k < bins.count; ++k)
-    for (int f = 0; f < size; ++f) {
-      const auto [cosine, sine] = direction((f - half_width) * step * bins.middle(k));
-      cosines(f, k) = cosine;
-      sines(f, k) = sine;
-    }
-  Eigen::MatrixXd sums(size, size);
-  for (Eigen::Index row = 0; row < size; row += kBlock) {
-    if (context) context->check();
-    const Eigen::Index rows = std::min<Eigen::Index>(kBlock, size - row);
-    sums.middleRows(row, rows) = cosines.middleRows(row, rows) * values * cosines.transpose() -
-                                 sines.middleRows(row, rows) * values * sines.transpose();
-    if (context) context->advance(static_cast<double>(row + rows) / size);
-  }
+std::vector<double> transformed(const Rows& values, const Bins& bins, int half_width, double step,
+                                Context* context) {
+  const Waves waves(bins, half_width, step);
+  const Eigen::Index size = waves.cosines.cols();
+  const double area = kSites * bins.width * bins.width;
   std::vector<double> result;
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x)
-      result.push_back(1.0 + kSites * bins.width * bins.width * sums(y, x));
+  for (Eigen::Index y = 0; y < size; ++y) {
+    if (context) context->check();
+    const Row sums = product(product(waves.cosines.col(y).transpose(), values), waves.cosines) -
+                     product(product(waves.sines.col(y).transpose(), values), waves.sines);
+    for (const double sum : sums) result.push_back(1.0 + area * sum);
+    if (context) context->advance(static_cast<double>(y + 1) / static_cast<double>(size));
+  }
   return result;
 }
 

@@ -64,5 +64,39 @@ TEST(Elementary, ArcSinesAreThoseOfTheCLibrary) {
   EXPECT_EQ(arc_sine(-1.0), -0.5 * kPi);
 }
 
+TEST(Elementary, LogarithmsAreThoseOfTheCLibrary) {
+  Random random(4);
+  for (int k = 0; k < 20000; ++k) {
+    const double x = std::ldexp(random.between(0.5, 1.0), random.below(2000) - 1000);
+    const double expected = std::log(x);
+    EXPECT_NEAR(logarithm(x), expected, 2 * kUlp * std::max(1.0, std::abs(expected))) << x;
+  }
+  for (const double x : {0.9999999, 1.0000001})
+    EXPECT_NEAR(logarithm(x), std::log(x), 2 * kUlp * std::abs(std::log(x)));
+  EXPECT_EQ(logarithm(1.0), 0.0);
+  EXPECT_NEAR(logarithm(std::numeric_limits<double>::denorm_min()), -1074 * std::numbers::ln2,
+              1e-12);
+}
+
+TEST(Elementary, PowersAreThoseOfTheCLibrary) {
+  Random random(5);
+  for (int k = 0; k < 20000; ++k) {
+    const double base = random.between(0.0, 1.0), exponent = random.between(0.01, 30.0);
+    const double expected = std::pow(base, exponent);
+    const double logarithms = 1.0 + std::abs(exponent * std::log(base));
+    EXPECT_NEAR(power(base, exponent), expected, 2 * kUlp * logarithms * expected)
+        << base << ' ' << exponent;
+  }
+}
+
+TEST(Elementary, PowersOfTheEndsAreExact) {
+  for (const double exponent : {0.5, 1.0, 2.5, 1e9}) {
+    EXPECT_EQ(power(0.0, exponent), 0.0);
+    EXPECT_EQ(power(1.0, exponent), 1.0);
+  }
+  EXPECT_EQ(power(0.5, 1e9), 0.0);
+  EXPECT_EQ(power(0.3, 1.0), 0.3);
+}
+
 }  // namespace
 }  // namespace dapple::test
