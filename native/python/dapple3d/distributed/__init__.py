@@ -10,6 +10,16 @@
 from .heights import HeightField
 from .patches import Patch, Tileable
 from .results import TilePoints, Tiles
+from .shots import map_shots, track_shot
 from .tiling import sample_tiles
 
-__all__ = ["HeightField", "Patch", "TilePoints", "Tileable", "Tiles", "sample_tiles"]
+__all__ = [
+    "HeightField",
+    "Patch",
+    "TilePoints",
+    "Tileable",
+    "Tiles",
+    "map_shots",
+    "sample_tiles",
+    "track_shot",
+]

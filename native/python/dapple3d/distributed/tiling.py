@@ -2,18 +2,22 @@
 """Points on a surface of any size, tile by tile."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _native as native
 from .layout import Job, Layout
-from .patches import Tileable, census
+from .patches import Census, Tileable, census
 from .plan import Plan, allot, layout_for, read_plan, shape_for
 from .results import Folder, Tiles
+from .running import Runner, Task, chosen_runner, shown
 from .work import Workplace, patch_in
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 FACES = 4  # that a tile may have for each of its points
 SMALLEST = 2_000  # points of a tile: fewer, and zones along its borders would meet
@@ -28,6 +32,9 @@ def sample_tiles(
     tile: int = 100_000,
     seed: int = 0,
     threads: int = 0,
+    workers: int | None = None,
+    scheduler: "str | Client | None" = None,
+    progress: bool = False,
     context: native.Context | None = None,
     **options: Any,
 ) -> Tiles:
@@ -40,28 +47,40 @@ def sample_tiles(
     that was stopped goes on where it was. A tile depends on its own part of the surface and on the
     tiles around it alone: removed and made again it has the same bytes.
 
+    With `workers` or a `scheduler` the work is done by processes of Dask, on this machine or
+    others; all see the folder, and the files of the surface, by the same path. What a lost worker
+    was doing is done again. The bytes do not depend on how many there are.
+
     Args:
         surface: what is read piece by piece.
         folder: for the tiles; made if it is missing.
         count: how many points in all, exactly.
         tile: about how many points a tile has; memory follows it.
         seed: another one gives other points.
-        threads: of each solution; 0 is all there are.
+        threads: of each solution; 0 is all there are, or 1 in a worker.
+        workers: that many processes on this machine; 0 is one for each processor.
+        scheduler: the address of one of Dask, or a client of it.
+        progress: whether a line on stderr tells how far it is.
         context: for progress, and to cancel.
         options: those of `dapple3d.sample`, as `tolerance`.
 
     Raises:
         ValueError: the folder holds tiles of something else, or the surface has a fault: named by
             the tile.
+        ImportError: for several processes, Dask distributed is missing.
         Cancelled
     """
-    place = Folder(Path(folder))
+    place = Folder(Path(folder).absolute())
     context = context or native.Context()
     _check_options(count, tile, options)
-    place.make()
-    plan = _plan(surface, place, {"count": count, "tile": tile, "seed": seed, "options": options},
-                 context.part(0.0, PLANNED))  # fmt: skip
-    _run_here(Workplace(surface, plan, place, threads), context.part(PLANNED, 1.0))
+    wanted = {"count": count, "tile": tile, "seed": seed, "options": options}
+    with chosen_runner(scheduler, workers) as run:
+        place.make()
+        plan = _plan(surface, place, wanted, run, context.part(0.0, PLANNED))
+        if scheduler is not None or workers is not None:
+            threads = threads or 1
+        work = Workplace(surface, plan, place, threads)
+        _make_tiles(work, run, progress, context.part(PLANNED, 1.0))
     context.advance(1.0)
     return Tiles(place.path)
 
@@ -78,14 +97,14 @@ def _check_options(count: int, tile: int, options: dict[str, Any]) -> None:
 
 
 def _plan(
-    surface: Tileable, folder: Folder, wanted: dict[str, Any], context: native.Context
+    surface: Tileable, folder: Folder, wanted: dict[str, Any], run: Runner, context: native.Context
 ) -> Plan:
     """That of the folder, or a new one, which is stored there."""
     if folder.plan.exists():
         plan = read_plan(folder.plan)
         _check_same(folder, plan, wanted | {"surface": surface.describe()})
         return plan
-    plan = _new_plan(surface, wanted, context)
+    plan = _new_plan(surface, wanted, run, context)
     plan.write(folder.plan)
     return plan
 
@@ -100,44 +119,51 @@ def _check_same(folder: Folder, plan: Plan, wanted: dict[str, Any]) -> None:
             )
 
 
-def _new_plan(surface: Tileable, wanted: dict[str, Any], context: native.Context) -> Plan:
+def _new_plan(
+    surface: Tileable, wanted: dict[str, Any], run: Runner, context: native.Context
+) -> Plan:
     count, tile = wanted["count"], wanted["tile"]
     rows, columns = surface.lines(1, 1)
     tiles = max(count / tile, surface.face_count / (FACES * tile))
     lengths = (float(rows[-1] - rows[0]), float(columns[-1] - columns[0]))
     lines = surface.lines(*shape_for(tiles, lengths))
     layout = Layout(*lines, 0.0, surface.axes)
-    found = []
-    for k, (row, column) in enumerate(layout.tiles()):
-        context.check()
-        patch = patch_in(surface, layout.part(Job("first", row, column)))
-        found.append(census(patch, surface.axes))
-        context.advance((k + 1) / (layout.shape[0] * layout.shape[1]))
-    counts = allot(np.array([c.mass for c in found]).reshape(layout.shape), count)
-    return Plan(layout_for(lines, surface.axes, found, count), counts,
-                wanted["seed"], wanted["options"], surface.describe(), tile)  # fmt: skip
+    jobs = [Job("first", row, column) for row, column in layout.tiles()]
+    tasks = [Task(f"census-{job.name}", job) for job in jobs]
+    found = {
+        task.argument: result for task, result in run(_census, (surface, layout), tasks, context)
+    }
+    censuses = [found[job] for job in jobs]
+    counts = allot(np.array([c.mass for c in censuses]).reshape(layout.shape), count)
+    layout = layout_for(lines, surface.axes, censuses, count)
+    return Plan(layout, counts, wanted["seed"], wanted["options"], surface.describe(), tile)
 
 
-def missing_jobs(plan: Plan, folder: Folder) -> Iterator[Job]:
+def _census(shared: tuple[Tileable, Layout], job: Job, context: native.Context) -> Census:
+    surface, layout = shared
+    return census(patch_in(surface, layout.part(job)), surface.axes)
+
+
+def _missing_jobs(plan: Plan, folder: Folder) -> list[Job]:
     """The work that is left, each after what it needs, tile by tile."""
-    seen: set[Job] = set()
+    jobs: dict[Job, None] = {}
     for row, column in plan.layout.tiles():
-        yield from _missing(Job("tile", row, column), plan, folder, seen)
+        jobs |= dict.fromkeys(_missing(Job("tile", row, column), plan, folder))
+    return list(jobs)
 
 
-def _missing(job: Job, plan: Plan, folder: Folder, seen: set[Job]) -> Iterator[Job]:
-    if job in seen or folder.has(job):
+def _missing(job: Job, plan: Plan, folder: Folder) -> Iterator[Job]:
+    if folder.has(job):
         return
-    seen.add(job)
     for needed in plan.layout.needs(job):
-        yield from _missing(needed, plan, folder, seen)
+        yield from _missing(needed, plan, folder)
     yield job
 
 
 class Leftovers:
-    """Results that are removed as soon as no missing work needs them."""
+    """Results that are removed as soon as no work that is left needs them."""
 
-    def __init__(self, jobs: list[Job], plan: Plan, folder: Folder) -> None:
+    def __init__(self, jobs: Sequence[Job], plan: Plan, folder: Folder) -> None:
         self._plan, self._folder = plan, folder
         self._users: dict[Job, int] = {}
         for job in jobs:
@@ -152,10 +178,21 @@ class Leftovers:
                 self._folder.drop(needed)
 
 
-def _run_here(place: Workplace, context: native.Context) -> None:
-    jobs = list(missing_jobs(place.plan, place.folder))
-    leftovers = Leftovers(jobs, place.plan, place.folder)
-    for k, job in enumerate(jobs):
-        context.check()
-        place.do(job, context.part(k / len(jobs), (k + 1) / len(jobs)))
-        leftovers.done(job)
+def _make_tiles(place: Workplace, run: Runner, progress: bool, context: native.Context) -> None:
+    plan = place.plan
+    jobs = _missing_jobs(plan, place.folder)
+    tasks = [Task(j.name, j, tuple(n.name for n in plan.layout.needs(j))) for j in jobs]
+    leftovers = Leftovers(jobs, plan, place.folder)
+    done = run(_do, place, tasks, context)
+    for task, _ in shown(done, len(tasks), "tiles and seams") if progress else done:
+        leftovers.done(task.argument)
+    lacking = _missing_jobs(plan, place.folder)
+    if lacking:
+        raise OSError(
+            f"{place.folder.file(lacking[-1])}: was written by a worker and is not here: all "
+            "workers need to see the folder by the same path"
+        )
+
+
+def _do(place: Workplace, job: Job, context: native.Context) -> None:
+    place.do(job, context)

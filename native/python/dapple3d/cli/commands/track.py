@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple track: points that stay put on a moving mesh."""
 
-import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -17,9 +16,9 @@ from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.points import bound
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
+from dapple3d.distributed.shots import motion_arrays
 from dapple3d.writing import replacing, write_npz
 
-TIMES = ("seconds", "profile")  # of a report: never the same twice
 Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 # Options of sample(), for the first frame, that mean the same to the tracker.
 START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
@@ -205,16 +204,6 @@ def follow_together(
 
 
 def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
-    """Write the frames' samples; without the time they took, the same bytes each time."""
-
-    def stacked(name: str) -> NDArray:
-        return np.stack([getattr(samples, name) for samples in results])
-
-    reports = [samples.report.to_dict() for samples in results]
-    texts = [json.dumps({k: v for k, v in report.items() if k not in TIMES}) for report in reports]
+    """Write the frames' samples."""
     with replacing(path) as file:
-        write_npz(
-            file,
-            {name: stacked(name) for name in ("positions", "normals", "faces", "barycentric")}
-            | {"ids": results[0].ids, "classes": results[0].classes, "reports": np.array(texts)},
-        )
+        write_npz(file, motion_arrays(results))

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many calls that need each other's results: in this process, or on a cluster of Dask."""
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .. import _native as native
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+LOOK = 0.02  # seconds between two looks at what workers have done
+
+
+class Task(NamedTuple):
+    """A call: function(shared, argument, context), once those that it needs have ended."""
+
+    name: str
+    argument: Any
+    needs: tuple[str, ...] = ()
+
+
+Function = Callable[[Any, Any, native.Context], Any]
+Done = Iterator[tuple[Task, Any]]  # tasks with their results, in the order in which they end
+Runner = Callable[[Function, Any, Sequence[Task], native.Context], Done]
+
+
+def run_here(
+    function: Function, shared: Any, tasks: Sequence[Task], context: native.Context
+) -> Done:
+    """One after another; each stands after those that it needs."""
+    for k, task in enumerate(tasks):
+        context.check()
+        part = context.part(k / len(tasks), (k + 1) / len(tasks))
+        yield task, function(shared, task.argument, part)
+
+
+def runner_on(client: "Client") -> Runner:
+    """A runner that has workers do it; what a lost worker was doing is done again by others."""
+
+    def run(
+        function: Function, shared: Any, tasks: Sequence[Task], context: native.Context
+    ) -> Done:
+        # What all calls share goes to each worker once; if it is lost, the scheduler still has it.
+        common = client.submit(_same, shared, pure=False)
+        futures: dict[str, Future] = {}
+        for k, task in enumerate(tasks):
+            needed = [futures[name] for name in task.needs if name in futures]
+            futures[task.name] = client.submit(
+                _call, function, common, task.argument, *needed, pure=False, priority=-k
+            )
+        named = {futures[task.name].key: task for task in tasks}
+        try:
+            for k, future in enumerate(_ended(client, list(futures.values()), context), 1):
+                yield named[future.key], _result(named[future.key], future)
+                context.advance(k / len(tasks))
+        finally:
+            client.cancel([common, *futures.values()])
+
+    return run
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _call(function: Function, shared: Any, argument: Any, *needed: Any) -> Any:
+    return function(shared, argument, native.Context())
+
+
+def _ended(
+    client: "Client", futures: Sequence["Future"], context: native.Context
+) -> Iterator["Future"]:
+    """Futures as they end, with a look at whether all is cancelled."""
+    from distributed import as_completed
+
+    waiting = as_completed(futures, loop=client.loop)
+    while not waiting.is_empty():
+        context.check()
+        if waiting.has_ready():
+            yield from waiting.next_batch()
+        else:
+            time.sleep(LOOK)
+
+
+def _result(task: Task, future: "Future") -> Any:
+    from distributed import KilledWorker
+
+    try:
+        return future.result()
+    except KilledWorker as error:
+        raise OSError(f"{task.name}: every worker that did this died: {error}") from error
+
+
+@contextmanager
+def connected(scheduler: "str | Client | None", workers: int) -> Iterator["Client"]:
+    """A client of a cluster: one's own, that at an address, or a new one on this machine.
+
+    Raises:
+        ImportError: Dask distributed is missing.
+        OSError: there is no scheduler at the address.
+    """
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise ImportError(
+            "work for several processes needs distributed, which is missing: "
+            'pip install "dapple3d[farm]"'
+        ) from error
+    if isinstance(scheduler, Client):
+        yield scheduler
+        return
+    with ExitStack() as stack:
+        if scheduler is None:
+            scheduler = stack.enter_context(
+                LocalCluster(
+                    n_workers=workers or len(os.sched_getaffinity(0)),
+                    threads_per_worker=1,
+                    dashboard_address=":0",
+                )
+            )
+        yield stack.enter_context(Client(scheduler, set_as_default=False))
+
+
+@contextmanager
+def chosen_runner(scheduler: "str | Client | None", workers: int | None) -> Iterator[Runner]:
+    """One on a cluster if a scheduler or a number of workers is given, else one in this process."""
+    if scheduler is None and workers is None:
+        yield run_here
+        return
+    with connected(scheduler, workers or 0) as client:
+        yield runner_on(client)
+
+
+def shown(done: Done, total: int, label: str) -> Done:
+    """The same, while a line on stderr tells how far it is."""
+    for k, ended in enumerate(done, 1):
+        yield ended
+        print(f"\r{label}: {k} of {total}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)

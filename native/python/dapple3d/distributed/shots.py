@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The same work for many shots, each into a file of its own."""
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _native as native
+from ..writing import replacing, write_npz
+from .running import Task, connected, runner_on, shown
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+TIMES = ("seconds", "profile")  # of a report: never the same twice
+Shot = str | os.PathLike[str]
+Work = Callable[[Path], Mapping[str, ArrayLike]]
+
+
+def map_shots(
+    work: Work,
+    shots: Iterable[Shot],
+    folder: str | os.PathLike[str],
+    *,
+    workers: int = 0,
+    scheduler: "str | Client | None" = None,
+    progress: bool = False,
+    context: native.Context | None = None,
+) -> list[Path]:
+    """Have processes of Dask do the same work for many shots, one file for each.
+
+    What a lost worker was doing is done again. A shot whose file is there is left out, so a run
+    that was stopped goes on where it was: remove the files of shots that have changed.
+
+    Args:
+        work: called with the path of a shot; the arrays that it returns, by name, are written as
+            npz. It is sent to the workers by pickle: a function of a module, or a
+            `functools.partial` of one, as of track_shot().
+        shots: files; no two of the same name.
+        folder: for the results, `NAME.npz` for the shot `NAME.*`; made if it is missing.
+        workers: that many processes on this machine; 0 is one for each processor.
+        scheduler: the address of one of Dask, or a client of it: its workers see the shots and the
+            folder by the same paths.
+        progress: whether a line on stderr tells how far it is.
+        context: for progress, and to cancel.
+
+    Returns:
+        the file of each shot.
+
+    Raises:
+        ValueError: two shots of the same name, a result that would replace one, or what the work
+            raises; the shot is named.
+        ImportError: Dask distributed is missing.
+        Cancelled
+    """
+    place = Path(folder).absolute()
+    paths = [Path(shot).absolute() for shot in shots]
+    files = _result_files(paths, place)
+    place.mkdir(parents=True, exist_ok=True)
+    left = [(p, f) for p, f in zip(paths, files, strict=True) if not f.exists()]
+    tasks = [Task(path.stem, (path, file)) for path, file in left]
+    context = context or native.Context()
+    with connected(scheduler, workers) as client:
+        done = runner_on(client)(_do, work, tasks, context)
+        for _ in shown(done, len(tasks), "shots") if progress else done:
+            pass
+    context.advance(1.0)
+    return files
+
+
+def _result_files(shots: Sequence[Path], folder: Path) -> list[Path]:
+    named: dict[str, Path] = {}
+    for shot in shots:
+        if shot.stem in named:
+            raise ValueError(
+                f"{shot}: has the name of {named[shot.stem]}, so both would be written to "
+                f"{shot.stem}.npz"
+            )
+        named[shot.stem] = shot
+    files = [folder / f"{name}.npz" for name in named]
+    for file in files:
+        if file in shots:
+            raise ValueError(f"{file}: is a shot, and its result would replace it")
+    return files
+
+
+def _do(work: Work, shot: tuple[Path, Path], context: native.Context) -> None:
+    path, out = shot
+    if out.exists():  # by a worker that was taken for lost
+        return
+    try:
+        arrays = work(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    with replacing(out) as file:
+        write_npz(file, arrays)
+
+
+def track_shot(
+    path: Path, count: int, *, seed: int = 0, threads: int = 1, **options: Any
+) -> dict[str, NDArray]:
+    """Points that stay put on a motion: what `dapple track` makes of it.
+
+    >>> map_shots(partial(track_shot, count=2000), sorted(Path("shots").glob("*.npz")), "baked")
+
+    Args:
+        path: an npz of 'vertices' (frames, v, 3) and 'faces' (m, 3).
+        count: how many points.
+        seed: of those on the first frame.
+        threads: of each solution.
+        options: those of `dapple3d.Tracker`.
+    """
+    with np.load(path, allow_pickle=False) as motion:
+        frames, faces = motion["vertices"], motion["faces"]
+    if frames.ndim != 3:
+        raise ValueError(f"'vertices' has the shape {frames.shape}: (frames, v, 3) is needed")
+    surface = native.Surface(frames[0], faces)
+    results = [native.sample(surface, count, seed=seed, threads=threads)]
+    tracker = native.Tracker(surface, results[0], threads=threads, **options)
+    results += [tracker.advance(frame) for frame in frames[1:]]
+    return motion_arrays(results)
+
+
+def motion_arrays(results: Sequence[native.Samples]) -> dict[str, NDArray]:
+    """The samples of all frames; without the time they took, the same bytes each time."""
+    reports = [samples.report.to_dict() for samples in results]
+    texts = [json.dumps({k: v for k, v in report.items() if k not in TIMES}) for report in reports]
+    stacked = {
+        name: np.stack([getattr(samples, name) for samples in results])
+        for name in ("positions", "normals", "faces", "barycentric")
+    }
+    last = {"ids": results[0].ids, "classes": results[0].classes, "reports": np.array(texts)}
+    return stacked | last
