@@ -122,11 +122,11 @@ def test_every_format_keeps_every_digit(tmp_path, suffix, samples):
     random = np.random.default_rng(0)
     columns = {"orientations": 4, "scales": 3, "velocities": 3}
     more = {name: random.normal(size=(len(samples), n)) for name, n in columns.items()}
-    stored = replace(points.points_of(samples), **more)
+    stored = replace(points.points_of(samples), prototypes=samples.classes + 1, **more)
     points.write_points(path, stored)
     found = points.read_points(path).arrays()
     lost = {
-        ".obj": {"ids", "classes", "faces", "barycentric", *columns},
+        ".obj": {"ids", "classes", "faces", "barycentric", "prototypes", *columns},
         ".csv": {"faces", "barycentric"},
         ".npz": set(),
     }

@@ -43,6 +43,16 @@ def test_the_x_axis_points_along_tangents(normals):
     assert (turns[:, 0] >= 0).all()
 
 
+def test_in_a_world_with_y_up_the_y_axis_stands_along_normals(normals):
+    turns = instances.orientations(normals, up="Y")
+    np.testing.assert_allclose(turned(turns, (0, 1, 0)), unit(normals), atol=1e-8)
+    np.testing.assert_allclose(turns[:, 2], 0)
+    tangents = np.random.default_rng(1).normal(size=normals.shape)
+    turns = instances.orientations(normals, tangents, up="Y")
+    np.testing.assert_allclose(turned(turns, (0, 1, 0)), unit(normals), atol=1e-12)
+    assert (np.einsum("ij,ij->i", turned(turns, (1, 0, 0)), tangents) > 0).all()
+
+
 def test_what_has_no_direction_is_named():
     with pytest.raises(ValueError, match=r"normals\[1\] has no direction"):
         instances.orientations([[0, 0, 1], [0, 0, 0]])

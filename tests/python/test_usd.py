@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 from dapple3d import instances, usd
-from dapple3d.instances import Instances
+from dapple3d.instances import Instances, Mesh, Reference, Scatter
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
-from pxr import Gf, Usd, UsdGeom, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
 
 
 def rounded(values: np.ndarray) -> np.ndarray:
@@ -36,6 +36,7 @@ def whole() -> Instances:
         random.normal(size=(50, 3)),
         normals,
         np.arange(50) + 2**40,
+        np.arange(50, dtype=np.int32) // 30,
         np.arange(50, dtype=np.int32) % 3,
     )
 
@@ -108,8 +109,8 @@ def test_what_stays_the_same_is_written_once(tmp_path, whole):
 
 def test_usd_takes_the_file_for_valid(tmp_path, motion):
     usd.write(tmp_path / "ball.usda", motion[0])
-    triangle = usd.Mesh(np.eye(3), np.array([[0, 1, 2]]))
-    reference = usd.Reference(tmp_path / "ball.usda")
+    triangle = Mesh(np.eye(3), np.array([[0, 1, 2]]))
+    reference = Reference(tmp_path / "ball.usda")
     path = tmp_path / "points.usdc"
     usd.write(path, motion, prototypes=[triangle, reference, triangle])
     rules = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
@@ -120,7 +121,7 @@ def test_usd_takes_the_file_for_valid(tmp_path, motion):
 
 def test_the_extent_holds_the_instances(tmp_path, whole):
     cube = np.stack(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), -1).reshape(-1, 3)
-    usd.write(tmp_path / "points.usdc", whole, prototypes=[usd.Mesh(cube, [[0, 1, 2]])] * 3)
+    usd.write(tmp_path / "points.usdc", whole, prototypes=[Mesh(cube, [[0, 1, 2]])] * 3)
     stage = Usd.Stage.Open(str(tmp_path / "points.usdc"))
     extent = stage.GetPrimAtPath("/dapple/points").GetAttribute("extent")
     low, high = np.array(extent.Get())
@@ -134,7 +135,7 @@ def test_prototypes_lie_where_they_are_from_the_file(tmp_path, whole):
     usd.write(tmp_path / "plants" / "fern.usda", whole, name="leaves")
     fern = tmp_path / "plants" / "fern.usda"
     path = tmp_path / "shots" / "shot.usda"
-    references = [usd.Reference(fern), usd.Reference(fern, "/dapple/leaves"), usd.Reference(fern)]
+    references = [Reference(fern), Reference(fern, "/dapple/leaves"), Reference(fern)]
     usd.write(path, whole, prototypes=references)
     assert "@../plants/fern.usda@</dapple/leaves>" in path.read_text()
     tmp_path.rename(moved := tmp_path.with_name(f"{tmp_path.name}-moved"))
@@ -142,6 +143,41 @@ def test_prototypes_lie_where_they_are_from_the_file(tmp_path, whole):
     below = stage.GetPrimAtPath("/dapple/points/prototypes/class_0/leaves")
     assert below.IsA(UsdGeom.PointInstancer)
     check_same(*usd.read(moved / "shots" / "shot.usda").frames, whole)  # not those of the fern
+
+
+def test_a_held_prototype_needs_its_file_no_more(tmp_path, whole):
+    """What it is bound to comes along."""
+    other = tmp_path / "plants.usda"
+    stage = Usd.Stage.CreateNew(str(other))
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/plants").GetPrim())
+    green = UsdShade.Material.Define(stage, "/plants/materials/green")
+    for name in ("fern", "moss", "ivy"):
+        plant = UsdGeom.Cube.Define(stage, f"/plants/{name}").GetPrim()
+        UsdShade.MaterialBindingAPI.Apply(plant).Bind(green)
+    stage.Save()
+    held = [Reference(other, f"/plants/{name}", held=True) for name in ("moss", "fern", "ivy")]
+    usd.write(tmp_path / "points.usdc", whole, prototypes=held)
+    with pytest.raises(ValueError, match="prototypes has fern twice"):
+        usd.write(tmp_path / "twice.usdc", whole, prototypes=[*held[:2], held[1]])
+    other.unlink()
+    paths = usd.read(tmp_path / "points.usdc").prototypes
+    below = "/dapple/points/prototypes/plants"
+    assert paths == (f"{below}/moss", f"{below}/fern", f"{below}/ivy")
+    stage = Usd.Stage.Open(str(tmp_path / "points.usdc"))
+    moss = stage.GetPrimAtPath(paths[0])
+    bound, _ = UsdShade.MaterialBindingAPI(moss).ComputeBoundMaterial()
+    assert bound.GetPath() == f"{below}/materials/green"
+
+
+def test_several_scatters_share_a_file(tmp_path, whole, motion):
+    scatters = [Scatter("grass", motion), Scatter("trees", [whole] * 3)]
+    usd.write_scatters(tmp_path / "points.usda", scatters, times=[3, 4, 5])
+    check_same(usd.read(tmp_path / "points.usda", "/dapple/grass").frames[2], motion[2])
+    check_same(*usd.read(tmp_path / "points.usda", "/dapple/trees").frames, whole)
+    with pytest.raises(ValueError, match="name is 'grass', which another scatter has too"):
+        usd.write_scatters(tmp_path / "two.usda", [scatters[0], scatters[0]])
+    with pytest.raises(ValueError, match=r"scatters have \[1, 3\] frames: the same number"):
+        usd.write_scatters(tmp_path / "two.usda", [scatters[0], Scatter("rocks", [whole])])
 
 
 def test_default_balls_do_not_touch(tmp_path, samples):
@@ -187,7 +223,10 @@ def test_files_of_other_programs_are_read(tmp_path):
         ({"meters_per_unit": np.nan}, "meters_per_unit is nan"),
         ({"up": "X"}, "up is 'X': Y or Z is needed"),
         ({"name": "my points"}, "name is 'my points': letters"),
-        ({"prototypes": [usd.Mesh(np.eye(3), [[0, 1, 2]])]}, "class 2, but .* only 1 prototypes"),
+        (
+            {"prototypes": [Mesh(np.eye(3), [[0, 1, 2]])]},
+            "prototype 2 stands somewhere, but 1 are",
+        ),
     ],
 )
 def test_wrong_arguments_are_named_and_nothing_is_written(tmp_path, motion, given, said):
@@ -207,7 +246,7 @@ def test_wrong_frames_and_files_are_named(tmp_path, whole):
     with pytest.raises(ValueError, match=r"points.csv: a USD file ends with .usd, .usda, .usdc"):
         usd.write(tmp_path / "points.csv", whole)
     with pytest.raises(FileNotFoundError) as missing:
-        usd.write(path, whole, prototypes=[usd.Reference(tmp_path / "fern.usd")] * 3)
+        usd.write(path, whole, prototypes=[Reference(tmp_path / "fern.usd")] * 3)
     assert missing.value.filename == str(tmp_path / "fern.usd")
     path.write_text("no USD")
     with pytest.raises(

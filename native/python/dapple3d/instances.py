@@ -7,14 +7,28 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._native import Samples
+from ._native import Samples, nearest_distances
 
-__all__ = ["Instances", "of_samples", "orientations", "with_velocities"]
+__all__ = [
+    "Instances",
+    "Mesh",
+    "Reference",
+    "Scatter",
+    "Up",
+    "of_samples",
+    "orientations",
+    "quaternions",
+    "with_velocities",
+]
+
+Up = Literal["Y", "Z"]
+BALL = 0.2  # radius of what stands where no prototype is given, in spacings
 
 ROWS: dict[str, tuple[int, ...]] = {
     "positions": (3,),
@@ -24,8 +38,40 @@ ROWS: dict[str, tuple[int, ...]] = {
     "normals": (3,),
     "ids": (),
     "classes": (),
+    "prototypes": (),
 }
-TYPES = {"ids": np.int64, "classes": np.int32}
+TYPES = {"ids": np.int64, "classes": np.int32, "prototypes": np.int32}
+COUNTED = ("classes", "prototypes")
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A prototype in another file of the same format.
+
+    Attributes:
+        path: of the file.
+        prim: in it, such as "/Plants/Fern" in USD and "Fern" in glTF; empty is the default prim, or
+            the whole scene.
+        held: whether a USD file holds a copy of the other one's default prim, so that nobody needs
+            that file any more; a glTF file does in any case.
+    """
+
+    path: Path
+    prim: str = ""
+    held: bool = False
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A prototype of triangles, which the written file holds.
+
+    Attributes:
+        vertices: (v, 3) float64.
+        faces: (m, 3) int32.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -34,13 +80,13 @@ class Instances:
 
     Attributes:
         positions: (n, 3) float64.
-        orientations: (n, 4) float64, unit quaternions w, x, y, z that turn an instance, whose z
-            axis stands up, into its place.
+        orientations: (n, 4) float64, unit quaternions w, x, y, z that turn an instance.
         scales: (n, 3) float64, along the instance's own axes.
         velocities: (n, 3) float64, in units of the positions for each second.
         normals: (n, 3) float64.
         ids: (n,) int64, the same for the same point at other times.
-        classes: (n,) int32, from 0, which prototype stands here.
+        classes: (n,) int32, from 0.
+        prototypes: (n,) int32, from 0, which prototype stands here; if None, that of the class.
     """
 
     positions: NDArray[np.float64]
@@ -50,6 +96,7 @@ class Instances:
     normals: NDArray[np.float64] | None = None
     ids: NDArray[np.int64] | None = None
     classes: NDArray[np.int32] | None = None
+    prototypes: NDArray[np.int32] | None = None
 
     def __post_init__(self) -> None:
         """Check what was given.
@@ -63,6 +110,12 @@ class Instances:
     def __len__(self) -> int:
         return len(self.positions)
 
+    @property
+    def placed(self) -> NDArray[np.int32]:
+        """(n,) int32: the prototype that stands at each."""
+        chosen = self.classes if self.prototypes is None else self.prototypes
+        return np.zeros(len(self), np.int32) if chosen is None else chosen
+
     def arrays(self) -> dict[str, NDArray]:
         """Those that are known, by name."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -74,33 +127,87 @@ def _checked(name: str, values: ArrayLike, count: int) -> NDArray:
     if array.shape != shape or array.dtype.kind not in "fiu":
         raise ValueError(f"{name} is {array.dtype.name} {array.shape}: numbers {shape} are needed")
     bad = ~np.isfinite(array).all(axis=tuple(range(1, array.ndim)))
-    if name == "classes":
+    if name in COUNTED:
         bad |= array < 0
     if bad.any():
         k = int(bad.argmax())
-        rule = "at least 0" if name == "classes" else "finite"
+        rule = "at least 0" if name in COUNTED else "finite"
         raise ValueError(f"{name}[{k}] is not {rule}: {array[k].tolist()}")
     return array.astype(TYPES.get(name, np.float64))
 
 
-def of_samples(samples: Samples) -> Instances:
-    """Instances that stand on the samples, along their normals."""
+@dataclass(frozen=True)
+class Scatter:
+    """Instances of one name, on one frame or on several.
+
+    Attributes:
+        name: letters, digits and _.
+        frames: the instances; their number may change.
+        prototypes: what stands at class 0, 1, ..., or at those that the instances name; none are
+            small balls, one for each class.
+    """
+
+    name: str
+    frames: Sequence[Instances]
+    prototypes: Sequence[Reference | Mesh] = ()
+
+    def __post_init__(self) -> None:
+        """Check what was given.
+
+        Raises:
+            ValueError: naming the first frame with other arrays than the first has, or the
+                prototype that is missing.
+        """
+        if not self.frames:
+            raise ValueError("frames is empty: at least one is needed")
+        names = [sorted(frame.arrays()) for frame in self.frames]
+        for k, found in enumerate(names):
+            if found != names[0]:
+                raise ValueError(f"frames[{k}] has {found}, but frames[0] {names[0]}")
+        given = len(self.prototypes)
+        if 0 < given < self.needed:
+            raise ValueError(f"prototype {self.needed - 1} stands somewhere, but {given} are given")
+
+    @property
+    def needed(self) -> int:
+        """How many prototypes stand somewhere; at least one."""
+        return max(int(frame.placed.max(initial=0)) for frame in self.frames) + 1
+
+    @property
+    def radius(self) -> float:
+        """Of balls that keep apart on the first frame that has two points."""
+        several = next((frame.positions for frame in self.frames if len(frame) > 1), None)
+        if several is None:
+            return BALL
+        return BALL * float(np.median(nearest_distances(several))) or BALL
+
+
+def of_samples(samples: Samples, up: Up = "Z") -> Instances:
+    """Instances that stand on the samples, along their normals.
+
+    Args:
+        samples: of a surface.
+        up: the axis of the prototypes that stands along the normals.
+    """
     return Instances(
         samples.positions,
-        orientations(samples.normals),
+        orientations(samples.normals, up=up),
         normals=samples.normals,
         ids=samples.ids.astype(np.int64),
         classes=samples.classes,
     )
 
 
-def orientations(normals: ArrayLike, tangents: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Quaternions that turn the z axis onto normals.
+def orientations(
+    normals: ArrayLike, tangents: ArrayLike | None = None, *, up: Up = "Z"
+) -> NDArray[np.float64]:
+    """Quaternions that turn an axis onto normals.
 
     Args:
         normals: (n, 3), of any length but 0.
         tangents: (n, 3), what the x axis then points along as far as it can; without them the turn
             is the shortest one.
+        up: the axis.
 
     Returns:
         (n, 4) float64: w, x, y, z with w >= 0.
@@ -108,13 +215,15 @@ def orientations(normals: ArrayLike, tangents: ArrayLike | None = None) -> NDArr
     Raises:
         ValueError: naming the first normal without a direction, or tangent along its normal.
     """
-    up = _directions("normals", normals)
+    heads = _directions("normals", normals)
     if tangents is None:
-        return _shortest(up)
+        return _shortest(heads, up)
     along = _directions("tangents", tangents)
-    flat = along - np.einsum("ij,ij->i", along, up)[:, None] * up
+    flat = along - np.einsum("ij,ij->i", along, heads)[:, None] * heads
     x = _directions("tangents across the normal", flat)
-    return _of_axes(np.stack([x, np.cross(up, x), up], axis=2))
+    side = np.cross(heads, x)
+    axes = [x, side, heads] if up == "Z" else [x, heads, -side]
+    return quaternions(np.stack(axes, axis=2))
 
 
 def _directions(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -129,16 +238,16 @@ def _directions(name: str, values: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(vectors / lengths)
 
 
-def _shortest(up: NDArray) -> NDArray[np.float64]:
-    """Half-way quaternions: (1 + z, cross((0, 0, 1), up)); straight down a turn about x."""
-    x, y, z = up.T
-    turns = np.column_stack([1.0 + z, -y, x, np.zeros_like(x)])
-    turns[1.0 + z < 1e-12] = [0.0, 1.0, 0.0, 0.0]
+def _shortest(heads: NDArray, up: Up) -> NDArray[np.float64]:
+    """Half-way quaternions: 1 + dot and cross of axis and normal; upside down a turn about x."""
+    axis = np.eye(3)[1 if up == "Y" else 2]
+    turns = np.column_stack([1.0 + heads @ axis, np.cross(axis, heads)])
+    turns[turns[:, 0] < 1e-12] = [0.0, 1.0, 0.0, 0.0]
     return np.asarray(turns / np.linalg.norm(turns, axis=1, keepdims=True))
 
 
-def _of_axes(axes: NDArray) -> NDArray[np.float64]:
-    """Quaternions of rotation matrices (n, 3, 3).
+def quaternions(axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Quaternions (n, 4), w, x, y, z with w >= 0, of rotation matrices (n, 3, 3).
 
     The eigenvector of the largest eigenvalue of a symmetric matrix: Bar-Itzhack, New method for
     extracting the quaternion from a rotation matrix, 2000. It has no cases to tell apart.

@@ -19,18 +19,15 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._native import nearest_distances
-from .instances import Instances
+from .instances import Instances, Mesh, Reference, Scatter, Up
 from .writing import replacing
 
-__all__ = ["SUFFIXES", "Contents", "Mesh", "Reference", "Up", "check_installed", "read", "write"]
-
-Up = Literal["Y", "Z"]
+__all__ = ["SUFFIXES", "Contents", "check_installed", "read", "write", "write_scatters"]
 
 SUFFIXES: Final = (".usd", ".usda", ".usdc")
 """Of the files that write() and read() know: binary, text, binary."""
@@ -41,34 +38,8 @@ VECTORS = {
     "velocities": "velocities",
     "normals": "primvars:normals",
 }
-BALL = 0.2  # radius of what stands where no prototype is given, in spacings
+OTHERS = ("protoIndices", "primvars:classes", "ids", "orientations", "orientationsf")
 MISSING = "USD files need the module pxr, which is missing: pip install usd-core"
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A prototype in another USD file, which the written file refers to.
-
-    Attributes:
-        path: of the file.
-        prim: in it, such as "/Plants/Fern"; empty is the file's default prim.
-    """
-
-    path: Path
-    prim: str = ""
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """A prototype of triangles, which the written file holds.
-
-    Attributes:
-        vertices: (v, 3) float64.
-        faces: (m, 3) int32.
-    """
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -82,7 +53,7 @@ class Contents:
         fps: time codes in a second.
         up: the axis that points up.
         meters_per_unit: length of a unit of the positions.
-        prototypes: the paths of the prims that stand at the classes.
+        prototypes: the paths of the prims that stand at the points.
     """
 
     frames: list[Instances]
@@ -129,8 +100,8 @@ def write(
     """Write instances as a UsdGeom PointInstancer, the file as a whole or not at all.
 
     Orientations are written twice: as `orientations`, 16-bit floats that every reader knows, and
-    as `orientationsf`, 32-bit floats that newer ones take instead. Normals become a primvar. What
-    is the same on all frames is written once.
+    as `orientationsf`, 32-bit floats that newer ones take instead. Normals become a primvar, and
+    so do classes where the prototypes are others. What is the same on all frames is written once.
 
     Args:
         path: ends with one of SUFFIXES.
@@ -140,8 +111,30 @@ def write(
         fps: time codes in a second.
         up: the axis that points up. Nothing is turned.
         meters_per_unit: length of a unit of the positions.
-        prototypes: what stands at class 0, 1, ...; none are small balls, one for each class.
+        prototypes: what stands at class 0, 1, ..., or at those that the instances name; to a
+            Reference the file refers. None are small balls, one for each class.
         name: of the PointInstancer.
+
+    Raises:
+        ValueError: an argument is wrong; it names the first offender.
+        OSError: naming the file.
+        ImportError: usd-core is not installed.
+    """
+    listed = [frames] if isinstance(frames, Instances) else list(frames)
+    scatter = Scatter(name, listed, prototypes)
+    write_scatters(path, [scatter], times=times, fps=fps, up=up, meters_per_unit=meters_per_unit)
+
+
+def write_scatters(
+    path: str | os.PathLike[str],
+    scatters: Sequence[Scatter],
+    *,
+    times: ArrayLike | None = None,
+    fps: float = 24.0,
+    up: Up = "Z",
+    meters_per_unit: float = 1.0,
+) -> None:
+    """Write a PointInstancer for each scatter, in one file; see write().
 
     Raises:
         ValueError: an argument is wrong; it names the first offender.
@@ -151,50 +144,23 @@ def write(
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
         raise ValueError(f"{target}: a USD file ends with {', '.join(SUFFIXES)}")
-    listed = [frames] if isinstance(frames, Instances) else list(frames)
-    codes = _codes(listed, times)
-    shapes = _shapes(listed, prototypes)
+    counts = {len(scatter.frames) for scatter in scatters}
+    if len(counts) != 1:
+        raise ValueError(f"scatters have {sorted(counts)} frames: the same number is needed")
+    codes = _codes(counts.pop(), times)
     stage = _stage(codes, fps, up, meters_per_unit)
-    _add_instancer(stage, name, listed, codes, shapes)
+    for scatter in scatters:
+        _add_instancer(stage, scatter, codes)
     _save(stage, target)
 
 
-def _codes(frames: Sequence[Instances], times: ArrayLike | None) -> list[float] | None:
-    if not frames:
-        raise ValueError("frames is empty: at least one is needed")
-    names = [sorted(frame.arrays()) for frame in frames]
-    for k, found in enumerate(names):
-        if found != names[0]:
-            raise ValueError(f"frames[{k}] has {found}, but frames[0] {names[0]}")
+def _codes(count: int, times: ArrayLike | None) -> list[float] | None:
     if times is None:
-        return [k + 1.0 for k in range(len(frames))] if len(frames) > 1 else None
+        return [k + 1.0 for k in range(count)] if count > 1 else None
     codes = np.asarray(times, np.float64)
-    if codes.shape != (len(frames),) or not np.isfinite(codes).all() or (np.diff(codes) <= 0).any():
-        raise ValueError(f"times is {codes.tolist()}: {len(frames)} growing numbers are needed")
+    if codes.shape != (count,) or not np.isfinite(codes).all() or (np.diff(codes) <= 0).any():
+        raise ValueError(f"times is {codes.tolist()}: {count} growing numbers are needed")
     return codes.tolist()
-
-
-def _shapes(
-    frames: Sequence[Instances], prototypes: Sequence[Reference | Mesh]
-) -> list[Reference | Mesh | float]:
-    """The prototypes, or radii of balls."""
-    classes = [frame.classes for frame in frames if frame.classes is not None]
-    needed = max((int(one.max(initial=0)) for one in classes), default=0) + 1
-    if not prototypes:
-        return [_ball(frames)] * needed
-    if len(prototypes) < needed:
-        raise ValueError(
-            f"classes has the class {needed - 1}, but there are only {len(prototypes)} prototypes"
-        )
-    return list(prototypes)
-
-
-def _ball(frames: Sequence[Instances]) -> float:
-    """A radius that keeps balls apart on the first frame that has two points."""
-    several = next((frame.positions for frame in frames if len(frame) > 1), None)
-    if several is None:
-        return BALL
-    return BALL * float(np.median(nearest_distances(several))) or BALL
 
 
 def _stage(codes: list[float] | None, fps: float, up: Up, meters_per_unit: float) -> Any:
@@ -218,32 +184,35 @@ def _stage(codes: list[float] | None, fps: float, up: Up, meters_per_unit: float
     return stage
 
 
-def _add_instancer(
-    stage: Any,
-    name: str,
-    frames: Sequence[Instances],
-    codes: list[float] | None,
-    shapes: Sequence[Reference | Mesh | float],
-) -> None:
-    pxr = _pxr()
+def _add_instancer(stage: Any, scatter: Scatter, codes: list[float] | None) -> None:
+    pxr, name = _pxr(), scatter.name
     if not pxr.Sdf.Path.IsValidIdentifier(name):
         raise ValueError(f"name is {name!r}: letters, digits and _ are needed, no digit first")
     path = f"/dapple/{name}"
+    if stage.GetPrimAtPath(path):
+        raise ValueError(f"name is {name!r}, which another scatter has too")
     instancer = pxr.UsdGeom.PointInstancer.Define(stage, path)
-    pxr.UsdGeom.Scope.Define(stage, f"{path}/prototypes")
-    paths = [f"{path}/prototypes/class_{k}" for k in range(len(shapes))]
-    for prim, shape in zip(paths, shapes, strict=True):
-        _add_prototype(stage, prim, shape)
-        instancer.GetPrototypesRel().AddTarget(prim)
-    _add_arrays(instancer.GetPrim(), frames, codes)
+    below = str(pxr.UsdGeom.Scope.Define(stage, f"{path}/prototypes").GetPath())
+    balls = [scatter.radius] * scatter.needed
+    paths = [
+        _add_prototype(stage, below, k, one) for k, one in enumerate(scatter.prototypes or balls)
+    ]
+    if len(set(paths)) < len(paths):
+        twice = next(one for one in paths if paths.count(one) > 1)
+        raise ValueError(f"prototypes has {Path(twice).name} twice: a file holds it once")
+    instancer.GetPrototypesRel().SetTargets(paths)
+    _add_arrays(instancer.GetPrim(), scatter.frames, codes)
     for code in codes or [pxr.Usd.TimeCode.Default()]:
         extent = instancer.ComputeExtentAtTime(code, code)
         instancer.GetExtentAttr().Set(extent, code)
 
 
-def _add_prototype(stage: Any, path: str, shape: Reference | Mesh | float) -> None:
-    geometry = _pxr().UsdGeom
+def _add_prototype(stage: Any, below: str, k: int, shape: Reference | Mesh | float) -> str:
+    """The path of the prim that stands for class k."""
+    path, geometry = f"{below}/class_{k}", _pxr().UsdGeom
     if isinstance(shape, Reference):
+        if shape.held:
+            return _add_copy(stage, below, shape)
         prim = geometry.Xform.Define(stage, path).GetPrim()
         prim.GetReferences().AddReference(*_checked_reference(shape))
     elif isinstance(shape, Mesh):
@@ -258,27 +227,47 @@ def _add_prototype(stage: Any, path: str, shape: Reference | Mesh | float) -> No
         ball = geometry.Sphere.Define(stage, path)
         ball.GetRadiusAttr().Set(shape)
         ball.GetExtentAttr().Set([(-shape,) * 3, (shape,) * 3])
+    return path
+
+
+def _add_copy(stage: Any, below: str, reference: Reference) -> str:
+    """Copy the default prim of a file, with materials and all, unless that has been done."""
+    pxr = _pxr()
+    with _opened(Path(reference.path).resolve()) as other:
+        source = _prim_of(other, Reference(reference.path))
+        wanted = _prim_of(other, reference).GetPath()
+        target = pxr.Sdf.Path(below).AppendChild(source.GetName())
+        if not stage.GetPrimAtPath(target):
+            pxr.Sdf.CopySpec(other.Flatten(), source.GetPath(), stage.GetRootLayer(), target)
+        return str(wanted.ReplacePrefix(source.GetPath(), target))
 
 
 def _checked_reference(reference: Reference) -> tuple[str, ...]:
     """File, with its whole path, and prim if it is named, both of which there must be."""
     path = Path(reference.path).resolve()
     with _opened(path) as stage:
-        prim = stage.GetPrimAtPath(reference.prim) if reference.prim else stage.GetDefaultPrim()
-        if not prim:
-            missing = f"no prim {reference.prim}" if reference.prim else "no default prim: name one"
-            raise ValueError(f"{reference.path}: has {missing}")
-        return (path.as_posix(), reference.prim) if reference.prim else (path.as_posix(),)
+        _prim_of(stage, reference)
+    return (path.as_posix(), reference.prim) if reference.prim else (path.as_posix(),)
+
+
+def _prim_of(stage: Any, reference: Reference) -> Any:
+    prim = stage.GetPrimAtPath(reference.prim) if reference.prim else stage.GetDefaultPrim()
+    if not prim:
+        missing = f"no prim {reference.prim}" if reference.prim else "no default prim: name one"
+        raise ValueError(f"{reference.path}: has {missing}")
+    return prim
 
 
 def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | None) -> None:
     """What is the same on all frames goes in without a time."""
     pxr = _pxr()
-    if frames[0].normals is not None:
-        primvars, types = pxr.UsdGeom.PrimvarsAPI(prim), pxr.Sdf.ValueTypeNames
-        primvars.CreatePrimvar("normals", types.Normal3fArray, pxr.UsdGeom.Tokens.vertex)
+    primvars, types = pxr.UsdGeom.PrimvarsAPI(prim), pxr.Sdf.ValueTypeNames
+    kinds = {"normals": types.Normal3fArray, "classes": types.IntArray}
     rows = [_values(frame) for frame in frames]
     for name, first in rows[0].items():
+        head, _, tail = name.partition(":")
+        if head == "primvars":
+            primvars.CreatePrimvar(tail, kinds[tail], pxr.UsdGeom.Tokens.vertex)
         attribute = prim.GetAttribute(name)
         if all(row[name] == first for row in rows):
             attribute.Set(first)
@@ -290,8 +279,9 @@ def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | Non
 def _values(frame: Instances) -> dict[str, Any]:
     """USD's arrays by the names of its attributes."""
     vt, turns = _pxr().Vt, frame.orientations
-    classes = np.zeros(len(frame), np.int32) if frame.classes is None else frame.classes
-    found = {"protoIndices": vt.IntArray.FromNumpy(classes)}
+    found = {"protoIndices": vt.IntArray.FromNumpy(frame.placed)}
+    if frame.classes is not None and frame.prototypes is not None:
+        found["primvars:classes"] = vt.IntArray.FromNumpy(frame.classes)
     for name, attribute in VECTORS.items():
         values = getattr(frame, name)
         if values is not None:
@@ -407,8 +397,7 @@ def _outermost(stage: Any) -> Iterator[Any]:
 
 
 def _times(prim: Any) -> list[float]:
-    read_from = ("protoIndices", "ids", "orientations", "orientationsf", *VECTORS.values())
-    attributes = [prim.GetAttribute(name) for name in read_from]
+    attributes = [prim.GetAttribute(name) for name in (*OTHERS, *VECTORS.values())]
     samples = [attribute.GetTimeSamples() for attribute in attributes if attribute]
     return sorted({time for times in samples for time in times}) or [0.0]
 
@@ -426,10 +415,12 @@ def _frame(prim: Any, time: float) -> Instances:
     positions = found.pop("positions")
     if positions is None:
         raise ValueError(f"{prim.GetPath()} has no positions")
+    placed, classes = array("protoIndices"), array("primvars:classes")
     return Instances(
         positions,
         None if turns is None else np.roll(turns, 1, axis=1),
         ids=array("ids"),
-        classes=array("protoIndices"),
+        classes=placed if classes is None else classes,
+        prototypes=None if classes is None else placed,
         **found,
     )

@@ -16,8 +16,6 @@ from dapple3d.cli.files import about, load_npz
 from dapple3d.cli.points import Points
 from dapple3d.writing import replacing, write_npz
 
-DIMENSIONS = {"ids": 1, "classes": 1, "faces": 1}  # of an array of one frame; others have 2
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -66,7 +64,7 @@ def _frames(arrays: dict[str, NDArray]) -> list[Points]:
     if count == 0:
         raise ValueError("positions holds no frame")
     known = {name: values for name, values in arrays.items() if name in points.NAMES}
-    moving = {name for name, values in known.items() if values.ndim > DIMENSIONS.get(name, 2)}
+    moving = {name for name, values in known.items() if values.ndim > _dimensions(name)}
     for name in moving:
         if len(known[name]) != count:
             raise ValueError(f"{name} has {len(known[name])} frames, but positions {count}")
@@ -78,6 +76,11 @@ def _frames(arrays: dict[str, NDArray]) -> list[Points]:
         Points(**{name: known[name][k] if name in moving else known[name] for name in known})
         for k in range(count)
     ]
+
+
+def _dimensions(name: str) -> int:
+    """Of the array of one frame."""
+    return 1 if name in points.WHOLE else 2
 
 
 def write_npz_motion(path: Path, frames: Sequence[Points]) -> None:

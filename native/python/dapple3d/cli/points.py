@@ -27,7 +27,8 @@ class Points:
     positions: (n, 2) or (n, 3) float64.
     normals: (n, 3) float64. ids, classes: (n,) int32.
     faces, barycentric: (n,) int32 and (n, 3) float64, where on the mesh each point is.
-    orientations, scales, velocities: (n, 4), (n, 3), (n, 3) float64, as in dapple3d.instances.
+    orientations, scales, velocities: (n, 4), (n, 3), (n, 3) float64, and
+    prototypes: (n,) int32, as in dapple3d.instances.
     """
 
     positions: NDArray
@@ -39,6 +40,7 @@ class Points:
     orientations: NDArray | None = None
     scales: NDArray | None = None
     velocities: NDArray | None = None
+    prototypes: NDArray | None = None
 
     def arrays(self) -> Arrays:
         """Those that are there, by name."""
@@ -46,8 +48,9 @@ class Points:
 
 
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
-NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities")
-WHOLE = ("ids", "classes", "faces")
+NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
+WHOLE = ("ids", "classes", "faces", "prototypes")
+WHOLE_COLUMNS = {"ids": "id", "classes": "class", "prototypes": "prototype"}
 COLUMNS = {
     "normals": ("nx", "ny", "nz"),
     "orientations": ("qw", "qx", "qy", "qz"),
@@ -61,16 +64,16 @@ def points_of(samples: dapple.Samples) -> Points:
     return Points(**{name: getattr(samples, name) for name in OF_SAMPLES})
 
 
-def instances_of(points: Points) -> instances.Instances:
-    """What other programs place: along the normals, if nothing else is known.
+def instances_of(points: Points, up: instances.Up = "Z") -> instances.Instances:
+    """What other programs place: this axis along the normals, if nothing else is known.
 
     Raises:
         ValueError: naming the array that is wrong and its first offender.
     """
     turns = points.orientations
     if turns is None and points.normals is not None:
-        turns = instances.orientations(points.normals)
-    known = ("scales", "velocities", "normals", "ids", "classes")
+        turns = instances.orientations(points.normals, up=up)
+    known = ("scales", "velocities", "normals", "ids", "classes", "prototypes")
     return instances.Instances(
         _padded(points.positions), turns, **{name: getattr(points, name) for name in known}
     )
@@ -173,10 +176,9 @@ def _columns(points: Points) -> Arrays:
         values = getattr(points, name)
         if values is not None:
             columns |= dict(zip(letters, values.T, strict=True))
-    if points.ids is not None:
-        columns["id"] = points.ids
-    if points.classes is not None:
-        columns["class"] = points.classes
+    for name, column in WHOLE_COLUMNS.items():
+        if getattr(points, name) is not None:
+            columns[column] = getattr(points, name)
     return columns
 
 
@@ -206,14 +208,16 @@ def _from_columns(columns: Mapping[str, NDArray]) -> Points:
             return None
         return np.column_stack([columns[name] for name in names]).astype(np.float64)
 
-    def integers(name: str) -> NDArray | None:
-        return whole(name, columns[name]) if name in columns else None
-
     positions = stacked("x", "y", "z") if "z" in columns else stacked("x", "y")
     if positions is None:
         raise ValueError(f"has the columns {', '.join(columns)}: x, y (and z) are needed")
     vectors = {name: stacked(*letters) for name, letters in COLUMNS.items()}
-    return Points(positions, ids=integers("id"), classes=integers("class"), **vectors)
+    numbers = {
+        name: whole(column, columns[column])
+        for name, column in WHOLE_COLUMNS.items()
+        if column in columns
+    }
+    return Points(positions, **vectors, **numbers)
 
 
 def _read_npz(path: Path) -> Points:

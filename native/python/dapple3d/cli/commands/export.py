@@ -26,13 +26,13 @@ class PrototypeType(click.ParamType):
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> usd.Reference:
+    ) -> instances.Reference:
         """Tell the file from the prim in it."""
         found = NAMED.fullmatch(value)
         path = Path(found["path"] if found else value)
         if not path.is_file():
             self.fail(f"'{path}': there is no such file", param, ctx)
-        return usd.Reference(path, (found["prim"] or "") if found else "")
+        return instances.Reference(path, (found["prim"] or "") if found else "")
 
 
 @click.command("export", short_help="Points for other programs: USD and others.")
@@ -68,11 +68,11 @@ class PrototypeType(click.ParamType):
 def command(
     source: Path,
     out: Path,
-    prototypes: tuple[usd.Reference, ...],
+    prototypes: tuple[instances.Reference, ...],
     frame: int | None,
     start: int | None,
     fps: float | None,
-    up: usd.Up | None,
+    up: instances.Up | None,
     meters_per_unit: float | None,
     scale: float | None,
     json_out: str | None,
@@ -141,24 +141,24 @@ def chosen(
     return replace(motion, times=start + times)
 
 
-def prototype(given: usd.Reference) -> usd.Reference | usd.Mesh:
+def prototype(given: instances.Reference) -> instances.Reference | instances.Mesh:
     """A file of USD stays where it is, a mesh is read."""
     if NAMED.fullmatch(str(given.path)):
         return given
     mesh = meshes.read_mesh(given.path)
-    return usd.Mesh(mesh.vertices, mesh.faces)
+    return instances.Mesh(mesh.vertices, mesh.faces)
 
 
 def write_usd(
     out: Path,
     motion: motions.Motion,
     source: Path,
-    prototypes: list[usd.Reference | usd.Mesh],
+    prototypes: list[instances.Reference | instances.Mesh],
     scene: dict[str, Any],
 ) -> None:
     """With velocities, if there are several frames."""
     with about(source):
-        frames = [points.instances_of(one) for one in motion.frames]
+        frames = [points.instances_of(one, scene["up"]) for one in motion.frames]
     if len(frames) > 1:
         frames = instances.with_velocities(frames, scene["fps"])
     with about(out):
