@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapes
 from command_line import done, refused, run
-from dapple3d import instances, usd
+from dapple3d import gltf, instances, usd
 from dapple3d.cli import points
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -98,6 +98,38 @@ def test_prototypes_stand_at_the_classes(tmp_path, torus, mesh):
     held = stage.GetPrimAtPath("/dapple/points/prototypes/class_0").GetAttribute("points").Get()
     np.testing.assert_array_equal(np.array(held), mesh[0].astype(np.float32))
     assert "@./fern.usda@</dapple/points>" in out.read_text()
+
+
+def test_gltf_holds_a_frame_with_prototypes(tmp_path, torus, tracked):
+    out = tmp_path / "walk.glb"
+    done("export", tracked, out, "--frame", 2, "--prototype", torus, "--scale", 0.1)
+    found = gltf.read(out)
+    expected = np.load(tracked)["positions"][1].astype(np.float32)
+    np.testing.assert_array_equal(found.positions, expected)
+    np.testing.assert_allclose(found.scales, 0.1, rtol=1e-6)
+    assert f"{tracked} has 3 frames, of which --frame takes one" in refused("export", tracked, out)
+    done("export", out, tmp_path / "back.csv")
+    np.testing.assert_array_equal(points.read_points(tmp_path / "back.csv").positions, expected)
+    done("export", out, tmp_path / "more.gltf", "--prototype", f"{out}:points_0")
+    assert len(gltf.read(tmp_path / "more.gltf")) == 40
+
+
+@pytest.mark.parametrize("suffix", gltf.SUFFIXES)
+def test_sample_writes_gltf_itself(tmp_path, torus, surface, suffix):
+    out = tmp_path / f"points{suffix}"
+    done("sample", torus, out, "-n", 50)
+    expected = dapple.sample(surface, 50).positions.astype(np.float32)
+    np.testing.assert_array_equal(gltf.read(out).positions, expected)
+    assert "points                   50" in done("analyze", out, "--mesh", torus).stdout
+
+
+def test_prototypes_are_of_the_format_of_the_output(tmp_path, torus, still):
+    done("sample", torus, tmp_path / "fern.glb", "-n", 3)
+    done("sample", torus, tmp_path / "fern.usda", "-n", 3)
+    said = refused("export", still, tmp_path / "a.usda", "--prototype", tmp_path / "fern.glb")
+    assert "fern.glb: cannot stand in .usda, another format" in said
+    said = refused("export", still, tmp_path / "a.glb", "--prototype", tmp_path / "fern.usda")
+    assert "fern.usda: cannot stand in .glb, another format" in said
 
 
 def test_points_of_the_plane_lie_at_height_zero(tmp_path):

@@ -11,7 +11,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused, run
-from dapple3d import stippling, usd
+from dapple3d import gltf, stippling, usd
 from dapple3d.cli import points
 from dapple3d.writing import replacing
 from PIL import Image
@@ -59,6 +59,7 @@ OUTPUTS = [
     *(("stipple", suffix) for suffix in (".png", ".svg", ".pdf")),
     ("track", ".npz"),
     *(("sample", suffix) for suffix in usd.SUFFIXES if find_spec("pxr")),
+    *(("sample", suffix) for suffix in gltf.SUFFIXES),
     ("json", ".json"),
 ]
 

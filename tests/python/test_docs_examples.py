@@ -143,8 +143,10 @@ def test_commands_print_what_the_pages_show(files):
 def test_the_export_page_runs(files):
     pytest.importorskip("pxr", reason="usd-core is not installed")
     dapple.write_mesh("rock.ply", *shapes.torus())
-    for out in ("fern.usda", "plants.csv"):
+    for out in ("fern.usda", "plants.csv", "plants.gltf"):
         assert run("sample", "bunny.ply", out, "-n", 50).exit_code == 0
+    renamed = Path("plants.gltf").read_text().replace("points_0", "Fern")
+    Path("plants.gltf").write_text(renamed)
     assert run("track", "walk.npz", "walk_points.npz", "-n", 50).exit_code == 0
     for command in code("docs/export.md", "sh").splitlines():
         assert run(*shlex.split(command)[1:]).exit_code == 0, command

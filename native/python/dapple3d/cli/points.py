@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point sets in files: PLY, CSV, npz, OBJ, OFF and USD, by the extension.
+"""Point sets in files: PLY, CSV, npz, OBJ, OFF, USD and glTF, by the extension.
 
-All digits are kept, but by USD, whose numbers have 32 bits.
+All digits are kept, but by USD and glTF, whose numbers have 32 bits.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple3d as dapple
-from dapple3d import instances, usd
+from dapple3d import gltf, instances, usd
 from dapple3d.cli import ply, text
 from dapple3d.cli.files import Arrays, about, listed, load_npz
 from dapple3d.writing import replacing, write_npz
@@ -99,9 +99,10 @@ def write_points(path: Path, points: Points) -> None:
         OSError: naming the file.
     """
     suffix = check_extension(path)
-    if suffix in usd.SUFFIXES:
+    if suffix in SCENES:
         with about(path):
-            usd.write(path, instances_of(points))
+            module = usd if suffix in usd.SUFFIXES else gltf
+            module.write(path, instances_of(points))
         return
     with replacing(path) as file:
         WRITERS[suffix](file, points)
@@ -283,5 +284,7 @@ READERS: dict[str, Callable[[Path], Points]] = {
     ".obj": lambda path: _from_columns(text.read_obj(path)),
     ".off": lambda path: _from_columns(text.read_off(path)),
     **dict.fromkeys(usd.SUFFIXES, _read_usd),
+    **dict.fromkeys(gltf.SUFFIXES, lambda path: of_instances(gltf.read(path))),
 }
-FORMATS = (*WRITERS, *usd.SUFFIXES)
+SCENES = (*usd.SUFFIXES, *gltf.SUFFIXES)  # which hold what stands at the points too
+FORMATS = (*WRITERS, *SCENES)

@@ -9,14 +9,14 @@ from typing import Any
 import click
 import numpy as np
 
-from dapple3d import instances, usd
+from dapple3d import gltf, instances, usd
 from dapple3d.cli import meshes, motions, options, points
 from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.report import Reporter
 
 POSITIVE = click.FloatRange(min=0, min_open=True)
 SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}
-NAMED = re.compile(r"(?P<path>.*\.usd[acz]?)(?::(?P<prim>/.*))?", re.IGNORECASE)
+NAMED = re.compile(r"(?P<path>.*\.(usd[acz]?|glb|gltf))(?::(?P<prim>.+))?", re.IGNORECASE)
 
 
 class PrototypeType(click.ParamType):
@@ -35,7 +35,7 @@ class PrototypeType(click.ParamType):
         return instances.Reference(path, (found["prim"] or "") if found else "")
 
 
-@click.command("export", short_help="Points for other programs: USD and others.")
+@click.command("export", short_help="Points for other programs: USD, glTF and others.")
 @click.argument("source", metavar="POINTS", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @click.option(
@@ -44,9 +44,9 @@ class PrototypeType(click.ParamType):
     type=PrototypeType(),
     multiple=True,
     metavar="FILE[:PRIM]",
-    help="What stands at the points, once for each class: a prim of a USD file, which OUT refers "
-    "to, by default its default prim; or a mesh (.ply .obj .stl .off), which OUT holds.  "
-    "[default: balls]",
+    help="What stands at the points, once for each class: a mesh (.ply .obj .stl .off), which OUT "
+    "holds; for USD a prim of a USD file, which OUT refers to, by default its default prim; for "
+    "glTF a node of a glTF file, which OUT holds, by default all.  [default: balls]",
 )
 @click.option("--frame", type=click.IntRange(min=1), help="Only this one, counted from 1.")
 @click.option("--start", type=int, help="Number of the first frame.  [default: as in POINTS, or 1]")
@@ -80,15 +80,17 @@ def command(
 ) -> None:
     """Write POINTS, still or in motion, to OUT for another program.
 
-    POINTS is what `dapple sample`, `classes` or `track` has written, or .usd .usda .usdc. OUT is
+    POINTS is what `dapple sample`, `classes` or `track` has written, or USD or glTF. OUT is
     .usd, .usda or .usdc: a PointInstancer with ids, classes, orientations (along the normals, if
-    POINTS has none), scales and velocities, with time samples for a motion. USD rounds numbers to
-    32 bits. OUT can also be .ply, .csv, .npz, .obj or .off; of these only .npz holds a motion.
+    POINTS has none), scales and velocities, with time samples for a motion. Or it is .glb or .gltf:
+    nodes with EXT_mesh_gpu_instancing. Both round numbers to 32 bits. Or it is .ply, .csv, .npz,
+    .obj or .off. A motion fits into USD and .npz.
 
     \b
     Examples:
       dapple export points.ply points.usda
       dapple export walk.npz walk.usdc --fps 25 --prototype fern.usd --prototype rocks.usd:/Rock_3
+      dapple export plants.csv plants.glb --prototype plants.glb:Fern --prototype rock.ply
       dapple export walk.usdc frame_10.csv --frame 10
     """
     reporter = Reporter(json_out, quiet)
@@ -99,8 +101,8 @@ def command(
         motion = replace(motion, frames=[motions.scaled(one, scale) for one in motion.frames])
     given = options.given({"fps": fps, "up": up, "meters_per_unit": meters_per_unit})
     scene = SCENE | motion.scene | given
-    if suffix in usd.SUFFIXES:
-        write_usd(out, motion, source, [prototype(one) for one in prototypes], scene)
+    if suffix in points.SCENES:
+        write_scene(out, motion, source, [prototype(one, out) for one in prototypes], scene)
     elif prototypes:
         raise click.UsageError(f"--prototype: {suffix} holds points alone")
     else:
@@ -141,42 +143,64 @@ def chosen(
     return replace(motion, times=start + times)
 
 
-def prototype(given: instances.Reference) -> instances.Reference | instances.Mesh:
-    """A file of USD stays where it is, a mesh is read."""
-    if NAMED.fullmatch(str(given.path)):
+def prototype(given: instances.Reference, out: Path) -> instances.Reference | instances.Mesh:
+    """A file of the format of OUT as it is, of a mesh what it holds.
+
+    Raises:
+        ClickException: it is of another format.
+    """
+    kinds = [
+        suffixes
+        for suffixes in ((*usd.SUFFIXES, ".usdz"), gltf.SUFFIXES)
+        if given.path.suffix.lower() in suffixes
+    ]
+    if kinds and out.suffix.lower() in kinds[0]:
         return given
+    if kinds:
+        raise click.ClickException(f"{given.path}: cannot stand in {out.suffix}, another format")
     mesh = meshes.read_mesh(given.path)
     return instances.Mesh(mesh.vertices, mesh.faces)
 
 
-def write_usd(
+def write_scene(
     out: Path,
     motion: motions.Motion,
     source: Path,
     prototypes: list[instances.Reference | instances.Mesh],
     scene: dict[str, Any],
 ) -> None:
-    """With velocities, if there are several frames."""
+    """In a format that also holds what stands at the points; with velocities, if they move.
+
+    Raises:
+        ClickException: OUT is glTF, which holds a single frame, but there are several.
+    """
     with about(source):
         frames = [points.instances_of(one, scene["up"]) for one in motion.frames]
     if len(frames) > 1:
         frames = instances.with_velocities(frames, scene["fps"])
+    place = {"up": scene["up"], "meters_per_unit": scene["meters_per_unit"]}
     with about(out):
-        usd.write(out, frames, times=motion.times, prototypes=prototypes, **scene)
+        if out.suffix.lower() in usd.SUFFIXES:
+            fps = scene["fps"]
+            usd.write(out, frames, times=motion.times, fps=fps, prototypes=prototypes, **place)
+        else:
+            check_single(out, motion, source)
+            gltf.write(out, frames[0], prototypes=prototypes, **place)
 
 
-def write_points(out: Path, motion: motions.Motion, source: Path) -> None:
-    """In a format of points alone.
-
-    Raises:
-        ClickException: it holds a single frame, but there are several.
-    """
-    if len(motion.frames) == 1:
-        points.write_points(out, motion.frames[0])
-    elif out.suffix.lower() == ".npz":
-        motions.write_npz_motion(out, motion.frames)
-    else:
+def check_single(out: Path, motion: motions.Motion, source: Path) -> None:
+    """Raise ClickException if there are several frames."""
+    if len(motion.frames) > 1:
         raise click.ClickException(
             f"{out}: {source} has {len(motion.frames)} frames, of which --frame takes one; "
             "all fit into .npz and USD files"
         )
+
+
+def write_points(out: Path, motion: motions.Motion, source: Path) -> None:
+    """In a format that holds points alone."""
+    if len(motion.frames) > 1 and out.suffix.lower() == ".npz":
+        motions.write_npz_motion(out, motion.frames)
+    else:
+        check_single(out, motion, source)
+        points.write_points(out, motion.frames[0])

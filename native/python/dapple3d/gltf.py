@@ -1,0 +1,489 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""glTF files: instances by EXT_mesh_gpu_instancing, for game engines and the web.
+
+>>> from dapple3d import gltf, instances
+>>> gltf.write("points.glb", instances.of_samples(samples))
+>>> gltf.read("points.glb").positions
+
+glTF is JSON and a block of bytes, in meters with y up. It holds 32-bit floats and no motion of
+instances. https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, and the extension beside it.
+"""
+
+import base64
+import json
+import os
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .instances import Instances, Mesh, Reference, Scatter, Up, quaternions
+from .writing import replacing
+
+__all__ = ["SUFFIXES", "read", "write", "write_scatters"]
+
+SUFFIXES: Final = (".glb", ".gltf")
+"""Of the files that write() and read() know: binary, and text that holds the bytes too."""
+
+EXTENSION = "EXT_mesh_gpu_instancing"
+MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+EMBEDDED = "data:application/octet-stream;base64,"
+FLOAT, UNSIGNED_INT = 5126, 5125
+COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+LARGEST_ID = 2**24  # whole numbers up to it are 32-bit floats
+# Keys whose whole numbers count the entries of a list of the file.
+COUNTING = {
+    "bufferView": "bufferViews",
+    "index": "textures",
+    "indices": "accessors",
+    "material": "materials",
+    "sampler": "samplers",
+    "source": "images",
+}
+# Extensions whose numbers mean something else.
+UNKNOWN = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_materials_variants"}
+MERGED = ("bufferViews", "accessors", "images", "samplers", "textures", "materials", "meshes")
+
+
+@dataclass
+class _Document:
+    """A file as it is put together or was read."""
+
+    tree: dict[str, Any] = field(default_factory=dict)
+    blob: bytearray = field(default_factory=bytearray)
+    merged: dict[Path, dict[str, int]] = field(default_factory=dict)  # where files begin in lists
+
+    def add(self, name: str, entry: Any) -> int:
+        """The number of a new entry of a list."""
+        entries = self.tree.setdefault(name, [])
+        entries.append(entry)
+        return len(entries) - 1
+
+    def add_array(self, values: NDArray, *, target: int | None = None, bounds: bool = False) -> int:
+        """The accessor of float32 (n,) or (n, k), or of uint32 (n,)."""
+        self.blob.extend(bytes(-len(self.blob) % 4))
+        view = {"buffer": 0, "byteOffset": len(self.blob), "byteLength": values.nbytes}
+        self.blob.extend(values.tobytes())
+        entry = {
+            "bufferView": self.add("bufferViews", view | ({"target": target} if target else {})),
+            "componentType": FLOAT if values.dtype.kind == "f" else UNSIGNED_INT,
+            "count": len(values),
+            "type": "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}",
+        }
+        if bounds:
+            entry |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
+        return self.add("accessors", entry)
+
+    def array(self, number: int) -> NDArray:
+        """The values of an accessor."""
+        entry = self.tree["accessors"][number]
+        view = self.tree["bufferViews"][entry["bufferView"]]
+        dtype, width = np.dtype(COMPONENTS[entry["componentType"]]), WIDTHS[entry["type"]]
+        start = view.get("byteOffset", 0) + entry.get("byteOffset", 0)
+        stride = view.get("byteStride") or dtype.itemsize * width
+        shape, strides = (entry["count"], width), (stride, dtype.itemsize)
+        found: NDArray = np.ndarray(shape, dtype, self.blob, start, strides)
+        values = found.astype(np.float64)
+        if entry.get("normalized"):
+            values = np.maximum(values / np.iinfo(dtype).max, -1.0)
+        return values[:, 0] if width == 1 else values
+
+
+# Writing
+
+
+def write(
+    path: str | os.PathLike[str],
+    instances: Instances,
+    *,
+    up: Up = "Z",
+    meters_per_unit: float = 1.0,
+    prototypes: Sequence[Reference | Mesh] = (),
+    name: str = "points",
+) -> None:
+    """Write instances as nodes with EXT_mesh_gpu_instancing, one for each mesh that stands there.
+
+    Their attributes are TRANSLATION, ROTATION, SCALE and _ID; ids are floats, so that they end at
+    16,777,216. Velocities, normals and classes beside prototypes are left out.
+
+    Args:
+        path: ends with one of SUFFIXES.
+        instances: of one time.
+        up: the axis that points up; z becomes y, as glTF has it.
+        meters_per_unit: length of a unit of the positions, which become meters.
+        prototypes: what stands at class 0, 1, ..., or at those that the instances name. Of the
+            glTF file of a Reference all meshes are taken, of its node if it names one; they are in
+            meters, with y up. None are small balls, one for each class.
+        name: of the node above.
+
+    Raises:
+        ValueError: an argument is wrong; it names the first offender.
+        OSError: naming the file.
+    """
+    scatter = Scatter(name, [instances], prototypes)
+    write_scatters(path, [scatter], up=up, meters_per_unit=meters_per_unit)
+
+
+def write_scatters(
+    path: str | os.PathLike[str],
+    scatters: Sequence[Scatter],
+    *,
+    up: Up = "Z",
+    meters_per_unit: float = 1.0,
+) -> None:
+    """Write several scatters into one file, below a node for each; see write().
+
+    Raises:
+        ValueError: an argument is wrong, or a scatter has several frames.
+        OSError: naming the file.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{target}: a glTF file ends with {', '.join(SUFFIXES)}")
+    if up not in ("Y", "Z"):
+        raise ValueError(f"up is {up!r}: Y or Z is needed")
+    if not (np.isfinite(meters_per_unit) and meters_per_unit > 0):
+        raise ValueError(f"meters_per_unit is {meters_per_unit}: a number > 0 is needed")
+    document = _Document({"asset": {"version": "2.0", "generator": "Dapple"}})
+    roots = [_add_scatter(document, one, up, meters_per_unit, target) for one in scatters]
+    document.tree |= {"scene": 0, "scenes": [{"nodes": roots}]}
+    used = {EXTENSION, *document.tree.get("extensionsUsed", ())}
+    document.tree |= {"extensionsUsed": sorted(used), "extensionsRequired": [EXTENSION]}
+    with replacing(target) as file:
+        file.write(_encoded(document, target.suffix.lower()))
+
+
+def _encoded(document: _Document, suffix: str) -> bytes:
+    document.blob.extend(bytes(-len(document.blob) % 4))
+    buffer: dict[str, Any] = {"byteLength": len(document.blob)}
+    if suffix == ".gltf":
+        buffer["uri"] = EMBEDDED + base64.b64encode(document.blob).decode()
+    text = json.dumps(document.tree | {"buffers": [buffer]}, separators=(",", ":")).encode()
+    if suffix == ".gltf":
+        return text
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), JSON_CHUNK) + text
+    chunks += struct.pack("<II", len(document.blob), BINARY_CHUNK) + document.blob
+    return struct.pack("<III", MAGIC, 2, 12 + len(chunks)) + chunks
+
+
+def _add_scatter(
+    document: _Document, scatter: Scatter, up: Up, meters_per_unit: float, target: Path
+) -> int:
+    """The node that holds those of its prototypes."""
+    if len(scatter.frames) != 1:
+        raise ValueError(f"{scatter.name} has {len(scatter.frames)} frames: glTF holds one")
+    (found,) = scatter.frames
+    moved = _standing(found, up, meters_per_unit)
+    children = []
+    shapes = scatter.prototypes or [_ball(scatter.radius)] * scatter.needed
+    for k, shape in enumerate(shapes):
+        there = _Placed.of(moved, found.placed == k)
+        if len(there.positions) == 0:
+            continue
+        if isinstance(shape, Reference):
+            parts = _merge(document, shape, target)
+        else:
+            parts = [(_add_mesh(document, shape, up, meters_per_unit), np.eye(4))]
+        for part, (mesh, matrix) in enumerate(parts):
+            node = {"name": f"{scatter.name}_{k}", "mesh": mesh}
+            node["extensions"] = {EXTENSION: {"attributes": there.through(matrix).added(document)}}
+            node["extras"] = {"prototype": k, "part": part}
+            children.append(document.add("nodes", node))
+    node = {"name": scatter.name} | ({"children": children} if children else {})
+    return document.add("nodes", node)
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """Instances in meters, y up; rotations are w, x, y, z."""
+
+    positions: NDArray
+    rotations: NDArray
+    scales: NDArray
+    ids: NDArray | None
+
+    @staticmethod
+    def of(found: Instances, which: NDArray) -> "_Placed":
+        count = len(found)
+        turns, scales = found.orientations, found.scales
+        if turns is None:
+            turns = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        if scales is None:
+            scales = np.ones((count, 3))
+        ids = None if found.ids is None else found.ids[which]
+        return _Placed(found.positions[which], turns[which], scales[which], ids)
+
+    def through(self, matrix: NDArray) -> "_Placed":
+        """Places of a mesh that the prototype has at a matrix."""
+        if np.array_equal(matrix, np.eye(4)):
+            return self
+        axes = _matrices(self.rotations) * self.scales[:, None, :]
+        linear = axes @ matrix[:3, :3]
+        scales = np.linalg.norm(linear, axis=1)
+        scales[np.linalg.det(linear) < 0] *= -1.0
+        turns = linear / scales[:, None, :]
+        skewed = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2)) > 1e-4
+        if skewed.any():
+            raise ValueError(
+                f"scales[{int(skewed.argmax())}] differs along the axes, and the prototype has "
+                "turned parts: glTF cannot hold that"
+            )
+        positions = self.positions + axes @ matrix[:3, 3]
+        return _Placed(positions, quaternions(turns), scales, self.ids)
+
+    def added(self, document: _Document) -> dict[str, int]:
+        """Accessors of the attributes."""
+        arrays = {
+            "TRANSLATION": self.positions,
+            "ROTATION": np.roll(self.rotations, -1, axis=1),
+            "SCALE": self.scales,
+        }
+        if self.ids is not None:
+            if (np.abs(self.ids) > LARGEST_ID).any():
+                raise ValueError(f"ids go up to {np.abs(self.ids).max()}: glTF holds {LARGEST_ID}")
+            arrays["_ID"] = self.ids
+        return {name: document.add_array(_single(name, values)) for name, values in arrays.items()}
+
+
+def _single(name: str, values: NDArray) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):
+        single = np.ascontiguousarray(values, "<f4")
+    if not np.isfinite(single).all():
+        raise ValueError(f"{name} has numbers that are no 32-bit floats")
+    return single
+
+
+def _standing(found: Instances, up: Up, factor: float) -> Instances:
+    """In meters, y up."""
+    positions, turns, scales = found.positions * factor, found.orientations, found.scales
+    if up == "Z":
+        positions = _with_y_up(positions)
+        if turns is not None:
+            turns = np.column_stack([turns[:, 0], _with_y_up(turns[:, 1:])])
+        if scales is not None:
+            scales = scales[:, [0, 2, 1]]
+    return Instances(positions, turns, scales, ids=found.ids)
+
+
+def _with_y_up(vectors: NDArray) -> NDArray:
+    return vectors[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
+
+
+def _with_z_up(vectors: NDArray) -> NDArray:
+    return vectors[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def _matrices(turns: NDArray) -> NDArray:
+    """Rotation matrices (n, 3, 3) of quaternions: v + 2 w (u x v) + 2 u x (u x v)."""
+    cross = np.zeros((len(turns), 3, 3))
+    x, y, z = turns[:, 1:].T
+    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
+    cross -= np.swapaxes(cross, 1, 2)
+    return np.eye(3) + 2.0 * turns[:, :1, None] * cross + 2.0 * cross @ cross
+
+
+def _add_mesh(document: _Document, mesh: Mesh, up: Up, factor: float) -> int:
+    vertices = np.asarray(mesh.vertices, np.float64) * factor
+    if up == "Z":
+        vertices = _with_y_up(vertices)
+    faces = np.ascontiguousarray(mesh.faces, "<u4").ravel()
+    places = document.add_array(_single("vertices", vertices), target=34962, bounds=True)
+    corners = document.add_array(faces, target=34963)
+    primitive = {"attributes": {"POSITION": places}, "indices": corners}
+    return document.add("meshes", {"primitives": [primitive]})
+
+
+def _ball(radius: float) -> Mesh:
+    """An octahedron, whose faces are cut into four twice."""
+    signs = np.array([[x, y, z] for x in (1, -1) for y in (1, -1) for z in (1, -1)])
+    corners = np.eye(3) * signs[:, :, None]
+    turned = signs.prod(axis=1) < 0
+    corners[turned] = corners[turned][:, ::-1]
+    for _ in range(2):
+        a, b, c = corners.swapaxes(0, 1)
+        ab, bc, ca = a + b, b + c, c + a
+        parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        corners = np.concatenate([np.stack(part, axis=1) for part in parts])
+        corners /= np.linalg.norm(corners, axis=2, keepdims=True)
+    vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return Mesh(radius * vertices, faces.reshape(-1, 3).astype(np.int32))
+
+
+# Prototypes from other files
+
+
+def _merge(
+    document: _Document, reference: Reference, target: Path
+) -> list[tuple[int, NDArray[np.float64]]]:
+    """Take over what meshes need; the numbers of those below the node, and where they are."""
+    other = _load(Path(reference.path))
+    refused = UNKNOWN.intersection(other.tree.get("extensionsUsed", ()))
+    if refused:
+        raise ValueError(f"{reference.path}: uses {min(refused)}, which cannot be taken over")
+    found = _meshes_below(other, _starts(other, reference))
+    if not found:
+        raise ValueError(f"{reference.path}: has no mesh")
+    key = Path(reference.path).resolve()
+    if key not in document.merged:
+        document.merged[key] = {name: len(document.tree.get(name, ())) for name in MERGED}
+        _take_over(document, other, key, target)
+    first = document.merged[key]["meshes"]
+    return [(mesh + first, matrix) for mesh, matrix in found]
+
+
+def _take_over(document: _Document, other: _Document, source: Path, target: Path) -> None:
+    """All lists of the other file that belong to meshes, and its bytes."""
+    offsets = document.merged[source]
+    document.blob.extend(bytes(-len(document.blob) % 4))
+    start = len(document.blob)
+    document.blob.extend(other.blob)
+    for name in MERGED:
+        for entry in other.tree.get(name, ()):
+            moved = _renumbered(entry, offsets)
+            if name == "bufferViews":
+                moved |= {"buffer": 0, "byteOffset": moved.get("byteOffset", 0) + start}
+            if name == "images" and "uri" in moved:
+                moved["uri"] = _relative(moved["uri"], source, target)
+            document.add(name, moved)
+    used = document.tree.setdefault("extensionsUsed", [])
+    used += [one for one in other.tree.get("extensionsUsed", ()) if one not in used]
+
+
+def _renumbered(value: Any, offsets: dict[str, int], key: str = "") -> Any:
+    """With the numbers that entries have behind those that are there already."""
+    if key == "extras":
+        return value
+    if isinstance(value, list):
+        return [_renumbered(one, offsets, key) for one in value]
+    if isinstance(value, dict):
+        inner = {name: "indices" if key in ("attributes", "targets") else name for name in value}
+        return {name: _renumbered(one, offsets, inner[name]) for name, one in value.items()}
+    counted = COUNTING.get(key)
+    return value + offsets[counted] if counted and isinstance(value, int) else value
+
+
+def _relative(uri: str, source: Path, target: Path) -> str:
+    if uri.startswith("data:"):
+        return uri
+    place = source.resolve().parent / unquote(uri)
+    return Path(os.path.relpath(place, target.resolve().parent)).as_posix()
+
+
+def _starts(other: _Document, reference: Reference) -> list[int]:
+    """The node that is named, or those of the scene."""
+    nodes = other.tree.get("nodes", [])
+    if not reference.prim:
+        scene = other.tree.get("scenes", [{}])[other.tree.get("scene", 0)]
+        return list(scene.get("nodes", ()))
+    named = [k for k, node in enumerate(nodes) if node.get("name") == reference.prim]
+    if not named:
+        raise ValueError(f"{reference.path}: has no node '{reference.prim}'")
+    return named[:1]
+
+
+def _meshes_below(
+    other: _Document, starts: list[int], above: NDArray | None = None
+) -> list[tuple[int, NDArray[np.float64]]]:
+    """Meshes and where they are."""
+    found = []
+    for number in starts:
+        node = other.tree["nodes"][number]
+        matrix = _matrix(node) if above is None else above @ _matrix(node)
+        if "mesh" in node:
+            found.append((int(node["mesh"]), matrix))
+        found += _meshes_below(other, node.get("children", []), matrix)
+    return found
+
+
+def _matrix(node: dict[str, Any]) -> NDArray[np.float64]:
+    if "matrix" in node:
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T
+    matrix = np.eye(4)
+    turn = np.roll(np.array([node.get("rotation", (0, 0, 0, 1))], np.float64), 1, axis=1)
+    matrix[:3, :3] = _matrices(turn)[0] * np.array(node.get("scale", (1, 1, 1)))
+    matrix[:3, 3] = node.get("translation", (0, 0, 0))
+    return matrix
+
+
+# Reading
+
+
+def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
+    """Read all instances of a file, in the order of its nodes, in meters.
+
+    Args:
+        path: ends with one of SUFFIXES.
+        up: the axis that is to point up; glTF's y becomes it.
+
+    Raises:
+        ValueError: there are none, or the file is broken.
+        OSError: naming the file.
+    """
+    document = _load(Path(path))
+    nodes = [node for node in document.tree.get("nodes", ()) if _is_first(node)]
+    if not nodes:
+        raise ValueError(f"{path}: has no node with {EXTENSION}")
+    parts = [_read_node(document, node, k) for k, node in enumerate(nodes)]
+    names = set.intersection(*(set(part) for part in parts))
+    arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
+    if up == "Z":
+        arrays["positions"] = _with_z_up(arrays["positions"])
+        turns = arrays["orientations"]
+        arrays["orientations"] = np.column_stack([turns[:, 0], _with_z_up(turns[:, 1:])])
+        arrays["scales"] = arrays["scales"][:, [0, 2, 1]]
+    return Instances(**arrays)
+
+
+def _is_first(node: dict[str, Any]) -> bool:
+    """Whether it has instances, and those of no other part of a prototype."""
+    return EXTENSION in node.get("extensions", {}) and not node.get("extras", {}).get("part")
+
+
+def _read_node(document: _Document, node: dict[str, Any], number: int) -> dict[str, NDArray]:
+    attributes = node["extensions"][EXTENSION]["attributes"]
+    found = {name: document.array(accessor) for name, accessor in attributes.items()}
+    count = len(next(iter(found.values())))
+    turns = found.get("ROTATION", np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
+    arrays = {
+        "positions": found.get("TRANSLATION", np.zeros((count, 3))),
+        "orientations": np.roll(turns, 1, axis=1),
+        "scales": found.get("SCALE", np.ones((count, 3))),
+        "classes": np.full(count, node.get("extras", {}).get("prototype", number)),
+    }
+    return arrays | ({"ids": found["_ID"].astype(np.int64)} if "_ID" in found else {})
+
+
+def _load(path: Path) -> _Document:
+    content = path.read_bytes()
+    try:
+        tree, blob = _chunks(content) if content[:4] == b"glTF" else (json.loads(content), b"")
+        for buffer in tree.get("buffers", ())[:1]:
+            if "uri" in buffer:
+                blob = _bytes_of(buffer["uri"], path)
+        if len(tree.get("buffers", ())) > 1:
+            raise ValueError("it has several buffers")
+        return _Document(tree, bytearray(blob))
+    except (ValueError, KeyError, AttributeError, struct.error) as error:
+        raise ValueError(f"{path}: could not be read as glTF: {error}") from error
+
+
+def _chunks(content: bytes) -> tuple[dict[str, Any], bytes]:
+    found, at = {}, 12
+    while at < len(content):
+        length, kind = struct.unpack_from("<II", content, at)
+        found[kind] = content[at + 8 : at + 8 + length]
+        at += 8 + length
+    return json.loads(found[JSON_CHUNK]), found.get(BINARY_CHUNK, b"")
+
+
+def _bytes_of(uri: str, path: Path) -> bytes:
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.partition(",")[2])
+    return (path.parent / unquote(uri)).read_bytes()
