@@ -87,6 +87,32 @@ def test_samples_stand_along_their_normals(samples):
     np.testing.assert_allclose(turned(found.orientations, (0, 0, 1)), samples.normals, atol=1e-12)
 
 
+def test_matrices_become_turns_and_scales(normals):
+    random = np.random.default_rng(2)
+    turns = instances.orientations(normals, random.normal(size=normals.shape))
+    scales = random.uniform(0.1, 3, normals.shape)
+    scales[::2] *= -1  # mirrored
+    matrices = np.tile(np.eye(4), (len(normals), 1, 1))
+    axes = np.stack([turned(turns, tuple(axis)) for axis in np.eye(3)], axis=2)
+    matrices[:, :3, :3], matrices[:, :3, 3] = axes * scales[:, None], normals
+    found, skewed = instances.of_matrices(matrices, ids=np.arange(len(normals)))
+    again = np.stack([turned(found.orientations, tuple(axis)) for axis in np.eye(3)], axis=2)
+    np.testing.assert_allclose(again * found.scales[:, None], matrices[:, :3, :3], atol=1e-12)
+    np.testing.assert_array_equal(found.positions, normals)
+    np.testing.assert_array_equal(found.ids, np.arange(len(normals)))
+    assert not skewed.any()
+
+
+def test_skewed_matrices_are_told_and_flat_ones_are_none():
+    matrices = np.tile(np.eye(4), (3, 1, 1))
+    matrices[1, 0, 1] = 0.1
+    matrices[2, 2, 2] = 0.0
+    found, skewed = instances.of_matrices(matrices)
+    assert skewed.tolist() == [False, True, False]
+    assert found.scales[2].tolist() == [1, 1, 0]
+    np.testing.assert_allclose(np.linalg.norm(found.orientations, axis=1), 1)
+
+
 def at(places: dict[int, float]) -> Instances:
     """Points on the x axis by their ids."""
     positions = [[x, 0, 0] for x in places.values()]

@@ -22,7 +22,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from .instances import Instances, Mesh, Reference, Scatter, Up, quaternions
+from .instances import Instances, Mesh, Reference, Scatter, Up, of_matrices
 from .writing import replacing
 
 __all__ = ["SUFFIXES", "read", "write", "write_scatters"]
@@ -224,19 +224,18 @@ class _Placed:
         """Places of a mesh that the prototype has at a matrix."""
         if np.array_equal(matrix, np.eye(4)):
             return self
-        axes = _matrices(self.rotations) * self.scales[:, None, :]
-        linear = axes @ matrix[:3, :3]
-        scales = np.linalg.norm(linear, axis=1)
-        scales[np.linalg.det(linear) < 0] *= -1.0
-        turns = linear / scales[:, None, :]
-        skewed = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2)) > 1e-4
+        here = np.tile(np.eye(4), (len(self.positions), 1, 1))
+        here[:, :3, :3] = _matrices(self.rotations) * self.scales[:, None, :]
+        here[:, :3, 3] = self.positions
+        found, skewed = of_matrices(here @ matrix)
         if skewed.any():
             raise ValueError(
                 f"scales[{int(skewed.argmax())}] differs along the axes, and the prototype has "
                 "turned parts: glTF cannot hold that"
             )
-        positions = self.positions + axes @ matrix[:3, 3]
-        return _Placed(positions, quaternions(turns), scales, self.ids)
+        assert found.orientations is not None
+        assert found.scales is not None
+        return _Placed(found.positions, found.orientations, found.scales, self.ids)
 
     def added(self, document: _Document) -> dict[str, int]:
         """Accessors of the attributes."""

@@ -21,6 +21,7 @@ __all__ = [
     "Reference",
     "Scatter",
     "Up",
+    "of_matrices",
     "of_samples",
     "orientations",
     "quaternions",
@@ -28,6 +29,7 @@ __all__ = [
 ]
 
 Up = Literal["Y", "Z"]
+SKEWED = 1e-3  # cosine between axes that should be across each other
 BALL = 0.2  # radius of what stands where no prototype is given, in spacings
 
 ROWS: dict[str, tuple[int, ...]] = {
@@ -196,6 +198,29 @@ def of_samples(samples: Samples, up: Up = "Z") -> Instances:
         ids=samples.ids.astype(np.int64),
         classes=samples.classes,
     )
+
+
+def of_matrices(
+    matrices: NDArray[np.float64], **others: NDArray | None
+) -> tuple[Instances, NDArray[np.bool_]]:
+    """Instances at matrices, which may mirror.
+
+    Args:
+        matrices: (n, 4, 4), of column vectors: the last column is the place.
+        others: arrays of Instances, by name.
+
+    Returns:
+        The instances, and (n,) which of the matrices are skewed, so that no turn and scales are
+        quite the same.
+    """
+    linear = np.asarray(matrices, np.float64)[:, :3, :3]
+    scales = np.linalg.norm(linear, axis=1)
+    scales[np.linalg.det(linear) < 0] *= -1.0
+    axes = linear / np.where(scales == 0.0, 1.0, scales)[:, None, :]
+    off = np.abs(np.swapaxes(axes, 1, 2) @ axes - np.eye(3)).max(axis=(1, 2), initial=0.0)
+    skewed = (off > SKEWED) & (scales != 0.0).all(axis=1)
+    found = Instances(matrices[:, :3, 3], quaternions(axes), scales, **others)
+    return found, skewed
 
 
 def orientations(

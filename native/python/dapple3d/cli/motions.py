@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dapple3d import usd
-from dapple3d.cli import points
+from dapple3d.cli import points, text
 from dapple3d.cli.files import about, load_npz
 from dapple3d.cli.points import Points
 from dapple3d.writing import replacing, write_npz
@@ -48,8 +48,29 @@ def read(path: Path) -> Motion:
         arrays = load_npz(path)
         if "positions" in arrays and arrays["positions"].ndim == 3:
             with about(path):
-                return Motion(_frames(arrays))
+                return Motion(_frames(arrays), _times(arrays))
+    if suffix == ".csv":
+        with about(path):
+            return _of_table(text.read_csv(path))
     return Motion([points.read_points(path)])
+
+
+def _of_table(columns: dict[str, NDArray]) -> Motion:
+    """Lines of the same frame are its points."""
+    if "frame" not in columns:
+        return Motion([points.from_columns(columns)])
+    times = np.unique(columns["frame"])
+    rows = [columns["frame"] == time for time in times]
+    frames = [{name: values[row] for name, values in columns.items()} for row in rows]
+    return Motion([points.from_columns(frame) for frame in frames], times)
+
+
+def _times(arrays: dict[str, NDArray]) -> NDArray[np.float64] | None:
+    """Their numbers, if they are as many as the frames."""
+    times = arrays.get("times")
+    if times is not None and times.shape != arrays["positions"].shape[:1]:
+        raise ValueError(f"times has the shape {times.shape}: one for each frame is needed")
+    return times
 
 
 def _frames(arrays: dict[str, NDArray]) -> list[Points]:

@@ -17,6 +17,7 @@ import dapple3d as dapple
 from dapple3d import gltf, instances, usd
 from dapple3d.cli import ply, text
 from dapple3d.cli.files import Arrays, about, listed, load_npz
+from dapple3d.tables import COLUMNS
 from dapple3d.writing import replacing, write_npz
 
 
@@ -50,13 +51,8 @@ class Points:
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
 WHOLE = ("ids", "classes", "faces", "prototypes")
-WHOLE_COLUMNS = {"ids": "id", "classes": "class", "prototypes": "prototype"}
-COLUMNS = {
-    "normals": ("nx", "ny", "nz"),
-    "orientations": ("qw", "qx", "qy", "qz"),
-    "scales": ("sx", "sy", "sz"),
-    "velocities": ("vx", "vy", "vz"),
-}
+VECTORS = {name: heads for name, heads in COLUMNS.items() if len(heads) > 1 and name != "positions"}
+WHOLE_COLUMNS = {name: heads[0] for name, heads in COLUMNS.items() if len(heads) == 1}
 
 
 def points_of(samples: dapple.Samples) -> Points:
@@ -173,7 +169,7 @@ def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
 
 def _columns(points: Points) -> Arrays:
     columns = dict(zip("xyz", points.positions.T, strict=False))
-    for name, letters in COLUMNS.items():
+    for name, letters in VECTORS.items():
         values = getattr(points, name)
         if values is not None:
             columns |= dict(zip(letters, values.T, strict=True))
@@ -203,7 +199,13 @@ def whole(name: str, values: NDArray) -> NDArray[np.int32]:
     return values.astype(np.int32)
 
 
-def _from_columns(columns: Mapping[str, NDArray]) -> Points:
+def from_columns(columns: Mapping[str, NDArray]) -> Points:
+    """The points of columns of these names; others are left out.
+
+    Raises:
+        ValueError: x or y is missing, or a whole number is none.
+    """
+
     def stacked(*names: str) -> NDArray | None:
         if not all(name in columns for name in names):
             return None
@@ -212,7 +214,7 @@ def _from_columns(columns: Mapping[str, NDArray]) -> Points:
     positions = stacked("x", "y", "z") if "z" in columns else stacked("x", "y")
     if positions is None:
         raise ValueError(f"has the columns {', '.join(columns)}: x, y (and z) are needed")
-    vectors = {name: stacked(*letters) for name, letters in COLUMNS.items()}
+    vectors = {name: stacked(*letters) for name, letters in VECTORS.items()}
     numbers = {
         name: whole(column, columns[column])
         for name, column in WHOLE_COLUMNS.items()
@@ -278,11 +280,11 @@ WRITERS: dict[str, Callable[[IO[bytes], Points], None]] = {
     ".off": _write_off,
 }
 READERS: dict[str, Callable[[Path], Points]] = {
-    ".ply": lambda path: _from_columns(ply.read(path)),
-    ".csv": lambda path: _from_columns(text.read_csv(path)),
+    ".ply": lambda path: from_columns(ply.read(path)),
+    ".csv": lambda path: from_columns(text.read_csv(path)),
     ".npz": _read_npz,
-    ".obj": lambda path: _from_columns(text.read_obj(path)),
-    ".off": lambda path: _from_columns(text.read_off(path)),
+    ".obj": lambda path: from_columns(text.read_obj(path)),
+    ".off": lambda path: from_columns(text.read_off(path)),
     **dict.fromkeys(usd.SUFFIXES, _read_usd),
     **dict.fromkeys(gltf.SUFFIXES, lambda path: of_instances(gltf.read(path))),
 }

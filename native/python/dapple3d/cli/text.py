@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dapple3d.cli.files import Arrays
 
+WORDS = "object"  # a column that is no number, and is left out
 PLACE, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
 
 
@@ -55,6 +56,10 @@ def read_csv(path: Path) -> Arrays:
         return _table(lines, PLACE[: len(first)])
     if len(set(first)) < len(first):
         raise ValueError(f"names a column twice: {', '.join(first)}")
+    if WORDS in first:
+        at = first.index(WORDS)
+        first = first[:at] + first[at + 1 :]
+        lines = [(number, row[:at] + row[at + 1 :]) for number, row in lines]
     return _table(lines[1:], first)
 
 
