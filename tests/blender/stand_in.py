@@ -3,7 +3,8 @@
 
 It opens a file, enables the add-on, and runs the command that this adds or renders frames:
 
-python stand_in.py -b FILE [-o PICTURE] [-s FIRST] [-e LAST] [-a | --command dapple ARGUMENT...]
+python stand_in.py -b FILE -o PICTURE -f FRAMES
+python stand_in.py -b FILE --command dapple ARGUMENT...
 """
 
 import argparse
@@ -23,10 +24,8 @@ def asked() -> argparse.Namespace:
     """As Blender reads it, as far as the tests use it."""
     parser = argparse.ArgumentParser(allow_abbrev=False)
     parser.add_argument("-b", dest="file")
-    parser.add_argument("-o", dest="picture")
-    parser.add_argument("-s", dest="first", type=int)
-    parser.add_argument("-e", dest="last", type=int)
-    parser.add_argument("-a", dest="render", action="store_true")
+    parser.add_argument("-o", "--render-output", dest="picture")
+    parser.add_argument("-f", "--render-frame", dest="frames")
     parser.add_argument("--command", nargs=argparse.REMAINDER)
     return parser.parse_args()
 
@@ -38,13 +37,15 @@ def enable() -> None:
     addon_host.enable()
 
 
-def render(wanted: argparse.Namespace) -> int:
-    """Pictures of frames."""
+def render(picture: str, frames: str) -> int:
+    """Pictures of frames, such as 3,5..8."""
     scene = bpy.context.scene
-    scene.render.filepath = wanted.picture or scene.render.filepath
-    scene.frame_start = scene.frame_start if wanted.first is None else wanted.first
-    scene.frame_end = scene.frame_end if wanted.last is None else wanted.last
-    return int(bpy.ops.render.render(animation=True) != {"FINISHED"})
+    scene.render.filepath = picture
+    for part in frames.split(","):
+        first, last = (part.split("..") * 2)[:2]
+        scene.frame_start, scene.frame_end = int(first), int(last)
+        bpy.ops.render.render(animation=True)
+    return 0
 
 
 def main() -> int:
@@ -56,8 +57,8 @@ def main() -> int:
     except RuntimeError as error:
         print(f"Error: {error}", file=sys.stderr)
         return 1
-    if wanted.render:
-        return render(wanted)
+    if wanted.frames:
+        return render(wanted.picture, wanted.frames)
     name, *arguments = wanted.command
     entry = addon_host.part("blender.command.entry")
     if name != entry.NAME:

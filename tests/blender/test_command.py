@@ -286,7 +286,7 @@ def blender(tmp_path_factory):
 
     def call(*arguments):
         words = [str(program), *map(str, arguments)]
-        return subprocess.run(words, capture_output=True, text=True, timeout=120)
+        return subprocess.run(words, capture_output=True, text=True, timeout=900)
 
     return call
 

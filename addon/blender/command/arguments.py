@@ -31,11 +31,20 @@ class Asked(argparse.Namespace):
 
 def parsed(arguments: list[str]) -> Asked:
     """A command line; SystemExit with the exit code where there is nothing to do."""
-    return _parser().parse_args(arguments, Asked())
+    asked = _parser().parse_args(arguments, Asked())
+    asked.scatters = list(filter(None, asked.scatters))
+    return asked
 
 
-def frames(text: str) -> tuple[int, int]:
-    """First and last frame, of "1-250" or of "7"."""
+def path(text: str) -> Path | None:
+    """A file; None if it is empty. So a template of a job may have all options."""
+    return Path(text) if text else None
+
+
+def frames(text: str) -> tuple[int, int] | None:
+    """First and last frame, of "1-250" or of "7"; None if it is empty."""
+    if not text:
+        return None
     found = _FRAMES.fullmatch(text)
     if not found:
         raise argparse.ArgumentTypeError(f"'{text}' is not a range of frames such as 1-250")
@@ -94,7 +103,7 @@ def _verb(verbs: "_Verbs", name: str, told: str) -> argparse.ArgumentParser:
         metavar="NAME",
         help="a scatter object, several times for several; default: all of the scene",
     )
-    verb.add_argument("--json", type=Path, metavar="FILE", help="write a report")
+    verb.add_argument("--json", type=path, metavar="FILE", help="write a report")
     verb.add_argument(
         "--progress",
         choices=["text", "openjd"],
@@ -114,7 +123,7 @@ def _add_frames(verb: argparse.ArgumentParser, what: str) -> None:
 def _add_output(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--output",
-        type=Path,
+        type=path,
         metavar="FILE.blend",
         help="save there and leave the file as it is; default: the file itself",
     )
