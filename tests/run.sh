@@ -180,12 +180,12 @@ all_parts() {
 real=''
 [ "$(system_name)" != debian-13 ] || real=1
 # Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
-on_zip=(tests/blender/test_{addon,assets,bake,classes,density,docs,operators,presets,tiles,translation,window}.py)
+on_zip=(tests/blender/test_{addon,assets,bake,classes,command,density,docs,operators,presets,tiles,translation,window}.py)
 [ -z "$zip" ] || on_zip+=(tests/blender/test_package.py)
 [ "$depth" != --all ] && { [ -z "$only" ] || [ -n "$zip" ]; } || on_zip=(tests/blender)
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
-slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,hostile,libraries,package,sidecar,undo}.py)
+slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,farm,hostile,libraries,package,sidecar,undo}.py)
 
 [ -n "$zip" ] || scripts/setup.sh
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')

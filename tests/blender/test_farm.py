@@ -2,6 +2,8 @@
 """Shots on a farm: several Blender processes, one killed; the jobs for schedulers that ship."""
 
 import json
+import os
+import re
 import shutil
 import signal
 import subprocess
@@ -235,3 +237,21 @@ def test_settings_of_the_flamenco_job_are_of_known_kinds():
         assert one.get("visible", "web") in {"visible", "hidden", "submission", "web"}, one["key"]
         assert one.get("subtype", "file_path") in {"file_path", "dir_path"}, one["key"]
         assert "description" in one, one["key"]
+
+
+def test_the_examples_of_the_page_run(tmp_path, blender, monkeypatch):
+    page = (ROOT / "docs" / "farm.md").read_text()
+    _, templates, commands = re.findall(r"^```sh\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    if shutil.which("openjd") is None:
+        templates = ""
+    made = shots(tmp_path / "shots", [FRAMES] * 2)
+    for path, name in zip(made, ("tail", "arm"), strict=True):
+        path.rename(path.with_name(f"{name}.blend"))
+    (tmp_path / "packaging").symlink_to(ROOT / "packaging")
+    monkeypatch.setenv("PATH", f"{blender.parent}{os.pathsep}{os.environ['PATH']}")
+    words = ["sh", "-ec", (templates + commands).replace("/shots/", f"{tmp_path}/shots/")]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for name in ("tail", "arm"):
+        bytes_of(tmp_path / "shots" / f"{name}.blend")
+        assert bpy.data.objects["Scales"].dapple.baked_frames == FRAMES
