@@ -105,6 +105,7 @@ def files(here):
     dapple.write_mesh("bunny.ply", vertices, faces)
     frames = np.array([shapes.bent(vertices, time) for time in np.linspace(0, 1, 10)])
     np.savez("walk.npz", vertices=frames, faces=faces)
+    np.save("hills.npy", np.sin(np.indices((100, 100)) / 9.0).sum(axis=0))
     np.savez("waves.npz", vertices=vertices, faces=faces)
     wrong = vertices.copy()
     wrong[17, 0] = np.nan

@@ -13,15 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dapple3d.cli.files import Arrays
+from dapple3d.distributed.streams import ORDERS as BINARY
+from dapple3d.distributed.streams import TYPES
 
-# PLY's names of types, old and new, as numpy has them.
-TYPES = {
-    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
-    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
-    **{"float": "f4", "float32": "f4", "double": "f8", "float64": "f8"},
-}
 WRITTEN = {"f": "double", "i": "int"}
-ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
+ORDERS = {**BINARY, "ascii": "="}
 
 
 @dataclass

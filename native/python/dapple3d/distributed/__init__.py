@@ -7,6 +7,7 @@
 ...     place(tile.positions, tile.normals)
 """
 
+from .files import open_surface
 from .heights import HeightField
 from .patches import Patch, Tileable
 from .results import TilePoints, Tiles
@@ -20,6 +21,7 @@ __all__ = [
     "Tileable",
     "Tiles",
     "map_shots",
+    "open_surface",
     "sample_tiles",
     "track_shot",
 ]

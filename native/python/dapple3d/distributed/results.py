@@ -77,6 +77,11 @@ class Folder:
         """Of the plan."""
         return self.path / PLAN
 
+    @property
+    def surface(self) -> Path:
+        """Of a mesh whose faces are sorted."""
+        return self.path / "surface"
+
     def file(self, job: Job) -> Path:
         """Of a result: a tile, or what it is made of."""
         below = "tiles" if job.kind == "tile" else "work"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _native as native
+from .files import open_surface
 from .layout import Job, Layout
 from .patches import Census, Tileable, census
 from .plan import Plan, allot, layout_for, read_plan, shape_for
@@ -25,7 +26,7 @@ PLANNED = 0.02  # of the progress
 
 
 def sample_tiles(
-    surface: Tileable,
+    surface: Tileable | str | os.PathLike[str],
     folder: str | os.PathLike[str],
     count: int,
     *,
@@ -52,7 +53,7 @@ def sample_tiles(
     was doing is done again. The bytes do not depend on how many there are.
 
     Args:
-        surface: what is read piece by piece.
+        surface: what is read piece by piece, or a file as open_surface() takes it.
         folder: for the tiles; made if it is missing.
         count: how many points in all, exactly.
         tile: about how many points a tile has; memory follows it.
@@ -76,6 +77,8 @@ def sample_tiles(
     wanted = {"count": count, "tile": tile, "seed": seed, "options": options}
     with chosen_runner(scheduler, workers) as run:
         place.make()
+        if isinstance(surface, str | os.PathLike):
+            surface = open_surface(surface, place.surface)
         plan = _plan(surface, place, wanted, run, context.part(0.0, PLANNED))
         if scheduler is not None or workers is not None:
             threads = threads or 1

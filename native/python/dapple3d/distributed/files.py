@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces from files, by the extension."""
+
+import os
+from pathlib import Path
+
+from .grids import GRIDS, open_heights
+from .meshes import sorted_mesh
+from .patches import Tileable
+
+
+def open_surface(
+    path: str | os.PathLike[str],
+    work: str | os.PathLike[str],
+    *,
+    density: str | os.PathLike[str] | None = None,
+    step: tuple[float, float] | None = None,
+) -> Tileable:
+    """A surface in a file, for sample_tiles().
+
+    Args:
+        path: a terrain: GeoTIFF (.tif, .tiff, .vrt), an array of .npy or .zarr, a group of .zarr
+            with 'heights' and perhaps 'density'. Or a mesh: .npz with 'vertices', 'faces' and
+            perhaps 'density', .ply perhaps with a property 'density' of the vertices, .obj, .stl
+            and .off.
+        work: a folder for the faces of a mesh, sorted by where they are; made if it is missing, and
+            taken as it is if it is there.
+        density: of a terrain: a file with as many numbers.
+        step: of a terrain that does not say it: between two columns and between two rows.
+
+    Raises:
+        ValueError: naming the file and what is wrong with it.
+        ImportError: what reads it is missing.
+    """
+    path = Path(path)
+    if path.suffix.lower() in GRIDS:
+        return open_heights(path, Path(density) if density else None, step)
+    if density or step:
+        raise ValueError(f"{path}: is a mesh, which has no step and brings its own density")
+    return sorted_mesh(path, Path(work))
