@@ -109,7 +109,7 @@ def test_six_shots_in_three_processes_one_of_them_killed_are_those_of_a_single_r
 def small_pictures(path):
     """Have the open shot be rendered in no time, and save it."""
     scene = bpy.context.scene
-    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
     scene.render.resolution_x = scene.render.resolution_y = 16
     scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(scene.camera)
