@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that are there as a whole or not at all, however the process ends."""
 
+import glob
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,6 +28,12 @@ def replacing(path: Path, part: Path) -> Iterator[Path]:
 def part_of(path: Path) -> Path:
     """A name beside a file that no other process uses."""
     return path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+
+
+def remove_parts(path: Path) -> None:
+    """Remove what killed processes have left of a file."""
+    for part in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}*"):
+        part.unlink(missing_ok=True)
 
 
 def _sync(path: Path, flags: int) -> None:

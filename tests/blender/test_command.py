@@ -279,6 +279,88 @@ def test_a_signal_stops_and_the_next_run_goes_on(path, tmp_path, monkeypatch, nu
     assert (facts["resumed"], facts["solved"]) == (solved, FRAMES - solved)
 
 
+def test_a_signal_keeps_what_is_done(tmp_path, monkeypatch):
+    path = shot(tmp_path / "shot.blend", "Leaves", "Scales")
+    sidecar = addon_host.part("core.sidecar").Sidecar
+    store = sidecar.store
+
+    def signaled(self, *arguments):
+        store(self, *arguments)
+        if self.folder.name.startswith("Scales"):
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr(sidecar, "store", signaled)
+    assert command("bake", "--json", tmp_path / "report.json") == 143
+    monkeypatch.undo()
+    assert [one["state"] for one in read(tmp_path / "report.json")["scatters"]] == [
+        "baked",
+        "stopped",
+    ]
+    there = opened(path)
+    assert (there["Leaves"].dapple.baked_keys, there["Scales"].dapple.baked_keys) == (FRAMES, 0)
+    assert command("bake", "--if-needed", "--json", tmp_path / "report.json") == 0
+    leaves, scales = read(tmp_path / "report.json")["scatters"]
+    assert leaves["state"] == "up to date"
+    assert scales["resumed"] >= 1
+
+
+KILLED_WHILE_SAVING = """
+import os
+from pathlib import Path
+import addon_host
+addon_host.add_repository(Path(arguments[1]))
+addon_host.enable()
+whole = addon_host.part("core.whole")
+sync = whole._sync
+
+def killed(path, flags):
+    if path.suffix == ".blend":
+        os.kill(os.getpid(), 9)
+    sync(path, flags)
+
+whole._sync = killed
+bpy.ops.wm.open_mainfile(filepath=arguments[0])
+addon_host.part("blender.command.entry").main(["bake"])
+"""
+
+
+def test_a_run_that_is_killed_while_it_saves_leaves_the_file_and_the_frames(path, tmp_path):
+    before = path.read_bytes()
+    child.killed(KILLED_WHILE_SAVING, path, tmp_path / "repository")
+    assert path.read_bytes() == before
+    assert len(work_files(path)) == FRAMES
+    assert len(list(tmp_path.glob(".*.part.blend"))) == 1
+    opened(path)
+    assert command("bake", "--json", tmp_path / "report.json") == 0
+    assert read(tmp_path / "report.json")["scatters"][0]["resumed"] == FRAMES
+    assert not list(tmp_path.glob(".*.part*"))
+
+
+def test_linked_scatters_are_left_to_their_file(path, tmp_path, capfd):
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.objects = ["Scales", "Tail"]
+    for obj in wanted.objects:
+        bpy.context.scene.collection.objects.link(obj)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "linking.blend"))
+    assert command("bake", "--json", tmp_path / "report.json") == 0
+    assert read(tmp_path / "report.json")["scatters"] == []
+    assert command("bake", "--scatter", "Scales") == 1
+    assert "'Scales' is linked from 'shot one.blend'" in capfd.readouterr().err
+
+
+def test_a_scatter_that_is_not_in_the_view_layer_is_named(path, capfd):
+    collection = bpy.data.collections.new("Away")
+    bpy.context.scene.collection.children.link(collection)
+    obj = bpy.data.objects["Scales"]
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    bpy.context.view_layer.layer_collection.children["Away"].exclude = True
+    assert command("check") == 0
+    assert command("check", "--scatter", "Scales") == 1
+    assert "Scatter 'Scales' is not in the view layer 'ViewLayer'" in capfd.readouterr().err
+
+
 @pytest.fixture(scope="module")
 def blender(tmp_path_factory):
     """Blender as a program, or what stands in for it: called with options, the finished process."""

@@ -8,7 +8,7 @@ import bpy
 
 from ...core.errors import ScatterError
 from ...core.native import missing
-from ...core.whole import part_of, replacing
+from ...core.whole import part_of, remove_parts, replacing
 from ..base.translation import english
 from ..data.library import is_in_view_layer, read_only
 from ..data.scatter import is_scatter
@@ -40,7 +40,7 @@ class Shot:
                 bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True)
         except (OSError, RuntimeError) as error:
             raise ScatterError(f"'{self.target}' could not be saved: {error}") from error
-        self._stamp = _stamp(self.path)
+        remove_parts(self.target)
         self._tidy()
 
     def _tidy(self) -> None:
