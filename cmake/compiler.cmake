@@ -29,6 +29,9 @@ else()
   target_compile_options(dapple_compiler INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                          -Wno-sign-conversion $<$<BOOL:${DAPPLE_WERROR}>:-Werror>
                          -ffp-contract=off $<$<PLATFORM_ID:Linux>:-fno-semantic-interposition>)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+    target_compile_options(dapple_compiler INTERFACE "SHELL:-include ${PROJECT_SOURCE_DIR}/native/src/base/eigen_on_arm.hpp")
+  endif()
 endif()
 if(DAPPLE_SANITIZE)
   # The sanitizers' own code makes GCC see uninitialized values where there are none.

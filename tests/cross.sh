@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Tests what can be run here of programs for other systems, compiled as scripts/release.sh compiles for them, on Debian 12.
 #   tests/cross.sh [PLATFORM]...     none: all of them
-#     linux-x64     the tests of equal bytes, also on processors (QEMU) that have SSE2, and AVX2, at most
+#     linux-x64     the tests of equal bytes, also on processors that have SSE2 (QEMU), AVX2 (QEMU) and AVX-512 (Bochs) at most
 #     linux-arm64   the same, on that processor (QEMU)
 #     windows-x64   all native tests, and a program of a user of the library (Wine)
 # What ran is written into build/ship/release/platforms.md, where that folder is; what others have written there stays.
@@ -67,11 +67,18 @@ run_tests() {
   echo "   $(counted "${name// /-}")"
 }
 
+run_avx512() {
+  stage "$1" tests/avx512.sh "$ship/linux-x64/tests/tests/native/dapple_same_bytes_tests" \
+    "$ship/reports/${1// /-}-.xml" "$root/tests/native/same_bytes.txt"
+  echo "   $(counted "${1// /-}")"
+}
+
 linux_x64() {
   stage 'linux-x64 tests' build_tests linux-x64 dapple_same_bytes_tests
   run_tests 'linux-x64 bytes' linux-x64 env
   run_tests 'linux-x64 bytes with SSE2' linux-x64 qemu-x86_64 -cpu qemu64
   run_tests 'linux-x64 bytes with AVX2' linux-x64 qemu-x86_64 -cpu max
+  run_avx512 'linux-x64 bytes with AVX-512'
 }
 
 linux_arm64() {

@@ -2,6 +2,7 @@
 #include "track/motion.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 
 #include "base/vectors.hpp"
@@ -11,11 +12,6 @@ namespace dapple {
 namespace {
 
 constexpr double kSmall = 0.05;  // no mirrored body comes so near
-
-auto as_matrix(std::span<const Vec3> points) {
-  return Eigen::Map<const Eigen::Matrix3Xd>(points[0].data(), 3,
-                                            static_cast<Eigen::Index>(points.size()));
-}
 
 double diagonal(std::span<const Vec3> points) {
   Eigen::AlignedBox3d box;
@@ -28,24 +24,47 @@ bool same_bytes(const Vec3& a, const Vec3& b) {
                             std::as_bytes(std::span(b.data(), 3)));
 }
 
-Eigen::Matrix3Xd chosen(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                        std::span<const std::int32_t> which) {
-  Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(which.size()));
-  for (std::size_t k = 0; k < which.size(); ++k)
-    result.col(static_cast<Eigen::Index>(k)) = points.col(which[k]);
-  return result;
+/// x -> map x + shift.
+struct Similarity {
+  Eigen::Matrix3d map;
+  Vec3 shift;
+};
+
+Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t v : which) sum += points[static_cast<std::size_t>(v)];
+  return sum / static_cast<double>(which.size());
 }
 
-// By least squares (Umeyama 1991).
-Motion aligned(std::span<const Vec3> before, const Eigen::Matrix3Xd& after,
+/// By least squares (Umeyama 1991). The sums are in the order of their terms: Eigen's products add
+/// as the processor's caches suggest.
+Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
+                  std::span<const std::int32_t> which) {
+  const Vec3 middle_from = mean(from, which), middle_to = mean(to, which);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double spread = 0.0;
+  for (const std::int32_t v : which) {
+    const Vec3 a = from[static_cast<std::size_t>(v)] - middle_from;
+    const Vec3 b = to[static_cast<std::size_t>(v)] - middle_to;
+    for (int axis = 0; axis < 3; ++axis) covariance.col(axis) += a[axis] * b;
+    spread += a.squaredNorm();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 signs = Vec3::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
+  const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const Eigen::Matrix3d map = turn.cwiseProduct(covariance).sum() / spread * turn;
+  return {map, middle_to - map * middle_from};
+}
+
+Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
                std::span<const std::int32_t> measured) {
   Motion motion;
-  const Eigen::Matrix4d similarity =
-      Eigen::umeyama(chosen(after, measured), chosen(as_matrix(before), measured), true);
+  const Similarity similarity = fitted(after, before, measured);
   motion.target.resize(before.size());
   for_each_vector(before.size(), [&](std::size_t v) {
-    const Vec3 point = after.col(static_cast<Eigen::Index>(v));
-    motion.target[v] = (similarity * point.homogeneous()).head<3>();
+    motion.target[v] = similarity.map * after[v] + similarity.shift;
   });
   for (std::size_t v = 0; v < before.size(); ++v)
     motion.extent = std::max(motion.extent, (motion.target[v] - before[v]).norm());
@@ -68,9 +87,10 @@ bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
                       std::span<const std::int32_t> measured) {
   if (before.empty()) return {};
-  Motion best = aligned(before, as_matrix(after), measured);
+  Motion best = aligned(before, after, measured);
   if (best.extent < kSmall) return best;
-  const Eigen::Matrix3Xd mirror = -as_matrix(after);
+  Vectors mirror(after.begin(), after.end());
+  for (Vec3& point : mirror) point = -point;
   if (Motion mirrored = aligned(before, mirror, measured); mirrored.extent < best.extent)
     best = std::move(mirrored);
   return best;

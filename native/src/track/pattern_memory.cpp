@@ -24,18 +24,24 @@ struct Fit {
   double misfit;          // root mean square
 };
 
-/// \param from, to offsets in columns
+/// \param from, to offsets in columns. The sums are in their order: Eigen's products choose one.
 Fit fit_affine(const Eigen::Matrix2Xd& from, const Eigen::Matrix2Xd& to) {
   const Eigen::Vector2d middle_from = from.rowwise().mean();
   const Eigen::Vector2d middle_to = to.rowwise().mean();
-  const Eigen::Matrix2Xd x = from.colwise() - middle_from;
-  const Eigen::Matrix2Xd y = to.colwise() - middle_to;
-  const Eigen::Matrix2d square = x * x.transpose();
+  Eigen::Matrix2d square = Eigen::Matrix2d::Zero(), cross = Eigen::Matrix2d::Zero();
+  for (Eigen::Index k = 0; k < from.cols(); ++k) {
+    const Eigen::Vector2d x = from.col(k) - middle_from;
+    square += x * x.transpose();
+    cross += (to.col(k) - middle_to) * x.transpose();
+  }
   if (!(square.determinant() > kInLine * square.squaredNorm()))
     return {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()};
-  const Eigen::Matrix2d map = y * x.transpose() * square.inverse();
-  const double misfit = (map * x - y).squaredNorm() / static_cast<double>(from.cols());
-  return {middle_to - map * middle_from, std::sqrt(misfit)};
+  const Eigen::Matrix2d map = cross * square.inverse();
+  const Eigen::Vector2d shift = middle_to - map * middle_from;
+  double misfit = 0.0;
+  for (Eigen::Index k = 0; k < from.cols(); ++k)
+    misfit += (map * from.col(k) + shift - to.col(k)).squaredNorm();
+  return {shift, std::sqrt(misfit / static_cast<double>(from.cols()))};
 }
 
 /// Of a ring from its middle, in the tangent plane; in columns.
