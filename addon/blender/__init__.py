@@ -16,6 +16,7 @@ from .ops import (
     add_operators,
     asset_operators,
     bake_operators,
+    export_operators,
     keymaps,
     live_operators,
     operators,
@@ -45,6 +46,7 @@ _WITH_CLASSES: tuple[Any, ...] = (
         point_tool,
         scatter_operators,
         asset_operators,
+        export_operators,
     ),
     *(preset_operators, ui, asset_library, preferences),
 )
@@ -86,7 +88,7 @@ def _steps() -> list[Step]:
     first: Any = (translation, properties)
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
-    edge: Any = (keymaps, point_tool, entry)
+    edge: Any = (keymaps, point_tool, export_operators, entry)
     last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, *edge)
     return [
         *((module.register, module.unregister) for module in first),

@@ -50,8 +50,9 @@ def _of_class(kind):
         yield "*", getattr(kind, "bl_category", "")
     settings = bpy.types.PropertyGroup | bpy.types.AddonPreferences
     if issubclass(kind, bpy.types.Operator | settings):
-        for prop in rna.properties:
-            if any(prop.identifier in getattr(one, "__annotations__", ()) for one in kind.__mro__):
+        own = [one for one in kind.__mro__ if one.__module__.startswith(addon_host.MODULE)]
+        for prop in rna.properties:  # Blender has the texts of its own mixins
+            if any(prop.identifier in getattr(one, "__annotations__", ()) for one in own):
                 yield from _of_property(prop)
 
 

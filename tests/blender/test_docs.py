@@ -49,6 +49,16 @@ def test_the_script_for_assets_runs(tmp_path, monkeypatch):
     assert bpy.data.objects["Meadow Scatter Asset"].dapple.report.count == 50
 
 
+def test_the_script_for_exports_runs(tmp_path):
+    trees = scenes.scattered(scenes.sphere(), count=20)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "trees.blend"))
+    scenes._activate(trees)
+    (script,) = re.findall(r"```python\n(.*?)```", (DOCS / "export.md").read_text(), re.DOTALL)
+    suffix = ".usdc" if bpy.app.build_options.usd else ".csv"
+    exec(script.replace(".usdc", suffix), {"bpy": bpy})
+    assert (tmp_path / f"trees{suffix}").stat().st_size > 1000
+
+
 def test_every_operator_and_property_is_told():
     for name in dir(bpy.ops.dapple):
         assert f"`{name}(" in TEXT, f"no word of bpy.ops.dapple.{name}"

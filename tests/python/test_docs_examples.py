@@ -25,7 +25,7 @@ RUN = {
     },
     "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
     "docs/command-line.md": {"console": (3, "here")},
-    "docs/export.md": {"sh": (1, "here")},
+    "docs/export.md": {"sh": (1, "here"), "python": (1, "tests/blender/test_docs.py")},
     "docs/cpp.md": {
         "sh": (1, "tests/consumer"),
         "cmake": (2, "tests/consumer"),

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Instances of scatters as renders show them, read from the scene frame by frame."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.errors import ScatterError
+from ...core.exporting import Exported, Placed
+from ..base.meshio import read_columns
+from ..base.quiet import quiet
+
+_NO_ID = 2**31 - 1  # fills up persistent ids
+_SHOWN = {"display_as": "INSTANCES", "viewport_share": 1.0, "detail_in_viewport": False}
+Key = tuple[int, int]  # of what stands somewhere: uid of the object, class if it is of the scatter
+
+
+@dataclass
+class _Rows:
+    """Instances of a scatter on one frame, as they are read."""
+
+    matrices: list[Any] = field(default_factory=list)
+    ids: list[int] = field(default_factory=list)
+    prototypes: list[int] = field(default_factory=list)
+
+
+@dataclass
+class Collector:
+    """Reads scatters on one frame after the other.
+
+    exported: what was read, in the order of the scatters.
+    meshes: copies of what stands there: a list for each scatter, in the order of its objects.
+    left_out: names of objects that are no meshes.
+    """
+
+    scatters: Sequence[bpy.types.Object]
+    exported: list[Exported] = field(init=False)
+    meshes: list[list[bpy.types.Mesh]] = field(init=False)
+    left_out: set[str] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self.exported = [Exported(obj.name) for obj in self.scatters]
+        self.meshes = [[] for _ in self.scatters]
+        self._keys: list[dict[Key, int]] = [{} for _ in self.scatters]
+        self._classes = [_classes_of(obj) for obj in self.scatters]
+
+    def read(self) -> None:
+        """Read the frame that the scene shows."""
+        numbers = {obj.session_uid: k for k, obj in enumerate(self.scatters)}
+        rows = [_Rows() for _ in self.scatters]
+        for one in bpy.context.evaluated_depsgraph_get().object_instances:
+            if one.is_instance and one.parent is not None:
+                k = numbers.get(one.parent.original.session_uid)
+                if k is not None:
+                    self._take(k, one, rows[k])
+        for k, found in enumerate(rows):
+            self.exported[k].frames.append(self._placed(k, found))
+
+    def check(self) -> None:
+        """ScatterError if a scatter has no instance on any frame."""
+        for obj, found in zip(self.scatters, self.exported, strict=True):
+            if not any(len(frame.ids) for frame in found.frames):
+                hidden = not obj.visible_get()
+                why = "it is hidden in the viewport" if hidden else "optimize it first"
+                raise ScatterError(f"Scatter '{obj.name}' shows no instances: {why}")
+
+    def free(self) -> None:
+        """Remove the copies."""
+        for mesh in [mesh for meshes in self.meshes for mesh in meshes]:
+            bpy.data.meshes.remove(mesh)
+        self.meshes = [[] for _ in self.scatters]
+
+    def _take(self, k: int, one: Any, rows: _Rows) -> None:
+        if one.object.type != "MESH":
+            self.left_out.add(one.object.name)
+            return
+        number = next(number for number in reversed(one.persistent_id) if number != _NO_ID)
+        rows.matrices.append(np.array(one.matrix_world))
+        rows.ids.append(number)
+        rows.prototypes.append(self._prototype(k, one, self._classes[k].get(number, 0)))
+
+    def _prototype(self, k: int, one: Any, kind: int) -> int:
+        """The number of what stands there; a shape of the node group itself is one for a class."""
+        original = one.object.original
+        own = original == self.scatters[k]
+        key = (original.session_uid, kind if own else -1)
+        if key not in self._keys[k]:
+            self._keys[k][key] = len(self._keys[k])
+            name = f"{original.name} Cone" if own else original.name
+            self.exported[k].objects.append(name)
+            self.meshes[k].append(_copied(one.object, name))
+        return self._keys[k][key]
+
+    def _placed(self, k: int, rows: _Rows) -> Placed:
+        classes = self._classes[k]
+        return Placed(
+            np.array(rows.matrices, np.float64).reshape(-1, 4, 4),
+            np.array(rows.ids, np.int64),
+            np.array([classes.get(number, 0) for number in rows.ids], np.int32),
+            np.array(rows.prototypes, np.int32),
+        )
+
+
+def _copied(obj: bpy.types.Object, name: str) -> bpy.types.Mesh:
+    """A mesh of the file with the materials that the object shows."""
+    mesh = obj.data.copy()
+    mesh.name = name
+    mesh.materials.clear()
+    for slot in obj.material_slots:
+        mesh.materials.append(slot.material.original if slot.material else None)
+    return mesh
+
+
+def _classes_of(obj: bpy.types.Object) -> dict[int, int]:
+    """The object type of each id."""
+    found = read_columns(obj.data, {"id": "INT", "dapple_class": "INT"})
+    return dict(zip(found["id"].tolist(), found["dapple_class"].tolist(), strict=True))
+
+
+@contextmanager
+def as_rendered(scatters: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Show all instances of the scatters, whatever the viewport leaves out."""
+    with quiet(), ExitStack() as back:
+        for obj in scatters:
+            for name, value in _SHOWN.items():
+                before = getattr(obj.dapple, name)
+                if before != value:
+                    setattr(obj.dapple, name, value)
+                    back.callback(setattr, obj.dapple, name, before)
+        yield

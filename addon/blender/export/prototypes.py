@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What stands at the points, in files that Blender's own exporters write: materials and all."""
+
+import importlib.util
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import addon_utils
+import bpy
+
+from ...core.errors import ScatterError
+from ...core.exporting import GLTF, USD, identifiers, reference
+
+_ROOT = "objects"
+_NO_USD = (
+    "This Blender was built without USD: export .glb, .csv or .npz, or use a Blender from "
+    "blender.org"
+)
+_NO_GLTF = "Blender's glTF exporter is missing: export .usd, .csv or .npz"
+
+
+def check_installed(suffix: str) -> None:
+    """ScatterError if this Blender cannot write files with this ending."""
+    if suffix in USD and not (bpy.app.build_options.usd and _has_pxr()):
+        raise ScatterError(_NO_USD)
+    if suffix in GLTF and not _has_gltf():
+        raise ScatterError(_NO_GLTF)
+
+
+def references(
+    meshes: Sequence[Sequence[bpy.types.Mesh]], suffix: str, folder: Path
+) -> list[list[Any]]:
+    """Prototypes for dapple3d, in the order of each scatter's meshes, from files in a folder."""
+    if suffix in USD:
+        return [_usd(of_one, folder / f"{k}.usdc") for k, of_one in enumerate(meshes)]
+    if suffix in GLTF:
+        return [_gltf(of_one, folder / f"{k}.glb") for k, of_one in enumerate(meshes)]
+    return [[] for _ in meshes]
+
+
+def _usd(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
+    with _scene_of(meshes) as objects:
+        bpy.ops.wm.usd_export(
+            filepath=str(path),
+            export_animation=False,
+            root_prim_path=f"/{_ROOT}",
+            relative_paths=False,
+        )
+        return [reference(path, f"/{_ROOT}/{name}") for name in identifiers(_names(objects))]
+
+
+def _gltf(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
+    with _scene_of(meshes) as objects:
+        bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_active_scene=True)
+        return [reference(path, name) for name in _names(objects)]
+
+
+def _names(objects: Sequence[bpy.types.Object]) -> list[str]:
+    """Blender numbers those that are taken."""
+    return [obj.name for obj in objects]
+
+
+@contextmanager
+def _scene_of(meshes: Sequence[bpy.types.Mesh]) -> Iterator[list[bpy.types.Object]]:
+    """A scene that holds nothing but the meshes, at its origin."""
+    scene = bpy.data.scenes.new("Dapple Export")
+    names = identifiers(mesh.name for mesh in meshes)
+    objects = [bpy.data.objects.new(*pair) for pair in zip(names, meshes, strict=True)]
+    window = bpy.context.window
+    shown = window.scene if window else None
+    try:
+        for obj in objects:
+            scene.collection.objects.link(obj)
+        with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
+            yield objects
+    finally:
+        if window:
+            window.scene = shown  # glTF's exporter changes it
+        for obj in objects:
+            bpy.data.objects.remove(obj)
+        bpy.data.scenes.remove(scene)
+
+
+def _has_pxr() -> bool:
+    """Whether Blender's Python finds USD; as a module it has to be told where Blender's is."""
+    if importlib.util.find_spec("pxr"):
+        return True
+    before = list(sys.path)
+    try:
+        bpy.utils.expose_bundled_modules()
+        importlib.import_module("pxr")  # which finds its own parts from now on
+    except ModuleNotFoundError:
+        return False
+    finally:
+        sys.path[:] = before
+    return True
+
+
+def _has_gltf() -> bool:
+    enabled = addon_utils.check("io_scene_gltf2")[1]
+    return enabled or addon_utils.enable("io_scene_gltf2") is not None
