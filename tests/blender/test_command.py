@@ -12,6 +12,7 @@ from pathlib import Path
 import addon_host
 import bpy
 import child
+import numpy as np
 import pytest
 import scenes
 
@@ -223,6 +224,38 @@ def test_optimize_keeps_a_bake_unless_told(path):
     assert command("check") == 0
 
 
+def test_export_writes_the_frames_that_are_asked_for(tmp_path):
+    before = shot(tmp_path / "shot.blend", "Leaves", "Scales").read_bytes()
+    table, several = tmp_path / "points.csv", tmp_path / "motion.npz"
+    assert command("export", table, "--scatter", "Scales", "--frame", "3") == 0
+    bpy.context.scene.frame_set(3)
+    places = np.genfromtxt(table, delimiter=",", names=True)
+    shown = scenes.positions(bpy.data.objects["Scales"])
+    assert np.allclose(np.column_stack([places[axis] for axis in "xyz"]), shown, atol=1e-6)
+    arguments = ("--frames", "2-4", "--json", tmp_path / "report.json")
+    assert command("export", several, *arguments) == 0
+    report = read(tmp_path / "report.json")
+    files = [str(tmp_path / f"motion.{name}.npz") for name in ("Leaves", "Scales")]
+    assert [one["files"] for one in report["scatters"]] == [files, files]
+    with np.load(files[1]) as arrays:
+        assert arrays["times"].tolist() == [2.0, 3.0, 4.0]
+        assert np.allclose(arrays["positions"][1], shown, atol=1e-6)
+    assert (tmp_path / "shot.blend").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("points.stl",), 1, "'points.stl' has no ending that is known"),
+        (("missing/points.csv",), 1, "the folder does not exist"),
+        (("points.csv", "--frame", "1", "--frames", "1-2"), 2, "not allowed with argument"),
+    ],
+)
+def test_what_cannot_be_exported_is_told(path, capfd, arguments, code, words):
+    assert command("export", *arguments) == code
+    assert words in capfd.readouterr().err
+
+
 def test_a_file_that_another_program_has_saved_is_not_overwritten(path, capfd, monkeypatch):
     baking = addon_host.part("blender.steps.baking")
     write = baking.write_bake
@@ -250,6 +283,15 @@ def test_a_file_that_cannot_be_saved_stays(path, capfd, monkeypatch):
     assert "could not be saved: [Errno 28] No space left on device" in capfd.readouterr().err
     assert path.read_bytes() == before
     assert sorted(one.name for one in path.parent.iterdir() if "part" in one.name) == []
+
+
+def test_frames_that_cannot_be_kept_are_a_warning(path, tmp_path, capfd):
+    path.with_suffix(".dapple").write_text("a file where the folder should be")
+    assert command("bake", "--json", tmp_path / "report.json") == 0
+    assert "Warning: Dapple: Frames cannot be kept in" in capfd.readouterr().err
+    (facts,) = read(tmp_path / "report.json")["scatters"]
+    assert facts["warnings"][0].startswith("Frames cannot be kept in")
+    assert opened(path)["Scales"].dapple.baked_keys == FRAMES
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
@@ -410,9 +452,10 @@ def test_every_option_is_told():
     parser = arguments._parser()
     (verbs,) = parser._subparsers._group_actions
     for name, verb in verbs.choices.items():
-        assert f"| `{name}` |" in page
+        assert f"| `{name}" in page
         for action in verb._actions:
-            assert action.dest == "help" or action.option_strings[0] in page, action.dest
+            told = [*action.option_strings, action.metavar][0]
+            assert action.dest == "help" or told in page, action.dest
 
 
 def test_the_command_comes_and_goes_with_the_addon(addon):

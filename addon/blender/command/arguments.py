@@ -24,6 +24,7 @@ class Asked(argparse.Namespace):
     frames: tuple[int, int] | None = None  # those of the scene
     frame: int | None = None  # the one that the file shows
     output: Path | None = None  # the file itself
+    file: Path  # that is exported to
     if_needed: bool = False
     drop_keys: bool = False
     baked: bool = False
@@ -64,12 +65,13 @@ def _parser() -> argparse.ArgumentParser:
     _add_bake(verbs)
     _add_optimize(verbs)
     _add_check(verbs)
+    _add_export(verbs)
     return parser
 
 
 def _add_bake(verbs: "_Verbs") -> None:
     verb = _verb(verbs, "bake", "bake keyframes, and save the file")
-    _add_frames(verb, "to bake")
+    _add_frames(verb, "to bake; default: those of the scene")
     verb.add_argument(
         "--if-needed", action="store_true", help="leave out scatters whose bake is up to date"
     )
@@ -87,10 +89,18 @@ def _add_optimize(verbs: "_Verbs") -> None:
 
 def _add_check(verbs: "_Verbs") -> None:
     verb = _verb(verbs, "check", "say whether scatters are up to date; 1 if one is not")
-    _add_frames(verb, "to compare")
+    _add_frames(verb, "to compare; default: those of the scene")
     verb.add_argument(
         "--baked", action="store_true", help="take scatters that are not baked for out of date"
     )
+
+
+def _add_export(verbs: "_Verbs") -> None:
+    verb = _verb(verbs, "export", "write the instances to a file for other programs")
+    verb.add_argument("file", type=Path, metavar="FILE", help="its ending says the format")
+    one = verb.add_mutually_exclusive_group()
+    _add_frames(one, "to write")
+    one.add_argument("--frame", type=int, help="the frame; default: the one that the file shows")
 
 
 def _verb(verbs: "_Verbs", name: str, told: str) -> argparse.ArgumentParser:
@@ -114,10 +124,8 @@ def _verb(verbs: "_Verbs", name: str, told: str) -> argparse.ArgumentParser:
     return verb
 
 
-def _add_frames(verb: argparse.ArgumentParser, what: str) -> None:
-    verb.add_argument(
-        "--frames", type=frames, metavar="A-B", help=f"frames {what}; default: those of the scene"
-    )
+def _add_frames(to: argparse._ActionsContainer, what: str) -> None:
+    to.add_argument("--frames", type=frames, metavar="A-B", help=f"frames {what}")
 
 
 def _add_output(verb: argparse.ArgumentParser) -> None:

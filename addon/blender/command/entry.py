@@ -71,10 +71,11 @@ class _Run:
 
     def _work(self) -> None:
         shot = Shot(self.asked)
-        self.teller.count = len(shot.scatters)
-        for self.teller.at, obj in enumerate(shot.scatters):
+        groups = [shot.scatters] if self.verb.together else [[obj] for obj in shot.scatters]
+        self.teller.count = len(groups)
+        for self.teller.at, group in enumerate(filter(None, groups)):
             if not self.stops.number:
-                self._one(obj)
+                self._do(group)
         if self.verb.saves and self._is_worth_saving():
             shot.save()
             self.saved = str(shot.target)
@@ -84,7 +85,7 @@ class _Run:
 
     def _is_worth_saving(self) -> bool:
         """Whether something was done, or another file is to hold what was done before."""
-        copied = self.asked.output is not None and not any(map(_is_wrong, self.found))
+        copied = self.asked.output is not None and not self._code()
         return copied or any(map(_has_changed, self.found))
 
     def _attempt(self, work: Callable[..., None], *arguments: Any) -> None:
@@ -94,23 +95,28 @@ class _Run:
             self.troubles.append(str(error))
             self.teller.error(str(error))
 
-    def _one(self, obj: bpy.types.Object) -> None:
-        """The work on a scatter; what goes wrong there does not keep others from theirs."""
-        facts: Facts = {"name": obj.name}
-        self.found.append(facts)
-        begin = time.monotonic()
+    def _do(self, group: list[bpy.types.Object]) -> None:
+        """The work on scatters; what goes wrong there does not keep others from theirs."""
+        names, begin = [obj.name for obj in group], time.monotonic()
+        facts = self._outcome(group) | {"seconds": time.monotonic() - begin}
+        found = [{"name": name, **facts} for name in names]
+        self.found += found
+        for one in found:
+            self._tell(one)
+
+    def _outcome(self, group: list[bpy.types.Object]) -> Facts:
+        first = group[0]
         try:
-            with bpy.context.temp_override(object=obj, active_object=obj):
-                facts |= run_told(self.verb.steps(obj, self.asked), self.stops, self._progress(obj))
+            with bpy.context.temp_override(object=first, active_object=first):
+                steps = self.verb.steps(group, self.asked)
+                return dict(run_told(steps, self.stops, self._progress(first)))
         except StoppedError as error:
-            facts |= {"state": STOPPED, "error": str(error)}
+            return {"state": STOPPED, "error": str(error)}
         except ScatterError as error:
-            facts |= {"state": FAILED, "error": str(error)}
+            return {"state": FAILED, "error": str(error)}
         except Exception as error:  # a bug, or no memory: the others are done and saved
             traceback.print_exc()
-            facts |= {"state": FAILED, "error": f"{type(error).__name__}: {error}"}
-        facts["seconds"] = time.monotonic() - begin
-        self._tell(facts)
+            return {"state": FAILED, "error": f"{type(error).__name__}: {error}"}
 
     def _progress(self, obj: bpy.types.Object) -> Any:
         name, scene = obj.name, bpy.context.scene
@@ -130,7 +136,7 @@ class _Run:
             text = f"{text}, {facts['resumed']} frames by a run before"
         self.teller.line(text)
         for warning in facts.get("warnings", ()):
-            self.teller.error(warning)
+            self.teller.warning(warning)
 
     def _code(self) -> int:
         if self.stops.number:

@@ -67,6 +67,10 @@ class Teller:
         """Something that went wrong."""
         _say(f"Error: Dapple: {text}")
 
+    def warning(self, text: str) -> None:
+        """Something that was done, but not quite as asked for."""
+        _say(f"Warning: Dapple: {text}")
+
     def _percentage(self, percent: int, text: str) -> None:
         if self.form == "openjd":
             _say(f"openjd_progress: {percent}")

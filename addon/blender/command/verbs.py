@@ -10,8 +10,9 @@ import bpy
 
 from ...core.bake import Baker
 from ...core.errors import ScatterError
-from ...core.steps import Steps
+from ...core.steps import PAUSE, Steps
 from ..data.scatter import is_unsolved
+from ..export.points import export_points
 from ..steps.baking import bake_steps
 from ..steps.work import optimize_steps
 from ..surface.reading import frame_kept
@@ -20,7 +21,7 @@ from .checking import stale_in
 
 Facts = dict[str, Any]  # of a scatter, in the report
 
-BAKED, OPTIMIZED = "baked", "optimized"
+BAKED, OPTIMIZED, EXPORTED = "baked", "optimized", "exported"
 CURRENT, OUTDATED = "up to date", "out of date"
 
 
@@ -28,11 +29,13 @@ CURRENT, OUTDATED = "up to date", "out of date"
 class Verb:
     """One of the things that can be done."""
 
-    steps: Callable[[bpy.types.Object, Asked], Steps]  # context.object is the scatter
-    saves: bool  # whether the file is changed
+    steps: Callable[[list[bpy.types.Object], Asked], Steps]  # context.object is the first
+    saves: bool = False  # whether the file is changed
+    together: bool = False  # whether all scatters are one piece of work
 
 
-def _bake(obj: bpy.types.Object, asked: Asked) -> Steps:
+def _bake(group: list[bpy.types.Object], asked: Asked) -> Steps:
+    (obj,) = group
     first, last = _range(asked)
     if asked.if_needed and not (yield from _why_not_current(obj, asked, needs_bake=True)):
         return {"state": CURRENT}
@@ -49,7 +52,8 @@ def _bake(obj: bpy.types.Object, asked: Asked) -> Steps:
     }
 
 
-def _optimize(obj: bpy.types.Object, asked: Asked) -> Steps:
+def _optimize(group: list[bpy.types.Object], asked: Asked) -> Steps:
+    (obj,) = group
     if obj.dapple.baked_keys and not asked.drop_keys:
         raise ScatterError(
             f"Scatter '{obj.name}' is baked: --drop-keys deletes the keyframes, or use bake"
@@ -60,9 +64,30 @@ def _optimize(obj: bpy.types.Object, asked: Asked) -> Steps:
     return {"state": OPTIMIZED, "frame": frame, **_figures(obj)}
 
 
-def _check(obj: bpy.types.Object, asked: Asked) -> Steps:
+def _check(group: list[bpy.types.Object], asked: Asked) -> Steps:
+    (obj,) = group
     reason = yield from _why_not_current(obj, asked, needs_bake=asked.baked)
     return {"state": OUTDATED if reason else CURRENT, "reason": reason}
+
+
+def _export(group: list[bpy.types.Object], asked: Asked) -> Steps:
+    """As File > Export does it."""
+    yield PAUSE
+    written = export_points(asked.file, group, _exported_frames(asked))
+    left = f"Left out, as they are no meshes: {', '.join(written.left_out)}"
+    skewed = f"{written.skewed} instances are skewed: they are written without that"
+    return {
+        "state": EXPORTED,
+        "files": [str(path) for path in written.files],
+        "warnings": [left] * bool(written.left_out) + [skewed] * bool(written.skewed),
+    }
+
+
+def _exported_frames(asked: Asked) -> list[int]:
+    """None: the one that the file shows."""
+    if asked.frames is not None:
+        return list(range(asked.frames[0], asked.frames[1] + 1))
+    return [] if asked.frame is None else [asked.frame]
 
 
 def _why_not_current(obj: bpy.types.Object, asked: Asked, needs_bake: bool) -> Any:
@@ -100,5 +125,6 @@ def _range_shown(scene: bpy.types.Scene, first: int, last: int) -> Iterator[None
 VERBS = {
     "bake": Verb(_bake, saves=True),
     "optimize": Verb(_optimize, saves=True),
-    "check": Verb(_check, saves=False),
+    "check": Verb(_check),
+    "export": Verb(_export, together=True),
 }
