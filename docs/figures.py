@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the diagrams of method.md and bake.md: build/venv/bin/python docs/figures.py [FOLDER]"""
+"""Draw the diagrams of the pages: build/venv/bin/python docs/figures.py [FOLDER]"""
 
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import dapple3d as dapple
 import matplotlib
 import numpy as np
+from dapple3d.distributed import HeightField, sample_tiles
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
@@ -288,10 +290,63 @@ def draw_mixing(axes: Axes) -> None:
     axes.set(xlim=(-0.1, 3.3), ylim=(-0.5, 1.45))
 
 
+# ---- a terrain in tiles ----
+
+
+SIDE, POINTS = 100, 8_000  # of the terrain; in four tiles
+
+
+def terrain() -> HeightField:
+    """Gentle hills."""
+    y, x = np.mgrid[:SIDE, :SIDE].astype(np.float64)
+    return HeightField(4 * np.sin(x / 19) * np.cos(y / 17))
+
+
+def solved_alone(lines: list[float]) -> Floats:
+    """The points of four tiles that know nothing of each other."""
+    whole = terrain()
+    parts = []
+    for rows in (slice(0, int(lines[1]) + 1), slice(int(lines[1]), SIDE)):
+        for columns in (slice(0, int(lines[0]) + 1), slice(int(lines[0]), SIDE)):
+            origin = (float(columns.start), float(rows.start))
+            part = HeightField(whole.heights[rows, columns], origin=origin)
+            patch = part.read((-np.inf, np.inf), (-np.inf, np.inf))
+            surface = dapple.Surface(patch.vertices, patch.faces)
+            count = round(POINTS * len(patch.faces) / whole.face_count)
+            parts.append(dapple.sample(surface, count).positions)
+    return np.concatenate(parts)
+
+
+def seams() -> Figure:
+    figure, (left, right) = plain((9.6, 4.9), columns=2)
+    with tempfile.TemporaryDirectory() as folder:
+        tiles = sample_tiles(terrain(), folder, POINTS, tile=POINTS // 4)
+        together = np.concatenate([tile.positions for tile in tiles.tiles()])
+        lines = [
+            float(values[1]) for values in (tiles.plan().layout.columns, tiles.plan().layout.rows)
+        ]
+    for axes, points in ((left, solved_alone(lines)), (right, together)):
+        draw_corner(axes, points, lines)
+    label(left, "each tile alone", (lines[0], lines[1] - 20.0))
+    label(right, "sample_tiles()", (lines[0], lines[1] - 20.0))
+    return figure
+
+
+def draw_corner(axes: Axes, points: Floats, lines: list[float]) -> None:
+    """The points around the place where four tiles meet; marks show where the seams are."""
+    reach = 17.0
+    near = (np.abs(points[:, :2] - lines) < reach - 0.4).all(axis=1)
+    axes.plot(*points[near, :2].T, "o", ms=2.6, color=INK)
+    for sign in (-1, 1):
+        ends = np.array([reach, reach + 1.2]) * sign
+        axes.plot([lines[0]] * 2, lines[1] + ends, color=ACCENT, lw=1.6)
+        axes.plot(lines[0] + ends, [lines[1]] * 2, color=ACCENT, lw=1.6)
+
+
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     matplotlib.rcParams["svg.hashsalt"] = "dapple"  # the same names in every run
-    for draw in (cells, uncovered, repulsion, keyframes):
+    for draw in (cells, uncovered, repulsion, keyframes, seams):
         draw().savefig(folder / f"{draw.__name__}.svg", facecolor="white", metadata={"Date": None})
 
 
