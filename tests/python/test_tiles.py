@@ -214,3 +214,15 @@ def test_a_field_that_is_no_grid_is_refused():
 def test_a_surface_without_density_is_refused(tmp_path):
     with pytest.raises(ValueError, match="no face with an area and a density above 0"):
         sample_tiles(hills(density=np.zeros((100, 100))), tmp_path, 8_000, tile=TILE)
+
+
+def test_what_a_killed_process_has_left_is_in_nobodys_way(tmp_path, four, monkeypatch):
+    """One machine's process has the number of another's, as in containers."""
+    for name in ("work", "tiles"):
+        (tmp_path / name).mkdir()
+    monkeypatch.setattr("os.getpid", lambda: 7)
+    for job in ("work/.first-0000-0000", "tiles/.tile-0000-0000"):
+        (tmp_path / f"{job}.npz.7.part").write_bytes(b"half")
+    sample_tiles(hills(), tmp_path, 8_000, tile=TILE)
+    for path in (tmp_path / "tiles").glob("[!.]*"):
+        assert path.read_bytes() == contents(four.folder)[path.name]

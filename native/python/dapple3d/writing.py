@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
+from uuid import uuid4
 
 import numpy as np
 
@@ -16,6 +17,9 @@ __all__ = ["replacing", "write_npz"]
 @contextmanager
 def replacing(path: Path) -> Iterator[IO[bytes]]:
     """A binary file beside the path that takes its place once all is written.
+
+    Its name is never the same twice: one left by a process that was killed is in nobody's way, nor
+    is that of another machine that writes the same.
 
     A link stays one: the file that it leads to is replaced. What is no regular file (a device, a
     pipe) cannot be replaced and is written into.
@@ -29,7 +33,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
             with target.open("wb") as file:
                 yield file
             return
-        part = target.with_name(f".{target.name}.{os.getpid()}.part")
+        part = target.with_name(f".{target.name}.{uuid4().hex}.part")
         try:
             with part.open("xb") as file:
                 yield file
