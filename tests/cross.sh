@@ -37,15 +37,17 @@ build_consumer() {
     cmake --build "$build/build"
 }
 
-# run_programs NAME PLATFORM COMMAND...: the test programs of a platform that were built, each under the command.
+# run_programs NAME PLATFORM COMMAND...: the test programs of a platform that were built, each under the command. They write
+# their reports where they are: to a Windows program a path from the root is none.
 run_programs() {
   local name=$1 folder=$ship/$2/tests/tests/native rc=0 program
   shift 2
   rm -f "$ship/reports/$name"-*.xml
+  cd "$ship/reports"
   for program in "$folder"/dapple_{,referee_,same_bytes_}tests{,.exe}; do
-    [ ! -f "$program" ] || "$@" "$program" --gtest_brief=1 --gtest_output="xml:$ship/reports/$name-${program##*/}.xml" ||
-      rc=$?
+    [ ! -f "$program" ] || "$@" "$program" --gtest_brief=1 --gtest_output="xml:$name-${program##*/}.xml" || rc=$?
   done
+  cd "$root"
   return "$rc"
 }
 
