@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a release's wheels are refused for, and what they are said to be made of."""
+"""What a release's wheels are refused for, what they are made of, how the zips are called."""
 
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -14,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import audit  # noqa: E402
 import bill_of_materials  # noqa: E402
+import package  # noqa: E402
 
 LINUX = "dapple3d-0.1.0-cp311-cp311-manylinux_2_28_x86_64.whl"
 WINDOWS = "dapple3d-0.1.0-cp313-cp313-win_amd64.whl"
@@ -98,6 +100,17 @@ def test_a_macos_module_shows_its_entry_and_what_all_of_them_do():
     ]
     assert audit.own_exports(["_PyInit__native", *all_do]) == ["PyInit__native"]
     assert audit.own_exports(["__ZN3tbb4stopEv", *all_do]) == ["_ZN3tbb4stopEv"]
+
+
+@pytest.mark.parametrize(
+    ("platform", "name"),
+    [("linux-x64", "Dapple"), ("windows-x64", "Dapple (experimental on Windows)")],
+)
+def test_a_system_that_nobody_has_loaded_it_on_is_called_experimental(platform, name):
+    text = (ROOT / "addon" / package.MANIFEST).read_text("utf-8")
+    version = tomllib.loads(text)["version"]
+    written = tomllib.loads(package.manifest(text, platform, version, ["one.whl"]))
+    assert (written["name"], written["platforms"]) == (name, [platform])
 
 
 def test_the_bill_names_what_is_inside():
