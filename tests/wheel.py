@@ -30,7 +30,18 @@ OF_THE_CHECKOUT = (
     "wheel_builds",
     "workflows",
 )
-NEEDED = ("numpy", "click", "matplotlib", "pillow", "pytest", "scikit-image", "usd-core")
+NEEDED = (
+    "numpy",
+    "click",
+    "distributed",
+    "matplotlib",
+    "pillow",
+    "pytest",
+    "rasterio",
+    "scikit-image",
+    "usd-core",
+    "zarr",
+)
 
 
 def call(*command: object) -> None:

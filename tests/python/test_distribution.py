@@ -21,6 +21,9 @@ pytest.importorskip("scikit_build_core", reason="scikit-build-core is not instal
 REQUIREMENTS = {
     "numpy>=1.26",
     'click; extra == "cli"',
+    'distributed; extra == "farm"',
+    'rasterio; extra == "farm"',
+    'zarr; extra == "farm"',
     'matplotlib; extra == "pictures"',
     'pillow; extra == "pictures"',
     'usd-core; extra == "usd"',
