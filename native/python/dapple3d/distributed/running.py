@@ -13,6 +13,9 @@ from .. import _native as native
 if TYPE_CHECKING:
     from distributed import Client, Future
 
+# Dask has workers give memory back at once. Solutions ask for the same memory again and again,
+# which takes 8 % longer then.
+KEEPING = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
 LOOK = 0.02  # seconds between two looks at what workers have done
 
 
@@ -105,6 +108,7 @@ def connected(scheduler: "str | Client | None", workers: int) -> Iterator["Clien
         OSError: there is no scheduler at the address.
     """
     try:
+        import dask
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise ImportError(
@@ -116,6 +120,7 @@ def connected(scheduler: "str | Client | None", workers: int) -> Iterator["Clien
         return
     with ExitStack() as stack:
         if scheduler is None:
+            stack.enter_context(dask.config.set(KEEPING))
             scheduler = stack.enter_context(
                 LocalCluster(
                     n_workers=workers or len(os.sched_getaffinity(0)),
