@@ -49,7 +49,7 @@ def shots(tmp_path):
     return paths
 
 
-def wait_for(there, seconds=120.0):
+def wait_for(there, seconds=600.0):
     """Look again and again."""
     end = time.monotonic() + seconds
     while not there():
@@ -92,6 +92,7 @@ def test_tiles_of_workers_have_the_bytes_of_those_made_here(client, here, tmp_pa
 def test_a_worker_that_is_killed_changes_no_byte_of_the_tiles(client, here, tmp_path):
     make = partial(sample_tiles, hills(100, 150), tmp_path, COUNT, tile=TILE, scheduler=client)
     assert len(killed_in_the_middle(client, tmp_path / "work", make)) == COUNT
+    assert list((tmp_path / "work").iterdir()) == []
     assert contents(tmp_path) == contents(here.folder)
 
 

@@ -113,6 +113,11 @@ class Folder:
         """Remove a result that nothing needs any more."""
         self.file(job).unlink(missing_ok=True)
 
+    def sweep(self) -> None:
+        """Remove what killed processes have left half written; nobody is at work any more."""
+        for part in self.path.glob("*/.*.part"):
+            part.unlink(missing_ok=True)
+
 
 def _arrays(path: Path) -> dict[str, NDArray]:
     try:

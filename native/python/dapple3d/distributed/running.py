@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from .. import _native as native
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, as_completed
 
 # Dask has workers give memory back at once. Solutions ask for the same memory again and again,
 # which takes 8 % longer then.
@@ -44,27 +44,42 @@ def run_here(
 
 def runner_on(client: "Client") -> Runner:
     """A runner that has workers do it; what a lost worker was doing is done again by others."""
+    from distributed import as_completed
 
     def run(
         function: Function, shared: Any, tasks: Sequence[Task], context: native.Context
     ) -> Done:
         # What all calls share goes to each worker once; if it is lost, the scheduler still has it.
         common = client.submit(_same, shared, pure=False)
-        futures: dict[str, Future] = {}
-        for k, task in enumerate(tasks):
-            needed = [futures[name] for name in task.needs if name in futures]
-            futures[task.name] = client.submit(
-                _call, function, common, task.argument, *needed, pure=False, priority=-k
-            )
+        futures = _submitted(client, function, common, tasks)
         named = {futures[task.name].key: task for task in tasks}
+        waiting = as_completed(futures.values(), loop=client.loop)
         try:
-            for k, future in enumerate(_ended(client, list(futures.values()), context), 1):
-                yield named[future.key], _result(named[future.key], future)
+            for k, future in enumerate(_ended(waiting, context), 1):
+                task = named[future.key]
+                # A result that is held would be made again if its worker is lost.
+                del futures[task.name]
+                yield task, _result(task, future)
                 context.advance(k / len(tasks))
         finally:
-            client.cancel([common, *futures.values()])
+            # What nobody waits for any more is not begun. A cancel would fail at results that were
+            # let go and that others need.
+            for left in (common, *futures.values()):
+                left.release()
 
     return run
+
+
+def _submitted(
+    client: "Client", function: Function, common: "Future", tasks: Sequence[Task]
+) -> "dict[str, Future]":
+    futures: dict[str, Future] = {}
+    for k, task in enumerate(tasks):
+        needed = [futures[name] for name in task.needs if name in futures]
+        futures[task.name] = client.submit(
+            _call, function, common, task.argument, *needed, pure=False, priority=-k
+        )
+    return futures
 
 
 def _same(value: Any) -> Any:
@@ -75,17 +90,12 @@ def _call(function: Function, shared: Any, argument: Any, *needed: Any) -> Any:
     return function(shared, argument, native.Context())
 
 
-def _ended(
-    client: "Client", futures: Sequence["Future"], context: native.Context
-) -> Iterator["Future"]:
+def _ended(waiting: "as_completed", context: native.Context) -> Iterator["Future"]:
     """Futures as they end, with a look at whether all is cancelled."""
-    from distributed import as_completed
-
-    waiting = as_completed(futures, loop=client.loop)
     while not waiting.is_empty():
         context.check()
         if waiting.has_ready():
-            yield from waiting.next_batch()
+            yield next(waiting)
         else:
             time.sleep(LOOK)
 

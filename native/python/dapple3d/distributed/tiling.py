@@ -195,6 +195,7 @@ def _make_tiles(place: Workplace, run: Runner, progress: bool, context: native.C
             f"{place.folder.file(lacking[-1])}: was written by a worker and is not here: all "
             "workers need to see the folder by the same path"
         )
+    place.folder.sweep()
 
 
 def _do(place: Workplace, job: Job, context: native.Context) -> None:
