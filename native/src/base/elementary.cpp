@@ -29,7 +29,7 @@ double small_angle(double tangent) {
 }
 
 // ln 2 in two parts: a whole multiple of the first, up to 2^11, has no rounding.
-constexpr double kLogarithmOf2 = 0x1.62e42fefa0000p-1;
+constexpr double kLogarithmOf2 = 0x1.62e42fefap-1;  // NOLINT(modernize-use-std-numbers): a part
 constexpr double kLogarithmOf2Rest = 0x1.cf79abc9e3b3ap-40;
 
 /// e^x on [-ln 2 / 2, ln 2 / 2]: Taylor's series, cut below 1e-18.
