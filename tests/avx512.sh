@@ -79,7 +79,7 @@ run_computer() {
   local screen
   rm -f "$work/console.txt"
   write_computer >"$work/bochsrc" && echo c >"$work/commands"
-  bochs-bin -q -f "$work/bochsrc" -rc "$work/commands" </dev/null |
+  bochs-bin -q -f "$work/bochsrc" -rc "$work/commands" </dev/null 2>&1 |
     while IFS= read -r line; do
       screen=$(sed -n 's/.*connected to screen "\(.*\)".*/\1/p' <<<"$line")
       [ -z "$screen" ] || cat "$screen" >/dev/null 2>&1 &
