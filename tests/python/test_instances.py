@@ -53,6 +53,47 @@ def test_in_a_world_with_y_up_the_y_axis_stands_along_normals(normals):
     assert (np.einsum("ij,ij->i", turned(turns, (1, 0, 0)), tangents) > 0).all()
 
 
+def rolling(frames: int) -> list[Instances]:
+    """Normals that go around in circles, two of them through straight down; ids in other rows."""
+    found = []
+    for angle in np.linspace(0, 2 * np.pi, frames):
+        head = np.array([np.sin(angle), 0, np.cos(angle)])
+        side = np.array([np.cos(angle), np.sin(angle), 0.1])
+        rows = {4: head, 9: side, 2: np.array([0, np.sin(angle), np.cos(angle)])}
+        order = sorted(rows, key=lambda number: number * len(found) % 5)
+        normals = np.array([rows[number] for number in order])
+        found.append(Instances(normals, normals=normals, ids=np.array(order)))
+    return found
+
+
+@pytest.mark.parametrize("up", ["Y", "Z"])
+def test_nothing_spins_while_normals_move(up):
+    frames = instances.along_normals(rolling(73), up=up)
+    axis = (0, 1, 0) if up == "Y" else (0, 0, 1)
+    step = np.radians(5)
+    last = None
+    for frame in frames:
+        np.testing.assert_allclose(turned(frame.orientations, axis), unit(frame.normals), atol=1e-9)
+        rows = frame.orientations[np.argsort(frame.ids)]
+        if last is not None:
+            cosines = np.abs(np.einsum("ij,ij->i", rows, last)).clip(0, 1)
+            assert (2 * np.arccos(cosines) < 1.01 * step).all()
+        last = rows
+
+
+def test_orientations_that_are_known_stay():
+    known = Instances(np.zeros((1, 3)), [[0.6, 0, 0.8, 0]], normals=[[0, 1, 0]])
+    assert instances.along_normals([known, known])[1].orientations.tolist() == [[0.6, 0, 0.8, 0]]
+    nothing = Instances(np.zeros((1, 3)))
+    assert instances.along_normals([nothing])[0].orientations is None
+
+
+def test_a_normal_that_turns_around_begins_anew():
+    frames = [Instances(np.zeros((1, 3)), normals=[[0, 0, z]]) for z in (1, -1)]
+    found = instances.along_normals(frames)[1].orientations
+    np.testing.assert_allclose(turned(found, (0, 0, 1)), [[0, 0, -1]], atol=1e-12)
+
+
 def test_what_has_no_direction_is_named():
     with pytest.raises(ValueError, match=r"normals\[1\] has no direction"):
         instances.orientations([[0, 0, 1], [0, 0, 0]])

@@ -21,6 +21,7 @@ __all__ = [
     "Reference",
     "Scatter",
     "Up",
+    "along_normals",
     "of_matrices",
     "of_samples",
     "orientations",
@@ -285,6 +286,52 @@ def quaternions(axes: NDArray[np.float64]) -> NDArray[np.float64]:
     key[:, 0, 1:] = key[:, 1:, 0] = np.column_stack(skew)
     turns = np.linalg.eigh(key)[1][:, :, 3]
     return np.where(turns[:, :1] < 0, -turns, turns)
+
+
+def along_normals(frames: Sequence[Instances], *, up: Up = "Z") -> list[Instances]:
+    """The frames with orientations along the normals, where there are none yet.
+
+    On its first frame an instance is turned the shortest way, as by orientations(). From there each
+    turn goes on from the last one by the shortest way between the two normals, so that nothing
+    spins where a normal comes near to straight down.
+
+    Args:
+        frames: with normals, or unchanged; with ids, or with the same points in the same order.
+        up: the axis that is turned onto the normals.
+
+    Raises:
+        ValueError: naming the first normal without a direction.
+    """
+    done: list[Instances] = []
+    for here in frames:
+        if here.orientations is None and here.normals is not None:
+            turns = orientations(here.normals, up=up)
+            before = done[-1] if done else None
+            if before is not None and before.normals is not None:
+                assert before.orientations is not None
+                mine, old = _shared(here, before)
+                turns[mine] = _carried(
+                    before.orientations[old], before.normals[old], here.normals[mine], turns[mine]
+                )
+            here = replace(here, orientations=turns)
+        done.append(here)
+    return done
+
+
+def _carried(before: NDArray, start: NDArray, end: NDArray, anew: NDArray) -> NDArray[np.float64]:
+    """Turns that go on from those before; anew where a normal has turned around."""
+    a, b = _directions("normals", start), _directions("normals", end)
+    real, imaginary = 1.0 + np.einsum("ij,ij->i", a, b)[:, None], np.cross(a, b)
+    w, v = before[:, :1], before[:, 1:]
+    turns = np.column_stack(
+        [
+            real[:, 0] * w[:, 0] - np.einsum("ij,ij->i", imaginary, v),
+            real * v + w * imaginary + np.cross(imaginary, v),
+        ]
+    )
+    turns[real[:, 0] < 1e-12] = anew[real[:, 0] < 1e-12]
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    return np.asarray(np.where(turns[:, :1] < 0, -turns, turns))
 
 
 def with_velocities(frames: Sequence[Instances], fps: float) -> list[Instances]:

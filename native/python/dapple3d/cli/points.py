@@ -60,18 +60,15 @@ def points_of(samples: dapple.Samples) -> Points:
     return Points(**{name: getattr(samples, name) for name in OF_SAMPLES})
 
 
-def instances_of(points: Points, up: instances.Up = "Z") -> instances.Instances:
-    """What other programs place: this axis along the normals, if nothing else is known.
+def instances_of(points: Points) -> instances.Instances:
+    """What other programs place.
 
     Raises:
         ValueError: naming the array that is wrong and its first offender.
     """
-    turns = points.orientations
-    if turns is None and points.normals is not None:
-        turns = instances.orientations(points.normals, up=up)
-    known = ("scales", "velocities", "normals", "ids", "classes", "prototypes")
+    known = ("orientations", "scales", "velocities", "normals", "ids", "classes", "prototypes")
     return instances.Instances(
-        _padded(points.positions), turns, **{name: getattr(points, name) for name in known}
+        _padded(points.positions), **{name: getattr(points, name) for name in known}
     )
 
 
@@ -98,7 +95,7 @@ def write_points(path: Path, points: Points) -> None:
     if suffix in SCENES:
         with about(path):
             module = usd if suffix in usd.SUFFIXES else gltf
-            module.write(path, instances_of(points))
+            module.write(path, *instances.along_normals([instances_of(points)]))
         return
     with replacing(path) as file:
         WRITERS[suffix](file, points)

@@ -175,7 +175,8 @@ def write_scene(
         ClickException: OUT is glTF, which holds a single frame, but there are several.
     """
     with about(source):
-        frames = [points.instances_of(one, scene["up"]) for one in motion.frames]
+        frames = [points.instances_of(one) for one in motion.frames]
+        frames = instances.along_normals(frames, up=scene["up"])
     if len(frames) > 1:
         frames = instances.with_velocities(frames, scene["fps"])
     place = {"up": scene["up"], "meters_per_unit": scene["meters_per_unit"]}
