@@ -104,7 +104,18 @@ def test_what_stays_the_same_is_written_once(tmp_path, whole):
     stage = Usd.Stage.Open(str(tmp_path / "points.usda"))
     prim = stage.GetPrimAtPath("/dapple/points")
     sampled = [one.GetName() for one in prim.GetAttributes() if one.GetNumTimeSamples()]
-    assert sorted(sampled) == ["extent", "positions"]
+    assert sorted(sampled) == ["extent", "positions", "velocities"]
+
+
+def test_velocities_that_never_change_are_used(tmp_path):
+    """USD ignores those without the times of the positions."""
+    steps = [Instances(np.full((2, 3), float(k)), ids=[1, 2]) for k in range(3)]
+    usd.write(tmp_path / "points.usda", instances.with_velocities(steps, 24))
+    stage = Usd.Stage.Open(str(tmp_path / "points.usda"))
+    prim = UsdGeom.PointInstancer(stage.GetPrimAtPath("/dapple/points"))
+    assert prim.GetVelocitiesAttr().GetTimeSamples() == [1, 2, 3]
+    places = np.array(prim.ComputeInstanceTransformsAtTime(3.5, 3))[:, 3, :3]
+    np.testing.assert_allclose(places, 2.5)  # beyond the last sample
 
 
 def test_usd_takes_the_file_for_valid(tmp_path, motion):

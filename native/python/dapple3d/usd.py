@@ -38,6 +38,7 @@ VECTORS = {
     "velocities": "velocities",
     "normals": "primvars:normals",
 }
+ALIGNED = ("positions", "velocities")  # USD uses velocities at the times of the positions alone
 OTHERS = ("protoIndices", "primvars:classes", "ids", "orientations", "orientationsf")
 MISSING = "USD files need the module pxr, which is missing: pip install usd-core"
 
@@ -259,7 +260,7 @@ def _prim_of(stage: Any, reference: Reference) -> Any:
 
 
 def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | None) -> None:
-    """What is the same on all frames goes in without a time."""
+    """What is the same on all frames goes in without a time; velocities have those of positions."""
     pxr = _pxr()
     primvars, types = pxr.UsdGeom.PrimvarsAPI(prim), pxr.Sdf.ValueTypeNames
     kinds = {"normals": types.Normal3fArray, "classes": types.IntArray}
@@ -269,7 +270,8 @@ def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | Non
         if head == "primvars":
             primvars.CreatePrimvar(tail, kinds[tail], pxr.UsdGeom.Tokens.vertex)
         attribute = prim.GetAttribute(name)
-        if all(row[name] == first for row in rows):
+        together = ALIGNED if name in ALIGNED else (name,)
+        if all(row.get(one) == rows[0].get(one) for row in rows for one in together):
             attribute.Set(first)
             continue
         for code, row in zip(codes or [], rows, strict=True):
