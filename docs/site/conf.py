@@ -62,7 +62,8 @@ cpp_index_common_prefix = ["dapple::"]
 # Of Python, numpy, matplotlib, the C++ library and Eigen, whose pages are elsewhere.
 nitpick_ignore_regex = [
     ("py:.*", r"(np|numpy|matplotlib|os|collections|typing|pathlib)\..*"),
-    ("py:.*", r"ArrayLike|NDArray|Any|Literal|Sequence|Iterable|Final|Figure|Up|int|float|str|bool"),
+    ("py:.*", r"ArrayLike|NDArray|Any|Literal|Sequence|Iterable|Final|Figure|Up"),
+    ("py:.*", r"int|float|str|bool"),
     ("cpp:identifier", r"(std|Eigen)(::.*)?|dapple|Vec3::Zero"),
     ("cpp:identifier", r"OrderedSurface|Stopwatch|WholeNumber"),  # not for callers
 ]
