@@ -12,8 +12,8 @@ _LENGTH = {"soft_high": 100.0, "unit": "LENGTH"}
 _SHARE = {"high": 1.0, "subtype": "FACTOR"}
 
 
-def _switch(name: str, label: str, tooltip: str) -> Setting:
-    return Setting(f"use_{name}", Kind.SWITCH, False, label, tooltip)
+def _switch(name: str, label: str, tooltip: str, **more: Any) -> Setting:
+    return Setting(f"use_{name}", Kind.SWITCH, False, label, tooltip, **more)
 
 
 def _number(name: str, of: str, default: float, label: str, tooltip: str, **more: Any) -> Setting:
@@ -193,6 +193,7 @@ ASPECT = (
         "Aspect",
         "Only scatter points where the surface faces a direction. No effect on level ground, "
         "which faces none",
+        own_words=True,
     ),
     _number(
         "aspect",

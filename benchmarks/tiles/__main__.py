@@ -21,8 +21,10 @@ BESIDE_COUNT = 20_000  # points where seams are measured
 def show_seams(given: argparse.Namespace) -> None:
     """How even points are."""
     print(f"\nMedians over {given.seeds} seeds, least and most:\n")
-    rows = [r for tiles in (2, 3) for r in seams.rows_of(tiles, BESIDE_COUNT, given.seeds)]
-    print(table(seams.HEAD, rows))
+    found = [seams.compare(tiles, BESIDE_COUNT, given.seeds) for tiles in (2, 3)]
+    print(table(seams.HEAD, [row for one in found for row in one.rows()]))
+    print("\nMeans of tiles over those of one solution, with their standard error:\n")
+    print(table(seams.RATIO_HEAD, [row for one in found for row in one.ratios()]))
 
 
 def show_speed(given: argparse.Namespace) -> None:
@@ -47,7 +49,7 @@ def show_dask(given: argparse.Namespace) -> None:
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="benchmarks/tiles/run.sh", description=__doc__)
     parser.add_argument("--only", nargs="+", choices=CASES, default=list(CASES))
-    parser.add_argument("--seeds", type=int, default=5, help="seams: how many, from 0 on")
+    parser.add_argument("--seeds", type=int, default=5, help="seams: how many, at least 2")
     parser.add_argument("--count", type=int, default=10_000_000, help="speed: points")
     parser.add_argument("--tile", type=int, default=100_000, help="points of a tile")
     parser.add_argument("--workers", type=int, default=2, help="speed: processes")

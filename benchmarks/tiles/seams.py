@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from statistics import median
 
 import dapple3d as dapple
@@ -18,11 +19,40 @@ from benchmarks.tiles.terrain import hills, side_for
 
 BESIDE = 8.0  # spacings from a seam
 HEAD = ["tiles", "place", "points", "capacity variation", "alpha min", "psi6"]
+TILES, ONE = "tiles", "one solution"
+RATIO_HEAD = ["tiles", "place", "capacity variation", "alpha min", "psi6"]
 Figures = tuple[float, float, float]
 
 
-def rows_of(tiles: int, count: int, seeds: int) -> list[list[str]]:
-    """Tiles and one solution, beside seams and elsewhere: medians over seeds, least and most."""
+@dataclass(frozen=True)
+class Compared:
+    """Figures of all seeds by place and way."""
+
+    tiles: int
+    found: dict[tuple[str, str], list[Figures]]
+
+    def rows(self) -> list[list[str]]:
+        """Beside seams and elsewhere, of both: medians over seeds, least and most."""
+        shape = f"{self.tiles} x {self.tiles}"
+        return [
+            [shape, place, way, *(spread(values) for values in zip(*runs, strict=True))]
+            for (place, way), runs in sorted(self.found.items())
+        ]
+
+    def ratios(self) -> list[list[str]]:
+        """How means of the tiles stand to those of one solution."""
+        shape = f"{self.tiles} x {self.tiles}"
+        return [
+            [shape, place, *self._ratios_at(place)] for place in sorted({p for p, _ in self.found})
+        ]
+
+    def _ratios_at(self, place: str) -> list[str]:
+        columns = (zip(*self.found[place, way], strict=True) for way in (TILES, ONE))
+        return [ratio(ours, theirs) for ours, theirs in zip(*columns, strict=True)]
+
+
+def compare(tiles: int, count: int, seeds: int) -> Compared:
+    """Measure tiles and one solution."""
     side = np.arange(side_for(2 * count), dtype=np.float64)
     field = HeightField(hills(side, side))
     patch = field.read((-np.inf, np.inf), (-np.inf, np.inf))
@@ -35,17 +65,14 @@ def rows_of(tiles: int, count: int, seeds: int) -> list[list[str]]:
             if done.shape != (tiles, tiles):
                 raise ValueError(f"{done.shape} tiles were made")
             ways = {
-                "tiles": bound(surface, done),
-                "one solution": dapple.sample(surface, count, seed=seed),
+                TILES: bound(surface, done),
+                ONE: dapple.sample(surface, count, seed=seed),
             }
             lines = (done.plan().layout.rows, done.plan().layout.columns)
         for way, samples in ways.items():
             for place, figures in measured(surface, samples, lines).items():
                 found.setdefault((place, way), []).append(figures)
-    return [
-        [f"{tiles} x {tiles}", place, way, *(spread(values) for values in zip(*runs, strict=True))]
-        for (place, way), runs in sorted(found.items())
-    ]
+    return Compared(tiles, found)
 
 
 def bound(surface: dapple.Surface, tiles: Tiles) -> dapple.Samples:
@@ -95,3 +122,13 @@ def bond_orders(positions: NDArray[np.float64]) -> NDArray[np.float64]:
 def spread(values: Sequence[float]) -> str:
     """The median, with the least and the most."""
     return f"{median(values):.4f} ({min(values):.4f} to {max(values):.4f})"
+
+
+def ratio(ours: Sequence[float], theirs: Sequence[float]) -> str:
+    """That of two means, with its standard error."""
+    means, errors = [], []
+    for values in (ours, theirs):
+        means.append(np.mean(values))
+        errors.append(np.std(values, ddof=1) / len(values) ** 0.5 / means[-1])
+    quotient = means[0] / means[1]
+    return f"{quotient:.3f} ± {quotient * np.hypot(*errors):.3f}"

@@ -72,7 +72,8 @@ def _of_call(call):
             yield from (("*", text) for text in _literals(argument))
     if isinstance(call.func, ast.Attribute):
         given = {word.arg: word.value for word in call.keywords}
-        context = "Operator" if call.func.attr in _OPERATORS else "*"
+        own = getattr(given.get("text_ctxt"), "id", None) == "OWN"
+        context = "Dapple" if own else "Operator" if call.func.attr in _OPERATORS else "*"
         for name in {"text", "heading"} & given.keys() if "translate" not in given else ():
             yield from ((context, text) for text in _literals(given[name]))
 

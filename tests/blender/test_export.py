@@ -156,6 +156,32 @@ def test_the_files_hold_ids_types_materials_and_velocities(tmp_path, trees):
     assert all(f"objects/_materials/{name}_Green" in text for name in ("Pine", "Oak"))
 
 
+@pytest.mark.usefixtures("needs_usd")
+@pytest.mark.parametrize("packed", [True, False])
+def test_pictures_of_materials_come_along(tmp_path, monkeypatch, packed):
+    obj = scenes.scattered(scenes.sphere(), count=20)
+    obj.dapple.instance = thing = solid("Thing")
+    picture = bpy.data.images.new("Bark", 8, 8)
+    if packed:
+        picture.pack()
+    else:
+        (tmp_path / "source").mkdir()
+        picture.filepath_raw, picture.file_format = str(tmp_path / "source/Bark.png"), "PNG"
+        picture.save()
+    nodes = thing.material_slots[0].material.node_tree
+    texture = nodes.nodes.new("ShaderNodeTexImage")
+    texture.image = picture
+    nodes.links.new(texture.outputs[0], nodes.nodes["Principled BSDF"].inputs["Base Color"])
+    monkeypatch.chdir(tmp_path)
+    part("points").export_points("thing.usda", [obj])
+    assert "@./thing_textures/Bark.png@" in (tmp_path / "thing.usda").read_text()
+    assert (tmp_path / "thing_textures/Bark.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "full_textures").write_text("a file")
+    with pytest.raises(addon_host.part("core.errors").ScatterError, match="full_textures' could"):
+        part("points").export_points("full.usda", [obj])
+    assert not (tmp_path / "full.usda").exists()
+
+
 def test_tables_hold_the_same_in_columns(tmp_path, trees):
     bpy.context.scene.frame_set(2)
     part("points").export_points(tmp_path / "trees.csv", [trees])

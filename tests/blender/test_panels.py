@@ -32,7 +32,16 @@ class Layout:
         assert icon in ICONS
         self.shown.append(name)
 
-    def operator(self, name, text="", icon="NONE", depress=False, translate=True, emboss=True):
+    def operator(
+        self,
+        name,
+        text="",
+        text_ctxt="",
+        icon="NONE",
+        depress=False,
+        translate=True,
+        emboss=True,
+    ):
         assert icon in ICONS
         group, verb = name.split(".")
         kind = getattr(getattr(bpy.ops, group), verb).get_rna_type()

@@ -73,11 +73,11 @@ def translating(lookup):
             prop = data.bl_rna.properties[name]
             self.shown.append(lookup(text or prop.name, prop.translation_context))
 
-        def operator(self, name, text="", translate=True, **options):
+        def operator(self, name, text="", translate=True, text_ctxt="Operator", **options):
             given = super().operator(name, text, **options)
             group, verb = name.split(".")
             label = text or getattr(getattr(bpy.ops, group), verb).get_rna_type().name
-            self.shown.append(lookup(label, "Operator") if translate else label)
+            self.shown.append(lookup(label, text_ctxt) if translate else label)
             return given
 
     return Layout
@@ -107,7 +107,8 @@ def test_what_is_shown_is_found():
     shown = messages.shown()
     expected = {
         ("Operator", "Replace Tiles"),  # a choice in the sources
-        ("Operator", "Lock Selected"),  # a text of a button
+        ("Operator", "Add Object Type"),  # a text of a button
+        ("Dapple", "Lock Selected"),  # another one, which Blender's German has the wrong way round
         ("Operator", "Scatter Points"),  # a tool
         ("*", "Area Uniformity"),
         ("*", "Separation"),

@@ -67,7 +67,7 @@ def export_points(
 def _written(target: Path, collector: Collector, moment: Moment) -> Written:
     exported = collector.exported
     with tempfile.TemporaryDirectory() as folder:
-        found = references(collector.meshes, target.suffix.lower(), Path(folder))
+        found = references(collector.meshes, target, Path(folder))
         for one, prototypes in zip(exported, found, strict=True):
             one.prototypes = prototypes
         files = write(target, exported, moment)

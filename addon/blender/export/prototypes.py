@@ -2,6 +2,7 @@
 """What stands at the points, in files that Blender's own exporters write: materials and all."""
 
 import importlib.util
+import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -31,17 +32,21 @@ def check_installed(suffix: str) -> None:
 
 
 def references(
-    meshes: Sequence[Sequence[bpy.types.Mesh]], suffix: str, folder: Path
+    meshes: Sequence[Sequence[bpy.types.Mesh]], target: Path, folder: Path
 ) -> list[list[Any]]:
-    """Prototypes for dapple3d, in the order of each scatter's meshes, from files in a folder."""
+    """Prototypes for dapple3d, in the order of each scatter's meshes, from files in a folder.
+
+    Pictures of their materials go beside the target where its format does not hold them.
+    """
+    suffix = target.suffix.lower()
     if suffix in USD:
-        return [_usd(of_one, folder / f"{k}.usdc") for k, of_one in enumerate(meshes)]
+        return [_usd(of_one, folder / f"{k}.usdc", target) for k, of_one in enumerate(meshes)]
     if suffix in GLTF:
         return [_gltf(of_one, folder / f"{k}.glb") for k, of_one in enumerate(meshes)]
     return [[] for _ in meshes]
 
 
-def _usd(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
+def _usd(meshes: Sequence[bpy.types.Mesh], path: Path, target: Path) -> list[Any]:
     with _scene_of(meshes) as objects:
         bpy.ops.wm.usd_export(
             filepath=str(path),
@@ -49,7 +54,28 @@ def _usd(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
             root_prim_path=f"/{_ROOT}",
             relative_paths=False,
         )
-        return [reference(path, f"/{_ROOT}/{name}") for name in identifiers(_names(objects))]
+        names = identifiers(_names(objects))
+    made, kept = path.parent / "textures", target.with_name(f"{target.stem}_textures")
+    if made.is_dir():
+        try:
+            shutil.copytree(made, kept, dirs_exist_ok=True)
+        except OSError as error:
+            raise ScatterError(f"'{kept}' could not be written: {error}") from error
+        _look_there(path, made, kept)
+    return [reference(path, f"/{_ROOT}/{name}") for name in names]
+
+
+def _look_there(path: Path, made: Path, kept: Path) -> None:
+    """Have a USD file take its pictures from another folder."""
+    sdf, utils = (importlib.import_module(f"pxr.{name}") for name in ("Sdf", "UsdUtils"))
+    layer = sdf.Layer.FindOrOpen(str(path))
+
+    def found(asset: str) -> str:
+        picture = path.parent / asset
+        return str(kept.absolute() / picture.name) if picture.parent == made else asset
+
+    utils.ModifyAssetPaths(layer, found)
+    layer.Save()
 
 
 def _gltf(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:

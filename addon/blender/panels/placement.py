@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import bpy
 
-from ..base.translation import counted
+from ..base.translation import OWN, counted
 from ..ops.point_operators import DAPPLE_OT_edit_points
 from ..ops.point_tool import DAPPLE_TOOL_points
 from ..ops.tools import DAPPLE_OT_lock
@@ -38,7 +38,10 @@ def _draw_locked(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     tool = row.operator("wm.tool_set_by_id", text="Point Tool", icon="RESTRICT_SELECT_OFF")
     tool.name = DAPPLE_TOOL_points.bl_idname
     row = layout.row(align=True)
-    row.operator(DAPPLE_OT_lock.bl_idname, text="Lock Selected", icon="LOCKED").lock = True
+    lock = row.operator(
+        DAPPLE_OT_lock.bl_idname, text="Lock Selected", text_ctxt=OWN, icon="LOCKED"
+    )
+    lock.lock = True
     row.operator(DAPPLE_OT_lock.bl_idname, text="", icon="UNLOCKED").lock = False
     if obj.dapple.locked_count:
         text = counted(

@@ -3,6 +3,7 @@
 
 import zipfile
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -114,9 +115,12 @@ class Folder:
         self.file(job).unlink(missing_ok=True)
 
     def sweep(self) -> None:
-        """Remove what killed processes have left half written; nobody is at work any more."""
+        """Remove what killed processes have left half written, and the folder of unfinished work
+        if it is empty; nobody is at work any more."""
         for part in self.path.glob("*/.*.part"):
             part.unlink(missing_ok=True)
+        with suppress(OSError):
+            (self.path / "work").rmdir()
 
 
 def _arrays(path: Path) -> dict[str, NDArray]:

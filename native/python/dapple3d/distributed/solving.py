@@ -13,6 +13,7 @@ from .results import Bound
 
 FAINT = 1e-9  # times the density: nothing starts there, but what is there keeps others at distance
 STARTED = 0.3  # of the progress
+CAREFUL = 0.8  # times the tolerance: between points that stay, the last steps matter more
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ class Solver:
         known = {option.name: option.default for option in native.option_table("relax")}
         given = {name: value for name, value in self.options.items() if name in known}
         # Relative to the energy of all, of which those that stay have their share.
-        given["tolerance"] = given.get("tolerance", known["tolerance"]) * float(moving.mean())
+        share = CAREFUL * float(moving.mean())
+        given["tolerance"] = given.get("tolerance", known["tolerance"]) * share
         samples = native.relax(
             surface,
             native.Samples(surface, faces, points.barycentric),
