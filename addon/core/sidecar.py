@@ -8,6 +8,7 @@ good as none.
 """
 
 import hashlib
+import io
 import json
 import os
 import shutil
@@ -106,17 +107,19 @@ class Sidecar:
         part = self.path(frame).with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
         some: dict[str, Any] = {} if lean is None else {"lean": lean}
-        with replacing(self.path(frame), part), part.open("wb") as file:
-            np.savez(
-                file,
-                fingerprint=np.array(fingerprint),
-                faces=solved.placed.faces,
-                barycentric=solved.placed.binding.barycentric,
-                carry=solved.placed.binding.carry,
-                report=np.array(json.dumps(asdict(solved.report))),
-                settled=np.array(solved.settled),
-                **some,
-            )
+        packed = io.BytesIO()  # numpy leaves an archive on the disk open when a write fails
+        np.savez(
+            packed,
+            fingerprint=np.array(fingerprint),
+            faces=solved.placed.faces,
+            barycentric=solved.placed.binding.barycentric,
+            carry=solved.placed.binding.carry,
+            report=np.array(json.dumps(asdict(solved.report))),
+            settled=np.array(solved.settled),
+            **some,
+        )
+        with replacing(self.path(frame), part):
+            part.write_bytes(packed.getbuffer())
 
     def frames(self) -> int:
         """Number of files of frames that are there, whatever they hold."""

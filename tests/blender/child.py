@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 
@@ -45,6 +45,24 @@ def killed(script, *arguments, **environment):
     assert done.returncode == -signal.SIGKILL, done.stdout + done.stderr
 
 
+@contextmanager
+def started(script, *arguments, **environment):
+    """A script under way in a process of its own, which is gone at the end."""
+    with tempfile.TemporaryDirectory() as folder:
+        words, variables = _written(_command, folder, script, arguments, environment)
+        with subprocess.Popen(
+            words,
+            env=variables,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            try:
+                yield process
+            finally:
+                process.kill()
+
+
 def _said(done):
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
@@ -52,16 +70,16 @@ def _said(done):
 
 def _done(command, script, *arguments, **environment):
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "script.py")
-        path.write_text(_HEAD + script + _TAIL)
-        home = {"BLENDER_USER_RESOURCES": folder}
-        return subprocess.run(
-            [*command(path), "--", *map(str, arguments)],
-            env={**os.environ, **home, **environment},
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        words, variables = _written(command, folder, script, arguments, environment)
+        return subprocess.run(words, env=variables, capture_output=True, text=True, timeout=120)
+
+
+def _written(command, folder, script, arguments, environment):
+    """The script in a folder: the command that runs it, and its environment."""
+    path = Path(folder, "script.py")
+    path.write_text(_HEAD + script + _TAIL)
+    home = {"BLENDER_USER_RESOURCES": folder}
+    return [*command(path), "--", *map(str, arguments)], {**os.environ, **home, **environment}
 
 
 def _command(path):

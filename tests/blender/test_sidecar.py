@@ -144,13 +144,12 @@ def files_of(obj):
 KILLED = """
 import os
 from pathlib import Path
-import numpy as np
 import addon_host
 addon_host.add_repository(Path(arguments[2]))
 addon_host.enable()
 sidecar = addon_host.part("core.sidecar")
 frame, moment = int(arguments[1].split()[0]), arguments[1].split()[1]
-path, replaced, savez = Path, Path.replace, np.savez
+replaced, written = Path.replace, Path.write_bytes
 
 def replace(part, target):
     if target.name == f"frame_{frame:06d}.npz" and moment == "before-renaming":
@@ -160,14 +159,13 @@ def replace(part, target):
         os.kill(os.getpid(), 9)
     return done
 
-def torn(file, **arrays):
-    savez(file, **arrays)
-    if f"frame_{frame:06d}" in file.name and moment == "while-writing":
-        file.truncate(file.tell() // 2)
-        file.flush()
+def torn(part, data):
+    if f"frame_{frame:06d}" in part.name and moment == "while-writing":
+        written(part, data[: len(data) // 2])
         os.kill(os.getpid(), 9)
+    return written(part, data)
 
-Path.replace, np.savez = replace, torn
+Path.replace, Path.write_bytes = replace, torn
 bpy.ops.wm.open_mainfile(filepath=arguments[0])
 bpy.ops.dapple.bake()
 """

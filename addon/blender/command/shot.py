@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The file that is open: its scatters, and how it is saved as a whole or not at all."""
 
+import shutil
 from contextlib import suppress
 from pathlib import Path
 
@@ -39,9 +40,19 @@ class Shot:
             with replacing(self.target.resolve(), part_of(self.target)) as part:
                 bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True)
         except (OSError, RuntimeError) as error:
-            raise ScatterError(f"'{self.target}' could not be saved: {error}") from error
+            said = f"'{self.target}' could not be saved: {str(error).strip()}{self._room()}"
+            raise ScatterError(said) from error
         remove_parts(self.target)
         self._tidy()
+
+    def _room(self) -> str:
+        """What the disk has left, if it is little: Blender finds other words for a full disk."""
+        try:
+            free = shutil.disk_usage(self.target.parent).free
+            needed = self.path.stat().st_size
+        except OSError:
+            return ""
+        return f" ({free / 1e6:.1f} MB are left on the disk)" if free < 2 * needed else ""
 
     def _tidy(self) -> None:
         """Remove the work files of bakes that the saved file holds."""
