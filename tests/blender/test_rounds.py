@@ -12,153 +12,10 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+from edits import EDITS, optimize, prepared, redo, scatter, undo
 
 ROUNDS = int(os.environ.get("DAPPLE_ROUNDS", "12"))
 SEEDS = int(os.environ.get("DAPPLE_SEEDS", "2"))
-NAME = "Sphere Scatter"
-
-
-def scatter():
-    return bpy.data.objects[NAME]
-
-
-def stroke(chance):
-    surface = scatter().dapple.surface
-    first = chance.randrange(200)
-    group = surface.vertex_groups["Grass"]
-    group.add(range(first, first + 40), chance.choice([0.0, 0.3, 1.0]), "REPLACE")
-    surface.data.update()
-
-
-def setting(chance):
-    settings = scatter().dapple
-    name, value = chance.choice(
-        [
-            ("count", chance.randrange(40, 120)),
-            ("points_per_area", chance.uniform(4.0, 10.0)),
-            ("amount", chance.choice(["COUNT", "PER_AREA"])),
-            ("seed", chance.randrange(3)),
-            ("quality", chance.choice(["DRAFT", "NATURAL", "FINE"])),
-            ("forward", chance.choice(["NONE", "X"])),
-            ("keep_points", chance.random() < 0.8),
-        ]
-    )
-    setattr(settings, name, value)
-
-
-def density(chance):
-    settings = scatter().dapple.density
-    settings.use_height = chance.random() < 0.5
-    settings.height_from = chance.uniform(-0.6, 0.0)
-    settings.use_noise = chance.random() < 0.3
-    settings.noise_strength = chance.uniform(0.2, 0.8)
-
-
-def instances(chance):
-    """What is solved from nothing of this."""
-    settings = scatter().dapple
-    settings.fit, settings.scale = chance.choice([0.0, 1.0]), chance.uniform(0.5, 2.0)
-    settings.display_as = chance.choice(["INSTANCES", "BOUNDS"])
-
-
-def obstacle(chance):
-    bpy.data.objects["Stone"].location.y = chance.uniform(-1.0, 1.0)
-
-
-def shape(chance):
-    surface = scatter().dapple.surface
-    surface.data.vertices[chance.randrange(200)].co *= chance.uniform(0.9, 1.1)
-    surface.data.update()
-
-
-def scale(chance):
-    scatter().dapple.surface.scale.x = chance.uniform(0.8, 1.5)
-
-
-def undo(_chance):
-    if bpy.ops.ed.undo.poll():
-        bpy.ops.ed.undo()
-
-
-def redo(_chance):
-    if bpy.ops.ed.redo.poll():
-        bpy.ops.ed.redo()
-
-
-def optimize(_chance):
-    scenes._activate(scatter())
-    assert bpy.ops.dapple.optimize("EXEC_DEFAULT", True) == {"FINISHED"}
-
-
-def render(_chance):
-    """While an update may be under way."""
-    assert bpy.ops.render.render() == {"FINISHED"}
-
-
-def classes(chance):
-    """Added and removed; there is always one."""
-    scenes._activate(scatter())
-    action = chance.choice(["ADD", "REMOVE"])
-    if action == "ADD" or len(scatter().dapple.classes) > 1:
-        assert bpy.ops.dapple.edit_classes(action=action) == {"FINISHED"}
-
-
-def lock(chance):
-    scenes._activate(scatter())
-    if chance.random() < 0.5:
-        assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
-    else:
-        scatter().data.attributes["dapple_locked"].data.foreach_set(
-            "value", [False] * len(scatter().data.vertices)
-        )
-        scatter().data.update()
-
-
-def frame(chance):
-    bpy.context.scene.frame_set(chance.randrange(1, 4))
-
-
-def bake(chance):
-    """And back to points that follow what is changed."""
-    scenes._activate(scatter())
-    bpy.context.scene.frame_end = 2
-    if bpy.ops.dapple.bake.poll():
-        assert bpy.ops.dapple.bake("EXEC_DEFAULT", True) == {"FINISHED"}
-        frame(chance)
-        assert bpy.ops.dapple.clear_bake("EXEC_DEFAULT", True) == {"FINISHED"}
-
-
-def paint(chance):
-    """A stroke in the mode that artists paint in."""
-    scenes._activate(scatter().dapple.surface)
-    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    stroke(chance)
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def edit(chance):
-    """The surface in Edit Mode, left with other vertices."""
-    scenes._activate(scatter().dapple.surface)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.transform.resize(value=(1.0, chance.uniform(0.9, 1.1), 1.0))
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def copy(chance):
-    """A second scatter, which goes again."""
-    before = set(bpy.data.objects.keys())
-    assert bpy.ops.dapple.copy_scatter(name=NAME) == {"FINISHED"}
-    (added,) = set(bpy.data.objects.keys()) - before
-    if chance.random() < 0.5:
-        bpy.data.objects[added].dapple.seed = 7  # it is under way when it goes
-    assert bpy.ops.dapple.remove_scatter(name=added) == {"FINISHED"}
-
-
-CHANGES = (
-    *(stroke, stroke, setting, setting, density, obstacle, shape, scale),
-    *(instances, optimize, render, classes, lock, frame, bake, paint, edit, copy),
-)
 
 
 def reopen(live, path, settled):
@@ -171,28 +28,6 @@ def reopen(live, path, settled):
         check(live)
     else:
         optimize(None)
-
-
-def prepared():
-    surface = scenes.sphere()
-    surface.vertex_groups.new(name="Grass").add(range(300), 1.0, "REPLACE")
-    stones = bpy.data.collections.new("Stones")
-    bpy.context.scene.collection.children.link(stones)
-    stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
-    stone.name = "Stone"
-    stones.objects.link(stone)
-    obj = scenes.scattered(surface, count=80)
-    _small_renders()
-    obj.dapple.auto_update_choice = "ON"
-    obj.dapple.density.attribute, obj.dapple.density.obstacles = "Grass", stones
-
-
-def _small_renders():
-    scene = bpy.context.scene
-    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(scene.camera)
-    scene.render.engine, scene.cycles.samples = "CYCLES", 1
-    scene.render.resolution_x = scene.render.resolution_y = 16
 
 
 def check(live):
@@ -222,7 +57,7 @@ def test_after_whatever_the_points_are_those_of_what_is_there(live, seed, tmp_pa
     live.settle()
     for number in range(ROUNDS):
         for _ in range(chance.randrange(1, 4)):
-            change = chance.choice(CHANGES)
+            change = chance.choice(EDITS)
             change(chance)
             bpy.ops.ed.undo_push(message=f"{number} {change.__name__}")
             for _ in range(chance.randrange(30)):  # an update may be under way

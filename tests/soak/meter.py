@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a process has and takes, step by step, and whether that stays."""
+
+import gc
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import psutil
+
+MEMORY = 0.01  # share that may be gained: what allocators and caches vary by
+SPEED = 0.05  # share of a step's time that may be gained; only told, since machines are shared
+HEAD = ("case", "steps", "minutes", "memory, first", "last", "time of a step, first", "last")
+HEAD = (*HEAD, "files, threads, processes, first", "last", "memory", "speed")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """After a step."""
+
+    seconds: float  # of the processors, in the step
+    memory: int  # bytes that are in memory
+    handles: tuple[int, int, int]  # open files, threads, processes below
+
+
+@dataclass(frozen=True)
+class Soaked:
+    """Readings of a case; the first tenth warms up."""
+
+    name: str
+    minutes: float
+    readings: list[Reading]
+
+    def ends(self) -> tuple[list[Reading], list[Reading]]:
+        """The second tenth and the last."""
+        tenth = max(len(self.readings) // 10, 1)
+        return self.readings[tenth : 2 * tenth], self.readings[-tenth:]
+
+    def memory(self) -> tuple[float, float]:
+        """Median bytes of both ends."""
+        first, last = ([one.memory for one in end] for end in self.ends())
+        return float(np.median(first)), float(np.median(last))
+
+    def seconds(self) -> tuple[float, float]:
+        """Mean seconds of a step, of both ends."""
+        first, last = ([one.seconds for one in end] for end in self.ends())
+        return float(np.mean(first)), float(np.mean(last))
+
+    def handles(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+        """The fewest of both ends: what is left behind never goes."""
+        first, last = (np.min([one.handles for one in end], axis=0) for end in self.ends())
+        return tuple(first.tolist()), tuple(last.tolist())
+
+    def keeps_memory(self) -> bool:
+        first, last = self.memory()
+        return last <= (1.0 + MEMORY) * first
+
+    def keeps_handles(self) -> bool:
+        first, last = self.handles()
+        return all(now <= before for before, now in zip(first, last, strict=True))
+
+    def row(self) -> list[str]:
+        """Of the table under HEAD."""
+        (memory, memory_now), (seconds, seconds_now) = self.memory(), self.seconds()
+        return [
+            *(self.name, f"{len(self.readings):,}", f"{self.minutes:.0f}"),
+            *(f"{memory / 1e6:.1f} MB", f"{memory_now / 1e6:.1f} MB"),
+            *(f"{1e3 * seconds:.1f} ms", f"{1e3 * seconds_now:.1f} ms"),
+            *(", ".join(map(str, one)) for one in self.handles()),
+            f"{100 * (memory_now / memory - 1):+.1f} %",
+            f"{100 * (seconds_now / seconds - 1):+.1f} %",
+        ]
+
+
+def soaked(name: str, steps: Iterator[None]) -> Soaked:
+    """Go through the steps of a case and read the meter after each."""
+    process, readings, begun = psutil.Process(), [], time.monotonic()
+    used = time.process_time()
+    for _ in steps:
+        spent = time.process_time() - used
+        if len(readings) % 50 == 0:
+            gc.collect()
+        readings.append(Reading(spent, process.memory_info().rss, _handles(process)))
+        used = time.process_time()
+    return Soaked(name, (time.monotonic() - begun) / 60.0, readings)
+
+
+def _handles(process: psutil.Process) -> tuple[int, int, int]:
+    return process.num_fds(), process.num_threads(), len(process.children())
