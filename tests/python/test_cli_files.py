@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+import zipfile
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -196,6 +197,68 @@ def test_counts_out_of_range_are_bad_usage(tmp_path, torus, count):
     found = run("sample", torus, tmp_path / "out.ply", "-n", count)
     assert found.exit_code == 2
     assert "1<=x<=100000000" in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "said"),
+    [
+        ("normals", np.zeros((2, 3), "U3"), "normals is str96 (2, 3): numbers (2, 3) are needed"),
+        ("normals", np.zeros((2, 2)), "normals is float64 (2, 2): numbers (2, 3) are needed"),
+        ("scales", np.zeros(2), "scales is float64 (2,): numbers (2, 3) are needed"),
+        ("orientations", np.zeros((2, 3)), "orientations is float64 (2, 3): numbers (2, 4) are"),
+        ("classes", np.zeros(0, np.int32), "classes has the shape (0,): 2 rows are needed"),
+        ("ids", np.array(1), "ids has the shape (): 2 rows are needed"),
+    ],
+)
+@pytest.mark.parametrize("frames", [None, 3])
+def test_arrays_of_points_have_their_type_and_shape(tmp_path, name, values, said, frames):
+    positions = np.zeros((2, 3))
+    path = tmp_path / "points.npz"
+    if frames:
+        np.savez(path, positions=[positions] * frames, **{name: values})
+    else:
+        np.savez(path, positions=positions, **{name: values})
+    assert f"{path}: {said}" in refused("export", path, tmp_path / "out.csv")
+
+
+def test_times_are_numbers(tmp_path):
+    path = tmp_path / "points.npz"
+    np.savez(path, positions=np.zeros((2, 4, 3)), times=np.array(["a", "b"]))
+    assert f"{path}: times is str32 (2,)" in refused("export", path, tmp_path / "out.usda")
+
+
+@pytest.mark.parametrize("verb", ["sample", "analyze"])
+def test_what_is_no_array_in_an_npz_is_left_out(tmp_path, mesh, verb):
+    path = tmp_path / "mesh.npz"
+    np.savez(path, faces=mesh[1])
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("vertices.npy", b"no array")
+        archive.writestr("positions.npy", b"no array")
+    call = {"sample": [tmp_path / "out.ply", "-n", 10], "analyze": []}[verb]
+    name = {"sample": "vertices", "analyze": "positions"}[verb]
+    assert f"{path}: has no array '{name}', only faces" in refused(verb, path, *call)
+
+
+@pytest.mark.parametrize("header", [b"{'descr': ''", b"{'descr': (((", b"\0", b"{'shape': (1.5,)"])
+def test_npz_with_a_wrong_header_is_refused(tmp_path, header):
+    path = tmp_path / "points.npz"
+    with zipfile.ZipFile(path, "w") as archive:
+        said = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header
+        archive.writestr("positions.npy", said)
+    assert f"{path}: could not be read as npz: " in refused("analyze", path)
+
+
+def test_a_whole_number_of_a_ply_is_finite(tmp_path):
+    path = tmp_path / "points.ply"
+    header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty int id\nproperty float x\n"
+    path.write_text(f"{header}property float y\nend_header\ninf 0 0\n")
+    assert f"{path}: vertex 0 is not 3 numbers: b'inf 0 0'" in refused("analyze", path)
+
+
+def test_a_field_of_a_csv_has_an_end(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text('x,y\n1,"' + "2" * 140_000)
+    assert f"{path}: is no CSV: field larger than field limit" in refused("analyze", path)
 
 
 def test_meshes_that_crashed_readers_are_refused(tmp_path):

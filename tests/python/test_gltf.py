@@ -252,6 +252,53 @@ def test_broken_files_are_named(tmp_path, content):
         gltf.read(tmp_path / "points.glb")
 
 
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("accessors",), []),
+        (("accessors", -1, "count"), None),
+        (("accessors", -1, "type"), "x"),
+        (("accessors", -1, "bufferView"), 2**64),
+        (("bufferViews", -1, "byteOffset"), None),
+        (("bufferViews", -1, "byteOffset"), 10**6),
+        (("nodes", 0), 5),
+        (("nodes", 0, "extensions"), 5),
+        (("nodes", 0, "extensions", EXTENSION), "x"),
+        (("buffers", 0), 5),
+    ],
+)
+def test_wrong_entries_are_named(tmp_path, whole, place, value):
+    path = tmp_path / "points.gltf"
+    gltf.write(path, whole)
+    tree = json.loads(path.read_text())
+    *way, last = place
+    within = tree
+    for key in way:
+        within = within[key]
+    within[last] = value
+    path.write_text(json.dumps(tree))
+    with pytest.raises(ValueError, match=r"points\.gltf: could not be read as glTF"):
+        gltf.read(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"nodes": [{"mesh": 0, "children": [0]}]},
+        {"nodes": [{"mesh": "x"}]},
+        {"nodes": [{"mesh": 0, "matrix": [1, 2, 3]}]},
+        {"nodes": 5},
+        {"extensionsUsed": [5]},
+        {"bufferViews": [5]},
+    ],
+)
+def test_prototypes_with_wrong_entries_are_named(tmp_path, plants, whole, change):
+    tree = {"scenes": [{"nodes": [0]}], "scene": 0, "nodes": [{"mesh": 0}]}
+    plants.write_text(json.dumps(tree_of(plants) | tree | change))
+    with pytest.raises(ValueError, match=rf"{plants.name}: could not be read as glTF"):
+        gltf.write(tmp_path / "points.glb", whole, prototypes=[Reference(plants)] * 3)
+
+
 def test_files_without_instances_are_named(tmp_path, plants):
     with pytest.raises(ValueError, match=f"has no node with {EXTENSION}"):
         gltf.read(plants)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
+import struct
 import sys
 import zlib
 from pathlib import Path
@@ -217,6 +218,18 @@ def test_refuses_other_files(gray, tmp_path):
         stippling.write(gray, tmp_path / "dots.gif")
     with pytest.raises(ValueError, match="scale is 0"):
         stippling.draw(gray, 0.0)
+
+
+def test_a_picture_of_more_pixels_than_memory_is_refused(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    path = tmp_path / "bomb.png"
+    image.fromarray(np.zeros((4, 4), np.uint8)).save(path)
+    content = bytearray(path.read_bytes())
+    content[16:24] = struct.pack(">II", 2**18, 2**18)
+    content[29:33] = struct.pack(">I", zlib.crc32(content[12:29]))
+    path.write_bytes(content)
+    with pytest.raises(OSError, match=r"bomb\.png: could not be read as a picture"):
+        stippling.read_picture(path)
 
 
 def test_reads_gray_color_and_deep_pictures(tmp_path):

@@ -236,6 +236,32 @@ def test_a_ply_that_was_cut_off_is_refused(mesh, tmp_path):
         open_surface(path, tmp_path / "sorted")
 
 
+@pytest.mark.parametrize(
+    "line", ["property half x", "property list uchar half i", "element vertex -1", "element face x"]
+)
+def test_a_ply_with_a_wrong_header_is_refused(tmp_path, line):
+    path = tmp_path / "wrong.ply"
+    path.write_text(f"ply\nformat binary_little_endian 1.0\nelement face 1\n{line}\nend_header\n")
+    with pytest.raises(ValueError, match=r"wrong\.ply: line 4 of its header is wrong"):
+        open_surface(path, tmp_path / "sorted")
+
+
+def test_a_property_before_all_elements_is_refused(tmp_path):
+    path = tmp_path / "wrong.ply"
+    path.write_text("ply\nformat binary_little_endian 1.0\nproperty float x\nend_header\n")
+    with pytest.raises(ValueError, match=r"wrong\.ply: line 3 of its header is wrong"):
+        open_surface(path, tmp_path / "sorted")
+
+
+def test_an_npz_whose_array_has_a_wrong_header_is_refused(mesh, tmp_path):
+    path = tmp_path / "mesh.npz"
+    np.savez(path, vertices=mesh[0], faces=mesh[1])
+    content = path.read_bytes().replace(b"'<f8'", b"'<f8''", 1).replace(b" \n", b"\n", 1)
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"mesh\.npz: "):
+        open_surface(path, tmp_path / "sorted")
+
+
 def test_a_ply_of_polygons_is_refused(tmp_path):
     header = (
         "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"

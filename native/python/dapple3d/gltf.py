@@ -13,7 +13,8 @@ import base64
 import json
 import os
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .instances import Instances, Mesh, Reference, Scatter, Up, of_matrices
+from .reading import WRONG_ENTRY
 from .writing import replacing
 
 __all__ = ["SUFFIXES", "read", "write", "write_scatters"]
@@ -323,16 +325,23 @@ def _merge(
 ) -> list[tuple[int, NDArray[np.float64]]]:
     """Take over what meshes need; the numbers of those below the node, and where they are."""
     other = _load(Path(reference.path))
-    refused = UNKNOWN.intersection(other.tree.get("extensionsUsed", ()))
+    with _reading(reference.path):
+        used = list(other.tree.get("extensionsUsed", ()))
+        if not all(isinstance(name, str) for name in used):
+            raise ValueError(f"extensionsUsed is {used}: names are needed")
+        refused = UNKNOWN.intersection(used)
     if refused:
         raise ValueError(f"{reference.path}: uses {min(refused)}, which cannot be taken over")
-    found = _meshes_below(other, _starts(other, reference))
+    starts = _starts(other, reference)
+    with _reading(reference.path):
+        found = _meshes_below(other, starts)
     if not found:
         raise ValueError(f"{reference.path}: has no mesh")
     key = Path(reference.path).resolve()
     if key not in document.merged:
         document.merged[key] = {name: len(document.tree.get(name, ())) for name in MERGED}
-        _take_over(document, other, key, target)
+        with _reading(reference.path):
+            _take_over(document, other, key, target)
     first = document.merged[key]["meshes"]
     return [(mesh + first, matrix) for mesh, matrix in found]
 
@@ -377,11 +386,12 @@ def _relative(uri: str, source: Path, target: Path) -> str:
 
 def _starts(other: _Document, reference: Reference) -> list[int]:
     """The node that is named, or those of the scene."""
-    nodes = other.tree.get("nodes", [])
-    if not reference.prim:
-        scene = other.tree.get("scenes", [{}])[other.tree.get("scene", 0)]
-        return list(scene.get("nodes", ()))
-    named = [k for k, node in enumerate(nodes) if node.get("name") == reference.prim]
+    with _reading(reference.path):
+        if not reference.prim:
+            scene = other.tree.get("scenes", [{}])[other.tree.get("scene", 0)]
+            return list(scene.get("nodes", ()))
+        nodes = other.tree.get("nodes", [])
+        named = [k for k, node in enumerate(nodes) if node.get("name") == reference.prim]
     if not named:
         raise ValueError(f"{reference.path}: has no node '{reference.prim}'")
     return named[:1]
@@ -426,9 +436,28 @@ def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
         OSError: naming the file.
     """
     document = _load(Path(path))
-    nodes = [node for node in document.tree.get("nodes", ()) if _is_first(node)]
+    with _reading(path):
+        nodes = [node for node in document.tree.get("nodes", ()) if _is_first(node)]
     if not nodes:
         raise ValueError(f"{path}: has no node with {EXTENSION}")
+    with _reading(path):
+        return _instances(document, nodes, up)
+
+
+@contextmanager
+def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Say of whatever a broken file makes Python raise that the file is broken."""
+    try:
+        yield
+    except (ValueError, struct.error) as error:
+        raise ValueError(f"{os.fspath(path)}: could not be read as glTF: {error}") from error
+    except WRONG_ENTRY as error:
+        raise ValueError(
+            f"{os.fspath(path)}: could not be read as glTF: an entry is missing or wrong: {error}"
+        ) from error
+
+
+def _instances(document: _Document, nodes: list[dict[str, Any]], up: Up) -> Instances:
     parts = [_read_node(document, node, k) for k, node in enumerate(nodes)]
     names = set.intersection(*(set(part) for part in parts))
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
@@ -461,7 +490,7 @@ def _read_node(document: _Document, node: dict[str, Any], number: int) -> dict[s
 
 def _load(path: Path) -> _Document:
     content = path.read_bytes()
-    try:
+    with _reading(path):
         tree, blob = _chunks(content) if content[:4] == b"glTF" else (json.loads(content), b"")
         for buffer in tree.get("buffers", ())[:1]:
             if "uri" in buffer:
@@ -469,8 +498,6 @@ def _load(path: Path) -> _Document:
         if len(tree.get("buffers", ())) > 1:
             raise ValueError("it has several buffers")
         return _Document(tree, bytearray(blob))
-    except (ValueError, KeyError, AttributeError, struct.error) as error:
-        raise ValueError(f"{path}: could not be read as glTF: {error}") from error
 
 
 def _chunks(content: bytes) -> tuple[dict[str, Any], bytes]:

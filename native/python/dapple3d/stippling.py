@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._native import Context, Report, option_table, separate_inks, stipple_inks
+from .reading import BROKEN
 from .writing import replacing
 
 __all__ = [
@@ -192,6 +193,15 @@ def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
         OSError: the file is missing, or no picture.
         ImportError: Pillow is not installed.
     """
+    from PIL import Image
+
+    try:
+        return _pixels(path)
+    except (Image.DecompressionBombError, *BROKEN) as error:
+        raise OSError(f"{os.fspath(path)}: could not be read as a picture: {error}") from error
+
+
+def _pixels(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     from PIL import Image
 
     with Image.open(path) as picture:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that are read and written: errors name the file."""
 
-import zipfile
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +8,8 @@ from pathlib import Path
 import click
 import numpy as np
 from numpy.typing import NDArray
+
+from dapple3d.reading import BROKEN
 
 Arrays = dict[str, NDArray]
 
@@ -50,13 +50,13 @@ def _reading(path: Path, form: str) -> Iterator[None]:
         yield
     except FileNotFoundError:
         raise
-    except (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, RuntimeError) as error:
+    except (OSError, *BROKEN) as error:
         told = " ".join(str(error).split())
         raise click.ClickException(f"{path}: could not be read as {form}: {told}") from error
 
 
 def load_npz(path: Path) -> Arrays:
-    """All arrays of an npz file, by name.
+    """All arrays of an npz file, by name; what else is in it is left out.
 
     Raises:
         ClickException: the file is broken, or holds pickled objects.
@@ -66,7 +66,8 @@ def load_npz(path: Path) -> Arrays:
         if isinstance(found, np.ndarray):
             raise ValueError("it is a single array")
         with found:
-            return {name: found[name] for name in found.files}
+            parts = {name: found[name] for name in found.files}
+            return {name: part for name, part in parts.items() if isinstance(part, np.ndarray)}
 
 
 def load_npy(path: Path) -> NDArray:

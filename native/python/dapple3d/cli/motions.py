@@ -68,9 +68,13 @@ def _of_table(columns: dict[str, NDArray]) -> Motion:
 def _times(arrays: dict[str, NDArray]) -> NDArray[np.float64] | None:
     """Their numbers, if they are as many as the frames."""
     times = arrays.get("times")
-    if times is not None and times.shape != arrays["positions"].shape[:1]:
-        raise ValueError(f"times has the shape {times.shape}: one for each frame is needed")
-    return times
+    if times is None:
+        return None
+    if times.shape != arrays["positions"].shape[:1] or times.dtype.kind not in "fiu":
+        raise ValueError(
+            f"times is {times.dtype.name} {times.shape}: a number for each frame is needed"
+        )
+    return times.astype(np.float64)
 
 
 def _frames(arrays: dict[str, NDArray]) -> list[Points]:
@@ -89,12 +93,10 @@ def _frames(arrays: dict[str, NDArray]) -> list[Points]:
     for name in moving:
         if len(known[name]) != count:
             raise ValueError(f"{name} has {len(known[name])} frames, but positions {count}")
-    for name in points.WHOLE:
-        if name in known:
-            flat = points.whole(name, known[name].ravel())
-            known[name] = flat.reshape(known[name].shape)
     return [
-        Points(**{name: known[name][k] if name in moving else known[name] for name in known})
+        points.from_arrays(
+            {name: known[name][k] if name in moving else known[name] for name in known}
+        )
         for k in range(count)
     ]
 

@@ -112,7 +112,7 @@ def _read_text(file: IO[bytes], element: _Element) -> NDArray:
         words = file.readline().split()
         try:
             rows[k] = tuple(float(word) for word in words)
-        except (ValueError, IndexError) as error:
+        except (ValueError, IndexError, OverflowError) as error:
             raise ValueError(
                 f"{element.name} {k} is not {len(element.fields)} numbers: {b' '.join(words)!r}"
             ) from error

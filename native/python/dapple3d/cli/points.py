@@ -50,6 +50,7 @@ class Points:
 
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
+WIDTHS = {"normals": 3, "barycentric": 3, "orientations": 4, "scales": 3, "velocities": 3}
 WHOLE = ("ids", "classes", "faces", "prototypes")
 VECTORS = {name: heads for name, heads in COLUMNS.items() if len(heads) > 1 and name != "positions"}
 WHOLE_COLUMNS = {name: heads[0] for name, heads in COLUMNS.items() if len(heads) == 1}
@@ -220,26 +221,44 @@ def from_columns(columns: Mapping[str, NDArray]) -> Points:
     return Points(positions, **vectors, **numbers)
 
 
+def from_arrays(arrays: Mapping[str, NDArray]) -> Points:
+    """The points of arrays that are called as those of Points; others are left out.
+
+    Raises:
+        ValueError: naming the array whose type, shape or whole numbers are wrong.
+    """
+    positions = _numbers("positions", arrays["positions"], "n", 2, 3)
+    found: Arrays = {"positions": positions}
+    for name in NAMES[1:]:
+        if name not in arrays:
+            continue
+        values = arrays[name]
+        if values.shape[:1] != positions.shape[:1]:
+            raise ValueError(
+                f"{name} has the shape {values.shape}: {len(positions)} rows are needed"
+            )
+        if name in WHOLE:
+            found[name] = whole(name, values)
+        else:
+            found[name] = _numbers(name, values, len(positions), WIDTHS[name])
+    return Points(**found)
+
+
+def _numbers(name: str, values: NDArray, rows: int | str, *widths: int) -> NDArray[np.float64]:
+    """The values as float64, in rows of one of the widths."""
+    if values.ndim != 2 or values.shape[1] not in widths or values.dtype.kind not in "fiu":
+        shapes = " or ".join(f"({rows}, {width})" for width in widths)
+        raise ValueError(
+            f"{name} is {values.dtype.name} {values.shape}: numbers {shapes} are needed"
+        )
+    return values.astype(np.float64)
+
+
 def _read_npz(path: Path) -> Points:
     arrays = load_npz(path)
     if "positions" not in arrays:
         raise ValueError(f"has no array 'positions', only {', '.join(arrays) or 'none'}")
-    positions = arrays["positions"]
-    if positions.ndim != 2 or positions.shape[1] not in (2, 3) or positions.dtype.kind not in "fiu":
-        raise ValueError(
-            f"positions is {positions.dtype.name} {positions.shape}: numbers (n, 2) or (n, 3) are "
-            "needed"
-        )
-    stored = {name: value for name, value in arrays.items() if name in NAMES}
-    for name, value in stored.items():
-        if value.shape[:1] != positions.shape[:1]:
-            raise ValueError(
-                f"{name} has the shape {value.shape}: {len(positions)} rows are needed"
-            )
-    for name in WHOLE:
-        if name in stored:
-            stored[name] = whole(name, stored[name])
-    return Points(**stored | {"positions": positions.astype(np.float64)})
+    return from_arrays(arrays)
 
 
 def _read_usd(path: Path) -> Points:

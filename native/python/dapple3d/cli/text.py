@@ -44,7 +44,7 @@ def read_csv(path: Path) -> Arrays:
         ValueError: naming the first line with another number of columns or a word for a number.
     """
     with path.open(newline="", encoding="utf-8-sig") as file:
-        lines = [(number, row) for number, row in enumerate(csv.reader(file), 1) if row]
+        lines = _csv_rows(file)
     if not lines:
         raise ValueError("is empty")
     first = [name.strip() for name in lines[0][1]]
@@ -61,6 +61,13 @@ def read_csv(path: Path) -> Arrays:
         first = first[:at] + first[at + 1 :]
         lines = [(number, row[:at] + row[at + 1 :]) for number, row in lines]
     return _table(lines[1:], first)
+
+
+def _csv_rows(file: IO[str]) -> list[tuple[int, list[str]]]:
+    try:
+        return [(number, row) for number, row in enumerate(csv.reader(file), 1) if row]
+    except csv.Error as error:
+        raise ValueError(f"is no CSV: {error}") from error
 
 
 def read_obj(path: Path) -> Arrays:

@@ -4,8 +4,6 @@
 import json
 import math
 import shutil
-import zipfile
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reading import BROKEN
 from .patches import Floats, Patch, Place
 from .streams import Column, Stream, open_stream
 
@@ -118,7 +117,7 @@ def sorted_mesh(path: Path, folder: Path) -> SortedMesh:
         part.mkdir(parents=True)
         try:
             _sort(path.name, open_stream(path), part)
-        except (ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        except BROKEN as error:
             raise ValueError(f"{path}: {error}") from error
         part.rename(folder)
     return SortedMesh(str(folder.absolute()))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The folder of a run: what is done lies there in files, each whole or not at all."""
 
-import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reading import BROKEN
 from ..writing import replacing, write_npz
 from .layout import Job
 from .patches import Floats
@@ -127,7 +127,7 @@ def _arrays(path: Path) -> dict[str, NDArray]:
     try:
         with np.load(path, allow_pickle=False) as found:
             return dict(found)
-    except (zipfile.BadZipFile, ValueError, EOFError) as error:
+    except BROKEN as error:
         raise ValueError(f"{path}: could not be read: {error}") from error
 
 

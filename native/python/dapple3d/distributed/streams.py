@@ -48,7 +48,7 @@ def open_stream(path: Path) -> Stream:
     """A mesh in a file: npz and binary PLY are read in chunks, others at once.
 
     Raises:
-        ValueError: saying what is wrong with it.
+        those of dapple3d.reading.BROKEN, saying what is wrong with it, also as it is read on.
     """
     if path.suffix.lower() == ".npz":
         return _open_npz(path)
@@ -179,19 +179,31 @@ def _row_type(element: _Element, order: str) -> np.dtype:
 def _ply_header(file: IO[bytes]) -> tuple[str, list[_Element]] | None:
     """The byte order, and the elements; None if it is no binary file with one list at most."""
     order, elements = "", list[_Element]()
-    for line in file:
-        match line.decode("ascii", "replace").split():
-            case ["end_header"]:
-                return (order, elements) if order else None
-            case ["format", name, _]:
-                order = ORDERS.get(name, "")
-            case ["element", name, rows]:
-                elements.append(_Element(name, int(rows)))
-            case ["property", "list", count, index, name]:
-                if elements[-1].indices:
+    for number, line in enumerate(file, 1):
+        words = line.decode("ascii", "replace").split()
+        try:
+            match words:
+                case ["end_header"]:
+                    return (order, elements) if order else None
+                case ["format", name, _]:
+                    order = ORDERS.get(name, "")
+                case ["property", "list", *_] if elements[-1].indices:
                     return None
-                elements[-1].indices = name
-                elements[-1].fields.append((name, f"{TYPES[count]} {TYPES[index]}"))
-            case ["property", kind, name]:
-                elements[-1].fields.append((name, TYPES[kind]))
+                case _:
+                    _add_to_header(elements, words)
+        except (LookupError, ValueError) as error:
+            raise ValueError(f"line {number} of its header is wrong: {line!r}") from error
     return None
+
+
+def _add_to_header(elements: list[_Element], words: list[str]) -> None:
+    match words:
+        case ["element", name, rows]:
+            if not rows.isdecimal():
+                raise ValueError(f"{rows} is no count")
+            elements.append(_Element(name, int(rows)))
+        case ["property", "list", count, index, name]:
+            elements[-1].indices = name
+            elements[-1].fields.append((name, f"{TYPES[count]} {TYPES[index]}"))
+        case ["property", kind, name]:
+            elements[-1].fields.append((name, TYPES[kind]))
