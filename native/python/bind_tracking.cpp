@@ -4,7 +4,8 @@
 
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
+#include <functional>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -14,14 +15,18 @@
 namespace dapple::python {
 namespace {
 
+/// What a tracker is told of the classes of its samples.
+std::vector<SampleClass> wanted_classes(const Surface& surface, const py::object& classes) {
+  if (classes.is_none()) return {};
+  return classes_on(surface, py::sequence(classes));
+}
+
 std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
                                       const py::kwargs& keywords) {
   const Keywords given(kTracker, keywords, {"classes", "context"});
   const TrackerOptions options = given.options();
   const ContextPtr context = given.context();
-  std::vector<SampleClass> wanted;
-  if (const py::object classes = given.other("classes"); !classes.is_none())
-    wanted = classes_on(surface, py::sequence(classes));
+  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   const py::gil_scoped_release released;
   return std::make_shared<Tracker>(surface, samples, options, std::move(wanted), context.get());
 }
@@ -42,11 +47,12 @@ void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples&
 
 std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
                                             const py::kwargs& keywords) {
-  const Keywords given(kPopulation, keywords);
+  const Keywords given(kPopulation, keywords, {"classes", "context"});
   const PopulationOptions options = given.options();
   const ContextPtr context = given.context();
+  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   const py::gil_scoped_release released;
-  return std::make_shared<Population>(surface, samples, options, context.get());
+  return std::make_shared<Population>(surface, samples, options, std::move(wanted), context.get());
 }
 
 std::shared_ptr<Samples> advance_population(Population& population, const py::object& vertices,
@@ -54,6 +60,12 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
   const DoubleArray points = doubles("vertices", vertices, 3);
   const py::gil_scoped_release released;
   return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
+}
+
+std::vector<std::shared_ptr<Samples>> shared(std::vector<Samples> frames) {
+  std::vector<std::shared_ptr<Samples>> result;
+  for (Samples& one : frames) result.push_back(std::make_shared<Samples>(std::move(one)));
+  return result;
 }
 
 std::vector<std::vector<Vec3>> vertices_of(const py::iterable& frames) {
@@ -69,15 +81,40 @@ std::vector<std::vector<Vec3>> vertices_of(const py::iterable& frames) {
 std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const py::iterable& frames,
                                                 const Samples& samples,
                                                 const py::kwargs& keywords) {
-  const Keywords given(kTrackWindow, keywords);
+  const Keywords given(kTrackWindow, keywords, {"classes", "context"});
   const WindowOptions options = given.options();
   const ContextPtr context = given.context();
+  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
   const py::gil_scoped_release released;
-  std::vector<std::shared_ptr<Samples>> result;
-  for (Samples& one : track_window(surface, vertices, samples, options, context.get()))
-    result.push_back(std::make_shared<Samples>(std::move(one)));
-  return result;
+  return shared(
+      track_window(surface, vertices, samples, options, std::move(wanted), context.get()));
+}
+
+std::shared_ptr<WindowTracker> make_window_tracker(const Surface& surface, const Samples& samples,
+                                                   const py::kwargs& keywords) {
+  const Keywords given(kWindowTracker, keywords, {"classes", "context"});
+  const WindowOptions options = given.options();
+  const ContextPtr context = given.context();
+  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
+  const py::gil_scoped_release released;
+  return std::make_shared<WindowTracker>(surface, samples, options, std::move(wanted),
+                                         context.get());
+}
+
+std::vector<std::shared_ptr<Samples>> advance_window(WindowTracker& tracker,
+                                                     const py::iterable& frames, Done done,
+                                                     const ContextPtr& context) {
+  const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
+  const py::gil_scoped_release released;
+  return shared(tracker.advance(vertices, done, context.get()));
+}
+
+void resume_window(WindowTracker& tracker, const py::object& vertices, const Samples& samples,
+                   const std::vector<std::reference_wrapper<const Samples>>& ahead) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const py::gil_scoped_release released;
+  tracker.resume(as_points(points), samples, {ahead.begin(), ahead.end()});
 }
 
 void bind_tracker(py::module_& m) {
@@ -152,16 +189,19 @@ back), and an id is never used again. Apart from that it is a Tracker.
 
 Args:
     surface: the Surface of the first frame.
-    samples: its Samples, of one class; their number per capacity is kept.
+    samples: its Samples; their number per capacity is kept.
     {options}
+    classes: the SampleClass of each class of the samples, whose number per capacity is kept by itself (their counts are the
+        samples'), or None: all are one class.
     context: a Context to watch and cancel it by.
 
 Raises:
-    ValueError: the samples are not of the surface, or an option is out of range.
+    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)");
   py::class_<Population, std::shared_ptr<Population>> type(m, "Population", documentation.c_str());
   def_init(type, kPopulation, &make_population,
            "__init__(self: Population, surface: Surface, samples: Samples, *, {signature}, "
+           "classes: Sequence[SampleClass | int] | None = None, "
            "context: Context | None = None) -> None",
            py::arg("surface"), py::arg("samples"));
   type.def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
@@ -190,7 +230,7 @@ Raises:
 void bind_window(py::module_& m) {
   def_verb(
       m, kTrackWindow, &window_of,
-      R"(track_window(surface: Surface, frames: Iterable[numpy.ndarray], samples: Samples, *, {signature}, context: Context | None = None) -> list[Samples]
+      R"(track_window(surface: Surface, frames: Iterable[numpy.ndarray], samples: Samples, *, {signature}, classes: Sequence[SampleClass | int] | None = None, context: Context | None = None) -> list[Samples]
 
 Samples on all frames of a motion at once, smooth both ways in time.
 
@@ -200,8 +240,9 @@ where the surface carries it from the frame before and from the one after, as fa
 Args:
     surface: the Surface of the first frame, which stays.
     frames: vertices, (v, 3) float64, of each frame after it.
-    samples: Samples of the first frame, of one class.
+    samples: Samples of the first frame.
     {options}
+    classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -210,9 +251,75 @@ Returns:
 
 Raises:
     SurfaceError: vertices of another number or not finite.
-    ValueError: samples that are not of the surface, or an option out of range.
+    ValueError: samples that are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("frames"), py::arg("samples"));
+}
+
+void bind_window_tracker(py::module_& m) {
+  const std::string documentation = documented(
+      kWindowTracker,
+      R"(Samples on a long motion, as smooth both ways in time as track_window() makes them, some frames at a time.
+
+Pieces of the motion overlap: the last frames of each are solved again with the piece after it, over which what was
+found first passes into what is found then. So motion is as smooth at the seams as elsewhere, and no more than one piece
+has to be in memory. track_pieces() does that for any number of frames.
+
+Args:
+    surface: the Surface of the first frame.
+    samples: its Samples, which stay.
+    {options}
+    classes: the SampleClass of each class of the samples (their counts are the samples'), or None: all are one class.
+    context: a Context to watch and cancel it by.
+
+Raises:
+    ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
+    Cancelled: through the context.)");
+  py::class_<WindowTracker, std::shared_ptr<WindowTracker>> type(m, "WindowTracker",
+                                                                 documentation.c_str());
+  def_init(type, kWindowTracker, &make_window_tracker,
+           "__init__(self: WindowTracker, surface: Surface, samples: Samples, *, {signature}, "
+           "classes: Sequence[SampleClass | int] | None = None, "
+           "context: Context | None = None) -> None",
+           py::arg("surface"), py::arg("samples"));
+  type.def("advance", &advance_window, py::arg("frames"), py::arg("done"), py::kw_only(),
+           py::arg("context") = nullptr,
+           R"(Solve the frames after the present one; the tracker is unchanged if this raises.
+
+Args:
+    frames: vertices, (v, 3) float64, of each; first of those that were ahead so far.
+    done: how many of them are done then: the last of these becomes the present frame, the others are ahead. If all are,
+        the motion ends there, and a closed one leads back to its first frame.
+    context: a Context to watch and cancel it by.
+
+Returns:
+    list of Samples, of all these frames, as track_window() returns them.
+
+Raises:
+    SurfaceError: vertices of another number or not finite.
+    ValueError: fewer frames than are ahead or done.
+    Cancelled: through the context.)")
+      .def(
+          "resume", &resume_window, py::arg("vertices"), py::arg("samples"), py::arg("ahead"),
+          R"(Go on from frames that were solved before: the next ones get the bytes that they would have had.
+
+Args:
+    vertices: (v, 3) float64, of the present frame.
+    samples: Samples with its faces and barycentric coordinates, as many as the tracker has; ids and classes stay.
+    ahead: list of Samples with those of the frames ahead.
+
+Raises:
+    SurfaceError: vertices of another number or not finite.
+    ValueError: samples of another number, or not of the surface.)")
+      .def_property_readonly(
+          "surface", [](const WindowTracker& t) { return std::make_shared<Surface>(t.surface()); },
+          "The Surface of the present frame.")
+      .def_property_readonly(
+          "samples", [](const WindowTracker& t) { return std::make_shared<Samples>(t.samples()); },
+          "The Samples of the present frame.")
+      .def_property_readonly(
+          "ahead", [](const WindowTracker& t) { return shared(t.ahead()); },
+          "list of the Samples of the frames that are to be solved again.");
 }
 
 }  // namespace
@@ -221,6 +328,7 @@ void bind_tracking(py::module_& m) {
   bind_tracker(m);
   bind_population(m);
   bind_window(m);
+  bind_window_tracker(m);
 }
 
 }  // namespace dapple::python

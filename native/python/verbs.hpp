@@ -43,17 +43,17 @@ inline constexpr Verb<SampleOptions> kEnergy = {"energy", {}, {"capacity_weight"
 inline constexpr Verb<SampleOptions> kEnergyPlanar = {"energy_planar", {}, kEnergy.only};
 inline constexpr Verb<SampleOptions> kAnalyze = {"analyze", {}, kEnergy.only};
 inline constexpr Verb<TrackerOptions> kTracker = {"Tracker"};
-// One class only.
-inline constexpr Verb<PopulationOptions> kPopulation = {"Population", {"union_weight"}};
-inline constexpr Verb<WindowOptions> kTrackWindow = {"track_window", {"union_weight"}};
+inline constexpr Verb<PopulationOptions> kPopulation = {"Population"};
+inline constexpr Verb<WindowOptions> kTrackWindow = {"track_window"};
+inline constexpr Verb<WindowOptions> kWindowTracker = {"WindowTracker"};
 inline constexpr Verb<StippleOptions> kStippleInks = {"stipple_inks",
                                                       {"max_slide", "stickiness", "method"}};
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
 inline constexpr std::tuple kVerbs = {
-    kSample,      kSamplePlanar, kResample,   kRelax,   kSampleClasses, kSamplePlanarClasses,
-    kEnergy,      kEnergyPlanar, kAnalyze,    kTracker, kPopulation,    kTrackWindow,
-    kStippleInks, kMosaic,       kRefineImage};
+    kSample,        kSamplePlanar, kResample, kRelax,      kSampleClasses, kSamplePlanarClasses,
+    kEnergy,        kEnergyPlanar, kAnalyze,  kTracker,    kPopulation,    kTrackWindow,
+    kWindowTracker, kStippleInks,  kMosaic,   kRefineImage};
 
 }  // namespace dapple::python

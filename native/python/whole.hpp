@@ -64,6 +64,7 @@ constexpr std::uint64_t kMostInt = std::numeric_limits<int>::max();
 using Count = Whole<std::size_t, "count", 0, kMostSamples>;
 using Threads = Whole<int, "threads", 0, kMostThreads>;
 using MaxFaces = Whole<std::size_t, "max_faces", 1, kMostRefinedFaces>;
+using Done = Whole<std::size_t, "done", 0, kMostSamples>;
 using Smoothing = Whole<int, "smoothing", 0, 100>;
 
 }  // namespace dapple::python

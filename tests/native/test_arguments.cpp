@@ -21,7 +21,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <limits>
 
 #include "shapes.hpp"
@@ -108,11 +108,14 @@ std::vector<Verb> binders() {
       {"Tracker", [](const auto& s, const auto& p) { (void)Tracker(s, p); }},
       {"Resume", resume_with},
       {"Population", [](const auto& s, const auto& p) { (void)Population(s, p); }},
+      {"PopulationOfClasses",
+       [](const auto& s, const auto& p) { (void)Population(s, p, {}, {{.count = 1}}); }},
       {"Window",
        [](const auto& s, const auto& p) {
          const std::vector<std::vector<Vec3>> frames = {s.vertices()};
          (void)track_window(s, frames, p);
        }},
+      {"WindowTracker", [](const auto& s, const auto& p) { (void)WindowTracker(s, p); }},
       {"Resample", [](const auto& s, const auto& p) { (void)resample(s, p, 30); }},
       {"ToOriginal",
        [](const auto& s, const auto& p) {
@@ -316,6 +319,7 @@ TEST(Arguments, RefuseMoreThreadsThanThereAre) {
     refused([&] { (void)Population(small(), samples, {.tracker = {.threads = threads}}); });
     refused(
         [&] { (void)track_window(small(), frames, samples, {.tracker = {.threads = threads}}); });
+    refused([&] { (void)WindowTracker(small(), samples, {.tracker = {.threads = threads}}); });
   }
 }
 

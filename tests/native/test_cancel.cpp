@@ -23,7 +23,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -197,7 +197,7 @@ TEST(Cancel, AWindowInWhichNothingMovesHardlyAsks) {
   const auto checks_of = [&](std::size_t frames) {
     const std::vector<std::vector<Vec3>> still(frames, shape.vertices);
     return count_checks(
-        [&](Context* context) { (void)track_window(surface, still, samples, {}, context); });
+        [&](Context* context) { (void)track_window(surface, still, samples, {}, {}, context); });
   };
   const int by_itself = 4;  // the pass and its tracker, and each sweep
   EXPECT_EQ(checks_of(10) - checks_of(5), 5 * by_itself);
@@ -319,7 +319,7 @@ TEST(Watched, NewTrackersAndMeasures) {
   const double all_covered = 0.5;
   expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, {}, context); },
                  all_covered);
-  expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
+  expect_watched([&](Context* context) { (void)Population(surface, samples, {}, {}, context); },
                  all_covered);
   expect_watched(
       [&](Context* context) { (void)analyze(surface, samples, 30.0, Cells::kConnected, context); },
@@ -427,7 +427,27 @@ TEST(Watched, AWindowOfFrames) {
   options.sweeps = 1;
   options.closed = true;
   expect_watched(
-      [&](Context* context) { (void)track_window(surface, frames, samples, options, context); },
+      [&](Context* context) { (void)track_window(surface, frames, samples, options, {}, context); },
+      0.2);
+}
+
+TEST(Watched, APieceOfAMotion) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  std::vector<std::vector<Vec3>> frames;
+  for (const double time : {0.2, 0.4, 0.6, 0.8, 1.0})
+    frames.push_back(deformed(shape.vertices, time));
+  const std::span<const std::vector<Vec3>> all(frames);
+  WindowOptions options;
+  options.tracker.optimizer.max_evaluations = 3;
+  options.sweeps = 1;
+  WindowTracker second(surface, sample(surface, 60), options);
+  (void)second.advance(all.first(3), 1);
+  expect_watched(
+      [&](Context* context) {
+        WindowTracker tracker = second;
+        (void)tracker.advance(all.subspan(1), 4, context);
+      },
       0.2);
 }
 

@@ -231,6 +231,17 @@ CASES |= {
 }
 
 
+@case
+def window_pieces(run: Run) -> None:
+    surface = run.surface(TORUS)
+    start = dapple.sample_classes(surface, RADII, seed=1, threads=run.threads)
+    frames = twists(run, TORUS, 10)
+    for samples in dapple.track_pieces(
+        surface, frames, start, piece=4, overlap=2, classes=RADII, threads=run.threads
+    ):
+        run.samples(samples)
+
+
 def populated(mesh: Mesh, growth: list[float], **options: Any) -> Case:
     def run_it(run: Run) -> None:
         surface = run.surface(mesh)
@@ -248,6 +259,15 @@ CASES |= {
         BOX, [(8 - abs(8 - frame)) / 8 for frame in range(1, FRAMES + 1)], fade=4
     ),
 }
+
+
+@case
+def population_classes(run: Run) -> None:
+    surface = run.surface(TORUS)
+    start = dapple.sample_classes(surface, RADII, seed=1, threads=run.threads)
+    population = dapple.Population(surface, start, classes=RADII, fade=3, threads=run.threads)
+    for frame in range(1, 7):
+        run.samples(population.advance(run.given(exact.grown(TORUS[0], frame / 8))))
 
 
 # --- resample

@@ -59,7 +59,13 @@ VERBS = READERS | {
     "Tracker of classes": lambda s, p: dapple.Tracker(s, p, classes=[1]),
     "resume": lambda s, p: dapple.Tracker(s, own(s, len(p))).resume(s.vertices, p),
     "Population": dapple.Population,
+    "Population of classes": lambda s, p: dapple.Population(s, p, classes=[1]),
     "track_window": lambda s, p: dapple.track_window(s, [s.vertices], p),
+    "track_pieces": lambda s, p: list(dapple.track_pieces(s, [s.vertices], p)),
+    "WindowTracker": dapple.WindowTracker,
+    "WindowTracker.resume": lambda s, p: dapple.WindowTracker(s, own(s, len(p))).resume(
+        s.vertices, p, []
+    ),
     "resample": lambda s, p: dapple.resample(s, p, 30),
     "to_original": lambda s, p: dapple.refine_edges(s, 9.0).to_original(p),
     "from_original": lambda s, p: dapple.refine_edges(s, 9.0).from_original(p),
@@ -109,6 +115,11 @@ SURFACE_ARRAYS: dict[str, Callable[[dapple.Surface], object]] = {
     "resume with others": lambda s: dapple.Tracker(s, own(s, 3)).resume(s.vertices, own(s, 4)),
     "population": lambda s: dapple.Population(s, own(s, 3)).advance(np.zeros((5, 3))),
     "window": lambda s: dapple.track_window(s, [s.vertices, np.zeros((5, 3))], own(s, 3)),
+    "pieces": lambda s: list(dapple.track_pieces(s, [np.zeros((5, 3))], own(s, 3))),
+    "WindowTracker": lambda s: dapple.WindowTracker(s, own(s, 3)).advance([np.zeros((5, 3))], 1),
+    "WindowTracker.resume": lambda s: dapple.WindowTracker(s, own(s, 3)).resume(
+        s.vertices, own(s, 3), [own(s, 4)]
+    ),
     "refine_image": lambda s: dapple.refine_image(s, np.zeros((3, 3, 2)), np.ones((2, 2))),
     "refine_obstacles": lambda s: dapple.refine_obstacles(
         s, np.zeros((0, 3)), 1.0, areas=np.zeros(3, bool)
@@ -158,6 +169,7 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
         "Tracker": lambda s, **k: dapple.Tracker(s, own(s, 2), **k),
         "Population": lambda s, **k: dapple.Population(s, own(s, 2), **k),
         "track_window": lambda s, **k: dapple.track_window(s, [s.vertices], own(s, 2), **k),
+        "WindowTracker": lambda s, **k: dapple.WindowTracker(s, own(s, 2), **k),
         "mosaic": lambda s, **k: dapple.mosaic(s, own(s, 2), **k),
         "spectrum": lambda s, **k: dapple.spectrum(np.full((2, 2), 0.5), **k),
         "surface_spectrum": lambda s, **k: dapple.surface_spectrum(s, own(s, 2), **k),

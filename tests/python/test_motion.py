@@ -70,6 +70,67 @@ def test_a_window_is_cancelled(mesh, surface, samples):
         dapple.track_window(surface, frames_of(mesh, 3), samples, context=context)
 
 
+def test_a_short_motion_in_pieces_is_a_window(mesh, surface, samples):
+    frames = frames_of(mesh, 6)
+    whole = dapple.track_window(surface, frames, samples, sweeps=1)
+    found = dapple.track_pieces(surface, iter(frames), samples, sweeps=1)
+    for one, other in zip(found, whole[1:], strict=True):
+        assert same_bytes(one, other)
+
+
+def test_a_motion_in_pieces_reads_frames_as_it_needs_them(mesh, surface, samples):
+    read = []
+
+    def frames():
+        for frame in range(1, 13):
+            read.append(frame)
+            yield bent(mesh[0], 0.1 * frame)
+
+    found = dapple.track_pieces(surface, frames(), samples, piece=4, overlap=2)
+    assert not read
+    next(found)
+    assert len(read) == 6
+    places = [next(found) for _ in range(11)]
+    assert next(found, None) is None
+    for frame, one in zip(range(2, 13), places, strict=True):
+        check_samples(surface.deformed(bent(mesh[0], 0.1 * frame)), one)
+        np.testing.assert_array_equal(one.ids, samples.ids)
+        assert one.report.capacity_variation < 0.05
+
+
+def test_pieces_go_on_with_the_same_bytes(mesh, surface, samples):
+    frames = frames_of(mesh, 8)
+    whole = dapple.WindowTracker(surface, samples)
+    first = whole.advance(frames[:5], 3)
+    places = [stored(one, surface) for one in first]
+    assert same_bytes(whole.samples, first[2])
+    assert len(whole.ahead) == 2
+    again = dapple.WindowTracker(surface, samples)
+    again.resume(frames[2], places[2], places[3:])
+    for one, other in zip(again.advance(frames[3:], 5), whole.advance(frames[3:], 5), strict=True):
+        assert same_bytes(one, other)
+
+
+def test_classes_stay_even_in_pieces(mesh, surface):
+    start = dapple.sample_classes(surface, [60, 30])
+    frames = frames_of(mesh, 8)
+    for one in dapple.track_pieces(surface, frames, start, piece=4, overlap=1, classes=[60, 30]):
+        np.testing.assert_array_equal(one.classes, start.classes)
+        assert min(quality.alpha_min for quality in one.report.classes) > 0.4
+
+
+@pytest.mark.parametrize(("piece", "overlap"), [(4, 4), (4, -1), (0, 0)])
+def test_refuses_pieces_that_do_not_come_forward(surface, samples, piece, overlap):
+    with pytest.raises(ValueError, match=f"overlap is {overlap}"):
+        dapple.track_pieces(surface, [], samples, piece=piece, overlap=overlap)
+
+
+def test_refuses_what_is_no_frame_ahead(surface, samples):
+    tracker = dapple.WindowTracker(surface, samples)
+    with pytest.raises(TypeError):
+        tracker.resume(surface.vertices, samples, [None])
+
+
 def test_a_population_follows_the_area(mesh, surface, samples):
     population = dapple.Population(surface, samples, fade=4)
     density = len(samples) / surface.area
@@ -84,6 +145,24 @@ def test_a_population_follows_the_area(mesh, surface, samples):
         used |= set(now.ids.tolist())
     assert len(used) > len(samples)
     assert np.all(samples.fade == 1)
+
+
+def test_a_population_of_classes_follows_the_area_in_each(mesh, surface):
+    start = dapple.sample_classes(surface, [60, 30])
+    population = dapple.Population(surface, start, fade=4, classes=[60, 30])
+    for frame in range(1, 9):
+        now = population.advance(mesh[0] * [1 + 0.05 * frame, 1, 1])
+        assert len(now.classes) == len(now)
+        growth = population.surface.area / surface.area
+        counts = [quality.count for quality in now.report.classes]
+        assert counts == pytest.approx([60 * growth, 30 * growth], abs=1)
+    assert set(start.ids.tolist()) < set(now.ids.tolist())
+
+
+def test_a_population_refuses_classes_that_are_not_given(surface):
+    start = dapple.sample_classes(surface, [60, 30])
+    with pytest.raises(ValueError, match=r"samples\.classes"):
+        dapple.Population(surface, start, classes=[90])
 
 
 @pytest.mark.parametrize("name", ["pattern_strength", "stickiness", "longest_motion"])

@@ -242,6 +242,7 @@ CALLS = {
     "Tracker": lambda **k: dapple.Tracker(SURFACE, two(), **k),
     "Population": lambda **k: dapple.Population(SURFACE, two(), **k),
     "track_window": lambda **k: dapple.track_window(SURFACE, [SURFACE.vertices], two(), **k),
+    "WindowTracker": lambda **k: dapple.WindowTracker(SURFACE, two(), **k),
     "stipple_inks": lambda **k: dapple.stipple_inks([[[1.0, 1.0]]], 2, **k),
     "mosaic": lambda **k: dapple.mosaic(SURFACE, two(), **k),
     "refine_image": lambda **k: dapple.refine_image(SURFACE, [[[0, 0]] * 3] * 2, [[1.0]], **k),

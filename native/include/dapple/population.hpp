@@ -29,10 +29,11 @@ constexpr const auto& options_of(const PopulationOptions&) { return kPopulationO
 /// from the beginning.
 class Population {
  public:
-  /// \throw ArgumentError if the samples are not of the surface, for options out of range;
-  /// Cancelled
+  /// \param classes as a Tracker takes them: the density of each is kept by itself
+  /// \throw ArgumentError if the samples are not of the surface or the classes, for options out of
+  /// range; Cancelled
   Population(Surface surface, Samples samples, PopulationOptions options = {},
-             Context* context = nullptr);
+             std::vector<SampleClass> classes = {}, Context* context = nullptr);
 
   /// Move to the next frame.
   /// \return samples with `fade`: those that stay, in the order of their ids, then those that
@@ -50,9 +51,20 @@ class Population {
     std::int32_t face;
     Vec3 barycentric;
     double fade;
+    std::int32_t of_class;
   };
 
-  [[nodiscard]] double wanted(const Tracker& tracker) const;
+  /// What is kept of a class.
+  struct Kind {
+    std::optional<Surface> surface;  // with its own density, if it has one
+    double density = 0.0;            // samples per capacity
+  };
+
+  [[nodiscard]] std::size_t count_of(const Samples& samples, std::size_t kind) const;
+  [[nodiscard]] Surface surface_of(const Tracker& tracker, std::size_t kind) const;
+  [[nodiscard]] std::size_t wanted(const Tracker& tracker, std::size_t kind) const;
+  [[nodiscard]] Samples resized(const Tracker& tracker, std::size_t kind, std::int64_t next_id,
+                                Context* context) const;
   [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
   [[nodiscard]] Samples resized(const Tracker& tracker, Context* context) const;
   [[nodiscard]] std::vector<Fading> vanishing(const Samples& before, const Samples& after) const;
@@ -60,7 +72,7 @@ class Population {
 
   Tracker tracker_;
   PopulationOptions options_;
-  double density_;             // samples per capacity
+  std::vector<Kind> kinds_;    // one, if there are no classes
   std::int64_t next_id_;       // above all that were ever used
   std::vector<double> fades_;  // of the tracker's samples
   std::vector<Fading> vanishing_;

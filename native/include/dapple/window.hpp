@@ -2,32 +2,9 @@
 #pragma once
 
 #include <dapple/tracker.hpp>
+#include <dapple/window_options.hpp>
 
 namespace dapple {
-
-struct WindowOptions {
-  TrackerOptions tracker = {
-      .optimizer = {.max_evaluations = 6, .max_slide = 0.45, .stickiness = 1.0}};
-  int sweeps = 2;
-  bool closed = false;
-};
-
-inline constexpr std::tuple kWindowOptions = {
-    Option{"closed",
-           &WindowOptions::closed,
-           {},
-           "",
-           Level::kExpert,
-           "The last frame leads back to the first: the loop closes."},
-    Option{"sweeps",
-           &WindowOptions::sweeps,
-           {},
-           "",
-           Level::kExpert,
-           "Passes forwards and backwards over all frames, after the first."},
-    Group{&WindowOptions::tracker}};
-
-constexpr const auto& options_of(const WindowOptions&) { return kWindowOptions; }
 
 /// Samples on all frames of a motion at once, smooth both ways in time.
 ///
@@ -40,6 +17,7 @@ constexpr const auto& options_of(const WindowOptions&) { return kWindowOptions; 
 /// \param surface of the first frame
 /// \param frames the vertices of the frames after it
 /// \param samples on the first frame
+/// \param classes as a Tracker takes them
 /// \return samples of the first frame and of all frames after it; their reports' slides are
 ///         distances from where the surface carries the samples of the frame before
 /// \throw SurfaceError naming the frame's first offender, ArgumentError, Cancelled
@@ -47,6 +25,7 @@ constexpr const auto& options_of(const WindowOptions&) { return kWindowOptions; 
                                                 std::span<const std::vector<Vec3>> frames,
                                                 const Samples& samples,
                                                 const WindowOptions& options = {},
+                                                std::vector<SampleClass> classes = {},
                                                 Context* context = nullptr);
 
 }  // namespace dapple

@@ -35,6 +35,7 @@ from ._native import (
     Topology,
     Torus,
     Tracker,
+    WindowTracker,
     __version__,
     analyze,
     changed_faces,
@@ -67,6 +68,7 @@ from ._native import (
     track_window,
     write_mesh,
 )
+from ._pieces import track_pieces
 from .stippling import Dots, stipple
 
 PAPER: Final[dict[str, Any]] = {
@@ -110,6 +112,7 @@ __all__ = [
     "Topology",
     "Torus",
     "Tracker",
+    "WindowTracker",
     "__version__",
     "analyze",
     "changed_faces",
@@ -140,6 +143,7 @@ __all__ = [
     "stipple_inks",
     "surface_spectrum",
     "texels",
+    "track_pieces",
     "track_window",
     "write_mesh",
 ]

@@ -375,6 +375,40 @@ class Tracker:
     @property
     def samples(self) -> Samples: ...
 
+class WindowTracker:
+    def __init__(
+        self,
+        surface: Surface,
+        samples: Samples,
+        *,
+        closed: bool = False,
+        sweeps: int = 2,
+        union_weight: float = 1.0,
+        capacity_weight: float = 30.0,
+        repulsion_weight: float = 3.0,
+        tolerance: float = 5e-05,
+        max_evaluations: int = 6,
+        max_slide: float = 0.45,
+        stickiness: float = 1.0,
+        method: Literal["trust_region", "line_search"] = "trust_region",
+        pattern_strength: float = 0.8,
+        longest_motion: float = 0.02,
+        cells: Literal["connected", "euclidean"] = "connected",
+        threads: int = 0,
+        classes: Sequence[SampleClass | int] | None = None,
+        context: Context | None = None,
+    ) -> None: ...
+    def advance(
+        self, frames: Iterable[ArrayLike], done: int, *, context: Context | None = None
+    ) -> list[Samples]: ...
+    def resume(self, vertices: ArrayLike, samples: Samples, ahead: Sequence[Samples]) -> None: ...
+    @property
+    def surface(self) -> Surface: ...
+    @property
+    def samples(self) -> Samples: ...
+    @property
+    def ahead(self) -> list[Samples]: ...
+
 class Population:
     def __init__(
         self,
@@ -382,6 +416,7 @@ class Population:
         samples: Samples,
         *,
         fade: int = 12,
+        union_weight: float = 1.0,
         capacity_weight: float = 30.0,
         repulsion_weight: float = 3.0,
         tolerance: float = 5e-05,
@@ -393,6 +428,7 @@ class Population:
         longest_motion: float = 0.02,
         cells: Literal["connected", "euclidean"] = "connected",
         threads: int = 0,
+        classes: Sequence[SampleClass | int] | None = None,
         context: Context | None = None,
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
@@ -408,6 +444,7 @@ def track_window(
     *,
     closed: bool = False,
     sweeps: int = 2,
+    union_weight: float = 1.0,
     capacity_weight: float = 30.0,
     repulsion_weight: float = 3.0,
     tolerance: float = 5e-05,
@@ -419,6 +456,7 @@ def track_window(
     longest_motion: float = 0.02,
     cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
+    classes: Sequence[SampleClass | int] | None = None,
     context: Context | None = None,
 ) -> list[Samples]: ...
 def sample(

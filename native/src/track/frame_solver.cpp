@@ -147,7 +147,10 @@ FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const S
   FrameSolver result = *this;
   result.ids_ = now.ids;
   result.class_of_ = now.classes;
-  if (classes_.size() == 1) result.classes_[0].count = now.size();
+  if (classes_.size() == 1)
+    result.classes_[0].count = now.size();
+  else
+    result.classes_ = counted(classes_, now.classes);
   result.first_ = sites_of(now);
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;

@@ -8,6 +8,7 @@
 
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "track/class_parts.hpp"
 
 namespace dapple {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 // Of one sample: the surface must ask for that much more than the nearest whole number before the
 // number changes, or a breathing body would let the same one come and go.
 constexpr double kReluctance = 0.75;
+constexpr double kResized =
+    0.8;  // of the progress of a frame: samples of all classes came and went
 
 void check_wanted(double wanted, std::size_t now) {
   if (!(wanted <= static_cast<double>(kMostSamples)))
@@ -23,55 +26,95 @@ void check_wanted(double wanted, std::size_t now) {
                         std::to_string(kMostSamples) + " are possible");
 }
 
+std::size_t whole_count(double wanted, std::size_t now) {
+  if (std::abs(wanted - static_cast<double>(now)) < kReluctance) return now;
+  check_wanted(wanted, now);
+  return static_cast<std::size_t>(std::llround(wanted));
+}
+
 }  // namespace
 
 Population::Population(Surface surface, Samples samples, PopulationOptions options,
-                       Context* context)
-    : tracker_(std::move(surface), std::move(samples), options.tracker, {}, context),
+                       std::vector<SampleClass> classes, Context* context)
+    : tracker_(std::move(surface), std::move(samples), options.tracker, classes, context),
       options_(options),
+      kinds_(std::max<std::size_t>(classes.size(), 1)),
       next_id_(0) {
   check_options(options);
   const Samples& first = tracker_.samples();
-  density_ = static_cast<double>(first.size()) / tracker_.surface().mass();
+  for (std::size_t c = 0; c < kinds_.size(); ++c) {
+    if (!classes.empty()) kinds_[c].surface = std::move(classes[c].surface);
+    kinds_[c].density = static_cast<double>(count_of(first, c)) / surface_of(tracker_, c).mass();
+  }
   if (!first.ids.empty())
     next_id_ = std::int64_t{*std::max_element(first.ids.begin(), first.ids.end())} + 1;
   fades_.assign(first.size(), 1.0);
   join();
 }
 
-/// How many samples the surface asks for.
-double Population::wanted(const Tracker& tracker) const {
-  return density_ * tracker.surface().mass();
+std::size_t Population::count_of(const Samples& samples, std::size_t kind) const {
+  if (kinds_.size() == 1) return samples.size();
+  return static_cast<std::size_t>(
+      std::count(samples.classes.begin(), samples.classes.end(), static_cast<std::int32_t>(kind)));
+}
+
+/// Where the tracker is, with the density of a class.
+Surface Population::surface_of(const Tracker& tracker, std::size_t kind) const {
+  const std::optional<Surface>& own = kinds_[kind].surface;
+  return own ? own->deformed(tracker.surface().vertices()) : tracker.surface();
+}
+
+/// How many samples of a class the surface asks for.
+std::size_t Population::wanted(const Tracker& tracker, std::size_t kind) const {
+  return whole_count(kinds_[kind].density * surface_of(tracker, kind).mass(),
+                     count_of(tracker.samples(), kind));
 }
 
 /// Whether nothing moved, appears or vanishes.
 bool Population::rests_at(std::span<const Vec3> vertices) const {
   const auto is_there = [](double fade) { return fade == 1.0; };
-  const double missing = wanted(tracker_) - static_cast<double>(tracker_.samples().size());
-  return std::abs(missing) < kReluctance && vanishing_.empty() &&
-         std::all_of(fades_.begin(), fades_.end(), is_there) && tracker_.rests_at(vertices);
+  if (!vanishing_.empty() || !std::all_of(fades_.begin(), fades_.end(), is_there) ||
+      !tracker_.rests_at(vertices))
+    return false;
+  for (std::size_t c = 0; c < kinds_.size(); ++c)
+    if (wanted(tracker_, c) != count_of(tracker_.samples(), c)) return false;
+  return true;
 }
 
 /// The tracker's samples, more or fewer where the surface has grown or shrunk.
 Samples Population::resized(const Tracker& tracker, Context* context) const {
-  const Samples& now = tracker.samples();
-  const double wanted = this->wanted(tracker);
-  if (std::abs(wanted - static_cast<double>(now.size())) < kReluctance) return now;
-  check_wanted(wanted, now.size());
+  if (kinds_.size() == 1) return resized(tracker, 0, next_id_, context);
+  std::vector<Samples> parts;
+  std::int64_t next = next_id_;
+  for (std::size_t c = 0; c < kinds_.size(); ++c) {
+    Stretch part(context, c, kinds_.size());
+    parts.push_back(resized(tracker, c, next, part.context()));
+    for (const std::int32_t id : parts.back().ids) next = std::max(next, std::int64_t{id} + 1);
+  }
+  return joined(tracker.surface(), tracker.samples(), parts);
+}
+
+/// Those of one class.
+Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64_t next_id,
+                            Context* context) const {
+  const Surface surface = surface_of(tracker, kind);
+  const Samples now = kinds_.size() == 1
+                          ? tracker.samples()
+                          : of_class(surface, tracker.samples(), static_cast<std::int32_t>(kind));
+  const std::size_t count = wanted(tracker, kind);
+  if (count == now.size()) return now;
   SampleOptions options;
   options.optimizer = options_.tracker.optimizer;
   options.cells = options_.tracker.cells;
   options.threads = options_.tracker.threads;
-  options.seed = static_cast<std::uint64_t>(next_id_);
-  Samples result = resample(tracker.surface(), now, static_cast<std::size_t>(std::llround(wanted)),
-                            options, context);
+  options.seed = static_cast<std::uint64_t>(next_id);
+  Samples result = resample(surface, now, count, options, context);
   const std::set<std::int32_t> known(now.ids.begin(), now.ids.end());
   const auto is_new = [&](std::int32_t id) { return !known.contains(id); };
   const auto more = std::count_if(result.ids.begin(), result.ids.end(), is_new);
-  check_ids_left(next_id_ - 1, static_cast<std::size_t>(more));
-  std::int64_t next = next_id_;
+  check_ids_left(next_id - 1, static_cast<std::size_t>(more));
   for (std::int32_t& id : result.ids)
-    if (is_new(id)) id = static_cast<std::int32_t>(next++);
+    if (is_new(id)) id = static_cast<std::int32_t>(next_id++);
   return result;
 }
 
@@ -86,7 +129,8 @@ std::vector<Population::Fading> Population::vanishing(const Samples& before,
   }
   for (std::size_t k = 0; k < before.size(); ++k)
     if (!stay.contains(before.ids[k]) && fades_[k] - step > 0.5 * step)
-      result.push_back({before.ids[k], before.faces[k], before.barycentric[k], fades_[k] - step});
+      result.push_back({before.ids[k], before.faces[k], before.barycentric[k], fades_[k] - step,
+                        before.classes[k]});
   return result;
 }
 
@@ -96,7 +140,8 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
     return samples_;
   }
   Tracker tracker = tracker_;
-  Stretch moving(context, 0.0, 0.5), resizing(context, 0.5, 1.0);
+  Stretch moving(context, 0.0, 0.5), resizing(context, 0.5, kinds_.size() == 1 ? 1.0 : kResized);
+  Stretch evening(context, kResized, 1.0);
   tracker.advance(vertices, moving.context());
   const Samples before = tracker.samples();
   const Samples after = resized(tracker, resizing.context());
@@ -104,7 +149,11 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   std::map<std::int32_t, double> fade_of;
   for (std::size_t k = 0; k < before.size(); ++k)
     fade_of[before.ids[k]] = std::min(1.0, fades_[k] + 1.0 / options_.fade);
-  if (after.ids != before.ids) tracker.exchange(after);
+  if (after.ids != before.ids) {
+    tracker.exchange(after);
+    // Classes come and go by themselves; only the tracker knows how even all of them are together.
+    if (kinds_.size() > 1) tracker.advance(vertices, evening.context());
+  }
   fades_.clear();
   for (const std::int32_t id : after.ids) {
     fades_.push_back(fade_of.contains(id) ? fade_of[id] : 0.0);
@@ -127,7 +176,7 @@ void Population::join() {
     faces.push_back(one.face);
     barycentric.push_back(one.barycentric);
     samples_.ids.push_back(one.id);
-    samples_.classes.push_back(0);
+    samples_.classes.push_back(one.of_class);
     samples_.fade.push_back(one.fade);
   }
   const Samples riding = bind_samples(surface(), faces, barycentric);

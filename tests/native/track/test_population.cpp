@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
 #include <dapple/sampler.hpp>
+#include <iostream>
 #include <map>
 #include <numbers>
 #include <set>
@@ -70,6 +73,69 @@ TEST(Population, KeepsTheSharesUnderADensity) {
     EXPECT_NEAR(dense_share(), first, 0.01) << "frame " << frame;
     EXPECT_LE(population.samples().report.evenness.capacity_variation, 0.03) << "frame " << frame;
   }
+}
+
+/// The samples of one class that stay, as samples of their own.
+Samples staying(const Population& population, std::int32_t one) {
+  const Samples& all = population.samples();
+  std::vector<std::int32_t> faces;
+  std::vector<Vec3> barycentric;
+  for (std::size_t k = 0; k < all.report.count; ++k) {
+    if (all.classes[k] != one) continue;
+    faces.push_back(all.faces[k]);
+    barycentric.push_back(all.barycentric[k]);
+  }
+  return bind_samples(population.surface(), faces, barycentric);
+}
+
+TEST(Population, KeepsTheDensityOfEachClass) {
+  const Shape shape = blob(4);
+  const Surface surface = shape.surface();
+  const std::vector<SampleClass> classes = {{.count = 150}, {.count = 50}};
+  Population population(surface, sample_classes(surface, classes), {.fade = kFade}, classes);
+  std::map<std::int32_t, std::int32_t> class_of;
+  double worst = 0.0, least = 1.0;
+  for (int frame = 1; frame <= kPeriod; ++frame) {
+    const Samples& samples = population.advance(frame_of(shape, frame));
+    const double growth = population.surface().mass() / surface.mass();
+    for (const std::int32_t one : {0, 1}) {
+      const Samples own = staying(population, one);
+      EXPECT_NEAR(static_cast<double>(own.size()), growth * (one == 0 ? 150.0 : 50.0), 1.0);
+      const Report report = analyze(population.surface(), own);
+      worst = std::max(worst, report.evenness.capacity_variation);
+      least = std::min(least, report.evenness.alpha_min);
+    }
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const auto [known, is_new] = class_of.emplace(samples.ids[k], samples.classes[k]);
+      EXPECT_EQ(known->second, samples.classes[k]) << "id " << samples.ids[k];
+    }
+  }
+  std::cout << "capacity variation " << worst << ", alpha " << least << '\n';
+  EXPECT_GT(class_of.size(), 220u) << "none were born";
+  EXPECT_LE(worst, 0.06);
+  EXPECT_GE(least, 0.35);
+}
+
+/// A class that is only above grows there and not below.
+TEST(Population, KeepsTheDensityOfAClassWithADensityOfItsOwn) {
+  const Shape shape =
+      with_face_density(icosphere(3), [](const Vec3& p) { return p.z() > 0.0 ? 1.0 : 0.0; });
+  const Surface surface(shape.vertices, shape.faces);
+  const Surface above = surface.with_density({DensityAt::kFaces, shape.density});
+  const std::vector<SampleClass> classes = {{.count = 60, .surface = above}, {.count = 60}};
+  Population population(surface, sample_classes(surface, classes), {.fade = kFade}, classes);
+  for (int frame = 1; frame <= 8; ++frame) {
+    const double height = 1.0 + 0.1 * frame;
+    population.advance(mapped(shape, [height](const Vec3& p) {
+                         return Vec3(p.x(), p.y(),
+                                     std::max(p.z(), 0.0) * height + std::min(p.z(), 0.0));
+                       }).vertices);
+  }
+  const double growth = above.deformed(population.surface().vertices()).mass() / above.mass();
+  const Samples own = staying(population, 0);
+  EXPECT_NEAR(static_cast<double>(own.size()), 60.0 * growth, 1.0);
+  for (const Vec3& place : own.positions) EXPECT_GT(place.z(), -0.2);
+  EXPECT_LT(staying(population, 1).size(), own.size());
 }
 
 TEST(Population, FadesByOneStepAFrameAndNeverPops) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/window.hpp>
@@ -123,15 +124,78 @@ TEST(TrackWindow, WithoutSweepsIsATracker) {
     EXPECT_TRUE(same_bytes(tracker.advance(frames[t - 1]).positions, found[t].positions));
 }
 
+TEST(TrackWindow, WithoutSweepsIsATrackerOfClassesToo) {
+  const Shape shape = blob(3);
+  const Surface surface = shape.surface();
+  const std::vector<SampleClass> classes = {{.count = 60}, {.count = 40}};
+  const Samples start = sample_classes(surface, classes);
+  const std::vector<std::vector<Vec3>> frames = loop(shape);
+  const std::vector<Samples> found = track_window(surface, frames, start, {.sweeps = 0}, classes);
+  Tracker tracker(surface, start, {}, classes);
+  for (std::size_t t = 1; t < found.size(); ++t)
+    EXPECT_TRUE(same_bytes(tracker.advance(frames[t - 1]).positions, found[t].positions));
+}
+
+Samples of_class(const Surface& surface, const Samples& samples, std::int32_t one) {
+  std::vector<std::int32_t> faces;
+  std::vector<Vec3> barycentric;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    if (samples.classes[k] != one) continue;
+    faces.push_back(samples.faces[k]);
+    barycentric.push_back(samples.barycentric[k]);
+  }
+  return bind_samples(surface, faces, barycentric);
+}
+
+/// The worst variation of the areas of one class by itself, over all frames after the first.
+double worst_of_class(const Surface& first, const std::vector<std::vector<Vec3>>& frames,
+                      const std::vector<Samples>& samples, std::int32_t one) {
+  double worst = 0.0;
+  for (std::size_t t = 1; t < samples.size(); ++t) {
+    const Surface here = first.deformed(frames[t - 1]);
+    const Report report = analyze(here, of_class(here, samples[t], one));
+    worst = std::max(worst, report.evenness.capacity_variation);
+  }
+  return worst;
+}
+
+TEST(TrackWindow, KeepsEachClassEven) {
+  const Shape shape = blob(4);
+  const Surface surface = shape.surface();
+  const std::vector<SampleClass> classes = {{.count = 200}, {.count = 100}};
+  const Samples start = sample_classes(surface, classes);
+  const std::vector<std::vector<Vec3>> frames = loop(shape);
+  const std::vector<Samples> apart =
+      track_window(surface, frames, start, {.closed = true}, classes);
+  const std::vector<Samples> as_one = track_window(surface, frames, start, {.closed = true});
+  EXPECT_EQ(apart.back().classes, start.classes);
+  for (const std::int32_t one : {0, 1}) {
+    const double worst = worst_of_class(surface, frames, apart, one);
+    std::cout << "class " << one << ": " << worst << '\n';
+    EXPECT_LE(worst, 0.05);
+    EXPECT_GT(worst_of_class(surface, frames, as_one, one), worst);
+  }
+}
+
+TEST(TrackWindow, RefusesAClassThatIsNotGiven) {
+  const Surface surface = blob(3).surface();
+  const std::vector<SampleClass> classes = {{.count = 30}, {.count = 20}};
+  const Samples start = sample_classes(surface, classes);
+  expect_message<ArgumentError>(
+      [&] { (void)track_window(surface, {}, start, {}, {{.count = 50}}); },
+      {"samples.classes", "1"});
+}
+
 TEST(TrackWindow, GivesTheSameBytesForAnyNumberOfThreads) {
   const Shape shape = blob(3);
   const Surface surface = shape.surface();
-  const Samples start = sample(surface, 100);
+  const std::vector<SampleClass> classes = {{.count = 60}, {.count = 40}};
+  const Samples start = sample_classes(surface, classes);
   WindowOptions options{.sweeps = 1, .closed = true};
   options.tracker.threads = 1;
-  const std::vector<Samples> one = track_window(surface, loop(shape), start, options);
+  const std::vector<Samples> one = track_window(surface, loop(shape), start, options, classes);
   options.tracker.threads = 4;
-  const std::vector<Samples> four = track_window(surface, loop(shape), start, options);
+  const std::vector<Samples> four = track_window(surface, loop(shape), start, options, classes);
   for (std::size_t t = 0; t < one.size(); ++t)
     EXPECT_TRUE(same_bytes(one[t].positions, four[t].positions));
 }
@@ -141,7 +205,7 @@ TEST(TrackWindow, StopsWhenCancelled) {
   const Surface surface = shape.surface();
   Context context;
   context.cancel();
-  EXPECT_THROW((void)track_window(surface, loop(shape), sample(surface, 50), {}, &context),
+  EXPECT_THROW((void)track_window(surface, loop(shape), sample(surface, 50), {}, {}, &context),
                Cancelled);
 }
 

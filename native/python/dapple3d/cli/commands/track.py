@@ -92,7 +92,7 @@ def command(
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
         if points:
             first = bound(loaded.surface, points)
-            tracking |= of_classes(points, first, together)
+            tracking |= of_classes(first)
         else:
             assert count is not None
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
@@ -119,20 +119,10 @@ def command(
         reporter.show_profile([samples.report for samples in results])
 
 
-def of_classes(path: Path, first: dapple.Samples, together: bool) -> dict[str, Any]:
-    """How many points each class has, for the tracker, if there are several.
-
-    Raises:
-        ClickException: solving all frames together keeps one class only.
-    """
+def of_classes(first: dapple.Samples) -> dict[str, Any]:
+    """How many points each class has, for the tracker, if there are several."""
     counts = np.bincount(first.classes).tolist()
-    if len(counts) < 2:
-        return {}
-    if together:
-        raise click.ClickException(
-            f"{path}: has {len(counts)} classes, but --together keeps one class even"
-        )
-    return {"classes": counts}
+    return {"classes": counts} if len(counts) > 1 else {}
 
 
 def read_motion(frames: Sequence[Path]) -> tuple[meshes.Mesh, Motion]:

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motions of any length, smooth both ways in time: piece by piece, in the memory of one."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ._native import Context, Samples, Surface, WindowTracker
+
+PIECE, OVERLAP = 50, 12
+
+
+def track_pieces(
+    surface: Surface,
+    frames: Iterable[ArrayLike],
+    samples: Samples,
+    *,
+    piece: int = PIECE,
+    overlap: int = OVERLAP,
+    context: Context | None = None,
+    **options: Any,
+) -> Iterator[Samples]:
+    """Samples on the frames of a motion of any length, as smooth as track_window() makes them.
+
+    Frames are read as they are needed, and solved in pieces of which each begins before the last
+    one ends. At most `2 * piece - overlap` of them are in memory; a motion that is shorter is
+    solved at once, which is track_window().
+
+    Args:
+        surface: the Surface of the first frame.
+        frames: vertices, (v, 3) float64, of each frame after it.
+        samples: Samples of the first frame, which stay.
+        piece: frames that are solved at once; the last piece may have more.
+        overlap: how many of these are solved again with the next piece, 0..piece - 1.
+        context: a Context to watch a piece and cancel by.
+        options: of WindowTracker, `classes` among them.
+
+    Yields:
+        Samples of each frame after the first.
+
+    Raises:
+        SurfaceError: vertices of another number or not finite.
+        ValueError: samples that are not of the surface, or an option out of range.
+        Cancelled: through the context.
+    """
+    if not 0 <= overlap < piece:
+        raise ValueError(f"overlap is {overlap}: it must be in 0..{piece - 1}, below piece")
+    tracker = WindowTracker(surface, samples, context=context, **options)
+    return _tracked(tracker, frames, piece, piece - overlap, context)
+
+
+def _tracked(
+    tracker: WindowTracker,
+    frames: Iterable[ArrayLike],
+    piece: int,
+    step: int,
+    context: Context | None,
+) -> Iterator[Samples]:
+    held: list[ArrayLike] = []
+    for vertices in frames:
+        held.append(vertices)
+        if len(held) == piece + step:
+            yield from tracker.advance(held[:piece], step, context=context)[:step]
+            del held[:step]
+    yield from tracker.advance(held, len(held), context=context)

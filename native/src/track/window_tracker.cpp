@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <dapple/window_tracker.hpp>
+
+#include "base/parallel.hpp"
+#include "base/validate.hpp"
+#include "track/solve_window.hpp"
+
+namespace dapple {
+namespace {
+
+std::shared_ptr<const MotionStart> started(const Surface& surface, const Samples& samples,
+                                           const WindowOptions& options,
+                                           std::vector<SampleClass> classes, Context* context) {
+  check_options(options);
+  return with_threads(options.tracker.threads, [&] {
+    return std::make_shared<const MotionStart>(surface, samples, options, std::move(classes),
+                                               context);
+  });
+}
+
+void check_counts(std::size_t frames, std::size_t ahead, std::size_t done) {
+  const auto refuse = [&](const std::string& what) {
+    throw ArgumentError("frames has " + std::to_string(frames) + " entries, but " + what);
+  };
+  if (frames < ahead) refuse(std::to_string(ahead) + " frames are ahead");
+  if (frames < done) refuse("done is " + std::to_string(done));
+}
+
+}  // namespace
+
+WindowTracker::WindowTracker(const Surface& surface, const Samples& samples,
+                             const WindowOptions& options, std::vector<SampleClass> classes,
+                             Context* context)
+    : start_(started(surface, samples, options, std::move(classes), context)),
+      present_(start_->tracker) {
+  if (context) context->advance(1.0);
+}
+
+std::vector<Samples> WindowTracker::advance(std::span<const std::vector<Vec3>> frames,
+                                            std::size_t done, Context* context) {
+  check_counts(frames.size(), ahead_.size(), done);
+  check_frames(surface(), frames);
+  const bool closing = start_->options.closed && done == frames.size();
+  std::vector<Samples> found = with_threads(start_->options.tracker.threads, [&] {
+    return solve_window(*start_, present_, frames, ahead_, closing, context);
+  });
+  found.erase(found.begin());  // the present frame's
+  if (done > 0) present_.resume(frames[done - 1], found[done - 1], false);
+  ahead_.assign(found.begin() + static_cast<std::ptrdiff_t>(done), found.end());
+  if (context) context->advance(1.0);
+  return found;
+}
+
+void WindowTracker::resume(std::span<const Vec3> vertices, const Samples& samples,
+                           std::vector<Samples> ahead) {
+  for (const Samples& one : ahead)
+    check_same_length("ahead", one.size(), "the tracker's samples", this->samples().size());
+  present_.resume(vertices, samples, false);
+  ahead_ = std::move(ahead);
+}
+
+}  // namespace dapple
