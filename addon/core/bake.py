@@ -7,7 +7,7 @@ without a stop.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from .binding import placed_of, rebound, samples_of
 from .errors import ScatterError
@@ -42,7 +42,7 @@ class Baker:
     Where changes() says so, cross() comes before enter().
     """
 
-    remedy: ClassVar[str] = REBIND  # where the topology changes and must not
+    remedy = REBIND  # where the topology changes and must not
 
     bound: SurfaceArrays  # where the current topology begins
     start: Start
@@ -74,8 +74,13 @@ class Baker:
 
     @property
     def done(self) -> int:
-        """Frames that are solved."""
+        """Frames that are solved, or held back until others come."""
         return len(self.reports)
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """How much of the bake is done before and after the next frame, in [0, 1]."""
+        return self.done / self.keyframes.count, (self.done + 1) / self.keyframes.count
 
     def changes(self, frame: SurfaceArrays) -> bool:
         """Whether the next frame has another topology; ScatterError if it may not."""
@@ -134,8 +139,11 @@ class Baker:
         # What is stored leads back to cut faces but for rounding: the tracker is put there too.
         self._tracked = -1 if self._ground.is_cut else self.done + 1
         solved = self._solved_of(self._ground.back(samples), tracker.settled)
-        self._keep(solved)
+        self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
+
+    def finish(self, context: Any) -> None:
+        """Solve frames that are still held back, as nothing of the topology follows."""
 
     def report(self) -> Report:
         """The worst spacing, variation and overlap of all frames, the mean cost of one."""
@@ -168,8 +176,7 @@ class Baker:
         if self._tracker is None:
             self._tracker = self._new_tracker()
         if self._tracked < self.done:
-            samples = self._ground.there(self._samples(self._ground.original))
-            vertices = self._ground.vertices(self._vertices)
+            vertices, samples = self._ground.vertices(self._vertices), self._there(self._solved)
             self._tracker.resume(vertices, samples, settled=self._solved.settled)
             self._tracked = self.done
         return self._tracker
@@ -193,19 +200,21 @@ class Baker:
         lean = leaning(self.last, self.lean, turned, vertices, faces)
         return Solved(Placed(placed.faces, turned, lean=lean), report_of(samples.report), settled)
 
-    def _samples(self, surface: Any) -> Any:
-        """Of the last frame that is done, to the last bit."""
-        placed, start = self._solved.placed, self.start
+    def _there(self, solved: Solved) -> Any:
+        """Samples of a solved frame on the ground, to the last bit."""
+        placed, start = solved.placed, self.start
         weights = placed.binding.barycentric
-        return package().Samples(
-            surface, placed.faces, weights, ids=start.ids, classes=start.classes
+        samples = package().Samples(
+            self._ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
         )
+        return self._ground.there(samples)
 
-    def _keep(self, solved: Solved) -> None:
+    def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
+        """Keep a frame of the scene, so that a bake that is stopped can go on."""
         if self.sidecar is None:
             return
         try:
-            self.sidecar.store(self.first + self.done, self.fingerprint, solved)
+            self.sidecar.store(number, fingerprint, solved, ahead=ahead)
         except OSError as error:
             self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
             self.sidecar = None

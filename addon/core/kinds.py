@@ -116,12 +116,21 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
 
 def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
     """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
-    options, settings = settings.tracker_options(), shrunk(settings, ground.surface)
+    options = settings.tracker_options() | of_classes(ground, samples, settings)
+    return package().Tracker(ground.surface, samples, **options)
+
+
+def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, Any]:
+    """The option `classes` of what moves dapple.Samples over the ground; nothing for one class.
+
+    Raises:
+        ScatterError: samples are of a class that the settings do not list.
+    """
     if not settings.classes:
-        return package().Tracker(ground.surface, samples, **options)
+        return {}
+    settings = shrunk(settings, ground.surface)
     counts = _counts_of(samples.classes, settings)
-    classes = _native_classes(ground, settings, counts, [None] * len(counts))
-    return package().Tracker(ground.surface, samples, classes=classes, **options)
+    return {"classes": _native_classes(ground, settings, counts, [None] * len(counts))}
 
 
 def _native_classes(
@@ -133,14 +142,6 @@ def _native_classes(
         )
         for count, kept, kind in zip(counts, locked, settings.classes, strict=True)
     ]
-
-
-def check_one_class(settings: Settings, what: str) -> None:
-    """ScatterError if there are several classes, which `what` cannot keep apart."""
-    if settings.classes:
-        raise ScatterError(
-            f"{what} does not keep several object types even: remove them, or choose another option"
-        )
 
 
 def _counts_of(classes: Ints, settings: Settings) -> list[int]:

@@ -7,7 +7,7 @@ is not there yet or no more.
 """
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .bake import Baker
 from .errors import ScatterError
 from .frames import carried
 from .keys import Placed, padded
-from .kinds import check_one_class
+from .kinds import of_classes
 from .lean import leaning
 from .native import package
 from .records import Binding, Columns
@@ -37,16 +37,15 @@ class Born:
 class PopulationBaker(Baker):
     """Bakes births and deaths; frames are not kept in files before the end."""
 
-    remedy: ClassVar[str] = "Set Population to Keep Count"
+    remedy = "Set Population to Keep Count"
     fade: int = 12  # frames that a point takes to appear or to vanish
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_one_class(self.start.settings, "Keep Density")
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
-        self._births: list[tuple[Binding, Floats]] = []
+        self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
 
     def advance(self, context: Any) -> None:
         """Solve the frame."""
@@ -54,6 +53,7 @@ class PopulationBaker(Baker):
             if self._population is None:
                 options = self.start.settings.tracker_options()
                 samples = self._begin()
+                options |= of_classes(self._ground, samples, self.start.settings)
                 self._population = package().Population(
                     self._ground.surface, samples, fade=self.fade, **options
                 )
@@ -67,10 +67,9 @@ class PopulationBaker(Baker):
         ids = self.ids[first:]
         if not len(ids):
             return None
-        bindings = [binding for binding, _ in self._births]
-        columns = point_columns(ids, np.zeros(len(ids), np.int32), self.start.settings.seed)
-        positions = np.concatenate([places for _, places in self._births])
-        return Born(_joined(bindings), positions, columns)
+        bindings, places, classes = zip(*self._births, strict=True)
+        columns = point_columns(ids, np.concatenate(classes), self.start.settings.seed)
+        return Born(_joined(list(bindings)), np.concatenate(places), columns)
 
     def _rows(self, samples: Any) -> Placed:
         """The samples as rows: known ids first, each at its own, then those that appear."""
@@ -104,7 +103,8 @@ class PopulationBaker(Baker):
         binding = Binding(
             self.bound.faces[faces], np.asarray(samples.barycentric)[new], np.zeros(len(faces))
         )
-        self._births.append((binding, binding.positions(self._now.vertices)))
+        classes = np.asarray(samples.classes, dtype=np.int32)[new]
+        self._births.append((binding, binding.positions(self._now.vertices), classes))
         self._faces = np.concatenate([self._faces, faces])
         self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
         self.last = _joined([self.last, binding])

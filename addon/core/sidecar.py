@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work in progress of a bake: one file for each solved frame, so that it can go on after a stop.
 
+Frames that are solved in pieces have a second file each where they are ahead: together.py.
 A file is an npz of plain arrays (docs/bake.md lists them). It is written under another name,
 flushed to the disk and renamed, so a frame is there as a whole or not at all. Its fingerprint
 covers all that the frame was solved from; a file that is torn, foreign or of other input is as
@@ -28,6 +29,7 @@ from .surface import Ints, SurfaceArrays
 from .whole import replacing
 
 FORMAT = 2
+_OURS = ("frame_*", "ahead_*")
 
 
 @dataclass(frozen=True)
@@ -63,9 +65,9 @@ class Fingerprint:
         self._digest.update(values.tobytes())
 
 
-def start_digest(settings: Settings, first: int, columns: Columns) -> str:
-    """What a bake begins with, in a few letters: settings, first frame, stored points."""
-    head = json.dumps([FORMAT, package().__version__, asdict(settings), first], sort_keys=True)
+def start_digest(settings: Settings, way: str, first: int, columns: Columns) -> str:
+    """What a bake begins with, in a few letters: settings, way of baking, first frame, points."""
+    head = json.dumps([FORMAT, package().__version__, asdict(settings), way, first], sort_keys=True)
     digest = hashlib.blake2b(head.encode(), digest_size=4)
     for name, values in sorted(columns.items()):
         digest.update(name.encode())
@@ -79,14 +81,16 @@ class Sidecar:
 
     folder: Path
 
-    def path(self, frame: int) -> Path:
+    def path(self, frame: int, *, ahead: bool = False) -> Path:
         """File of a frame of the scene."""
-        return self.folder / f"frame_{frame:06d}.npz"
+        return self.folder / f"{'ahead' if ahead else 'frame'}_{frame:06d}.npz"
 
-    def load(self, frame: int, fingerprint: str, points: int, faces: Ints) -> Solved | None:
+    def load(
+        self, frame: int, fingerprint: str, points: int, faces: Ints, *, ahead: bool = False
+    ) -> Solved | None:
         """The frame if it was solved from the same input: so many points, faces (m, 3)."""
         try:
-            with np.load(self.path(frame), allow_pickle=False) as stored:
+            with np.load(self.path(frame, ahead=ahead), allow_pickle=False) as stored:
                 if str(stored["fingerprint"]) != fingerprint:
                     return None
                 return _checked({name: stored[name] for name in stored.files}, points, faces)
@@ -101,10 +105,11 @@ class Sidecar:
         except Exception:  # whatever broken bytes make numpy and zipfile raise
             return ""
 
-    def store(self, frame: int, fingerprint: str, solved: Solved) -> None:
+    def store(self, frame: int, fingerprint: str, solved: Solved, *, ahead: bool = False) -> None:
         """Keep a frame, on the disk when this returns; OSError if that fails."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        part = self.path(frame).with_suffix(f".{os.getpid()}.part")
+        path = self.path(frame, ahead=ahead)
+        part = path.with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
         some: dict[str, Any] = {} if lean is None else {"lean": lean}
         packed = io.BytesIO()  # numpy leaves an archive on the disk open when a write fails
@@ -118,25 +123,26 @@ class Sidecar:
             settled=np.array(solved.settled),
             **some,
         )
-        with replacing(self.path(frame), part):
+        with replacing(path, part):
             part.write_bytes(packed.getbuffer())
 
     def frames(self) -> int:
-        """Number of files of frames that are there, whatever they hold."""
+        """Number of files of frames that are done, whatever they hold."""
         return len(list(self.folder.glob("frame_*.npz")))
 
     def move(self, folder: Path) -> None:
         """Take the frames to another folder, over those that are there; OSError if that fails."""
         folder.mkdir(parents=True, exist_ok=True)
-        for path in sorted(self.folder.glob("frame_*.npz")):
+        for path in sorted(path for one in _OURS for path in self.folder.glob(one + ".npz")):
             shutil.move(path, folder / path.name)
         self.clear()
 
     def clear(self) -> None:
         """Remove the frames and what a killed process left; other files stay."""
-        for pattern in ("frame_*.npz", "frame_*.part"):
-            for path in self.folder.glob(pattern):
-                path.unlink(missing_ok=True)
+        for ours in _OURS:
+            for suffix in (".npz", ".part"):
+                for path in self.folder.glob(ours + suffix):
+                    path.unlink(missing_ok=True)
         for folder in (self.folder, self.folder.parent):
             try:
                 folder.rmdir()

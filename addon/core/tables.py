@@ -117,7 +117,7 @@ _BAKE = (
             (
                 "FORWARDS",
                 "Forward",
-                "Solve frame by frame; solved frames are kept next to the file",
+                "Solve one frame after another",
             ),
             (
                 "BOTH_WAYS",

@@ -389,10 +389,75 @@ def test_frames_solved_together_move_more_smoothly(smoothing):
     assert jerks[1] < jerks[0]
 
 
-def test_frames_solved_together_need_one_topology():
+@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP"])
+def test_frames_solved_in_pieces_move_more_smoothly(smoothing, monkeypatch):
+    in_pieces(monkeypatch)
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
+    jerks = []
+    for chosen in ("FORWARDS", smoothing):
+        obj.dapple.bake_smoothing = chosen
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert obj.dapple.baked_keys == FRAMES
+        assert obj.dapple.report.capacity_variation < 0.05
+        slides = slides_of(surface, obj)
+        jerks.append(np.linalg.norm(np.diff(slides, axis=0), axis=2).mean())
+    assert jerks[1] < jerks[0]
+
+
+def in_pieces(monkeypatch):
+    """Have frames solved together in pieces of three, of which one overlaps the next."""
+    together = addon_host.part("core.together")
+    monkeypatch.setattr(together, "PIECE", 3)
+    monkeypatch.setattr(together, "OVERLAP", 1)
+
+
+def test_a_bake_in_pieces_holds_no_more_than_two(monkeypatch):
+    in_pieces(monkeypatch)
+    together, held = addon_host.part("core.together").TogetherBaker, []
+    take = together.take
+
+    def noting(self):
+        done = take(self)
+        held.append(len(self._held))
+        return done
+
+    monkeypatch.setattr(together, "take", noting)
+    frames = 12
+    obj = scenes.scattered(scenes.tail(frames=frames))
     obj.dapple.bake_smoothing = "BOTH_WAYS"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.dapple.baked_keys == frames == len(held)
+    assert max(held) == 5
+
+
+def test_frames_solved_together_are_those_of_one_topology():
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    obj.dapple.bake_smoothing, obj.dapple.on_topology_change = "BOTH_WAYS", "REBIND"
+    add_array(surface)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.dapple.baked_keys == FRAMES
+    counts = addon_host.part("blender.data.key_stores").read_baked(obj).frames["dapple_vertices"]
+    assert len(set(counts[:3].tolist())) == len(set(counts[3:].tolist())) == 1
+    assert counts[2] < counts[3]
+
+
+@pytest.mark.parametrize(
+    ("smoothing", "said"), [("BOTH_WAYS", "New Topology"), ("LOOP", "Set Smoothing to Forward")]
+)
+def test_a_topology_that_may_not_change_is_named(smoothing, said):
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface)
+    obj.dapple.bake_smoothing = smoothing
+    add_array(surface)
+    with pytest.raises(RuntimeError, match=f"frame 4.*{said}"):
+        bpy.ops.dapple.bake()
+    assert obj.dapple.baked_keys == 0
+
+
+def add_array(surface):
+    """Twice as many faces from frame 4 on."""
     build = surface.modifiers.new("Array", "ARRAY")
     build.show_viewport = build.show_render = False
     build.keyframe_insert("show_viewport", frame=1)
@@ -401,9 +466,6 @@ def test_frames_solved_together_need_one_topology():
     build.keyframe_insert("show_viewport", frame=4)
     build.keyframe_insert("show_render", frame=4)
     bpy.context.scene.frame_set(1)
-    with pytest.raises(RuntimeError, match="frame"):
-        bpy.ops.dapple.bake()
-    assert obj.dapple.baked_keys == 0
 
 
 def test_stickiness_reaches_the_tracker():

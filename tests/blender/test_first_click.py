@@ -328,7 +328,7 @@ def test_metaballs_are_scattered_baked_and_rendered(tracked):
 @pytest.mark.parametrize(
     ("setting", "value", "said"),
     [
-        ("bake_smoothing", "BOTH_WAYS", "Set Smoothing to Forward"),
+        ("bake_smoothing", "LOOP", "Set Smoothing to Forward"),
         ("count_over_time", "KEEP_DENSITY", "Set Population to Keep Count"),
     ],
 )

@@ -89,6 +89,34 @@ def test_ids_stay_and_are_new(breathing):
     assert len(set(after)) == len(after)
 
 
+@pytest.mark.parametrize("bind_to", ["FACES", "REST"])
+def test_each_object_type_keeps_its_density(breathing, bind_to):
+    _, obj = breathing
+    obj.dapple.bind_to = bind_to
+    for share in (3.0, 1.0):
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        obj.dapple.classes[-1].share = share
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    before = classes_of(obj)
+    assert np.bincount(before).tolist() == [60, 20]
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.dapple.bound_to == bind_to
+    kinds = classes_of(obj)
+    assert (kinds[:80] == before).all()
+    assert set(kinds[80:].tolist()) == {0, 1}
+    for frame, size in ((1, 1.0), (5, 1.3), (FRAMES, 0.8)):
+        there = (fades(obj, frame) > 0.0) | (fades(obj, min(frame + 1, FRAMES)) > 0.0)
+        for kind, first in ((0, 60), (1, 20)):
+            wanted = first * size**2
+            found = (there & (kinds == kind)).sum()
+            assert 0.97 * wanted - 1 <= found <= 1.03 * wanted + 1 + first * 0.35
+        assert len(shown(obj, frame)) == (fades(obj, frame) > 0.0).sum()
+
+
+def classes_of(obj):
+    return np.array([one.value for one in obj.data.attributes["dapple_class"].data])
+
+
 def ids(obj):
     values = np.empty(len(obj.data.vertices), dtype=np.int32)
     obj.data.attributes["id"].data.foreach_get("value", values)

@@ -85,6 +85,48 @@ def test_viewport_and_render_may_have_other_faces():
     assert len(scenes.positions(bound(surface))) == 60
 
 
+@pytest.mark.parametrize("smoothing", ["FORWARDS", "BOTH_WAYS", "LOOP"])
+@pytest.mark.parametrize("kinds", [0, 2])
+def test_every_way_of_baking_plays_by_the_rest_position(smoothing, kinds):
+    surface = scenes.tail(frames=6)
+    played = []
+    for bind in (scenes.scattered, bound):
+        obj = bind(surface)
+        for _ in range(kinds):
+            assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        if kinds:
+            assert bpy.ops.dapple.optimize() == {"FINISHED"}
+        obj.dapple.bake_smoothing = smoothing
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert obj.dapple.bound_to == ("REST" if bind is bound else "FACES")
+        places = []
+        for frame in (1, 3, 6):
+            bpy.context.scene.frame_set(frame)
+            places.append(scenes.positions(obj))
+        played.append(places)
+        bpy.context.scene.frame_set(1)
+    size = scenes.size(scenes.world_vertices(surface))
+    for by_faces, by_rest in zip(*played, strict=True):
+        assert np.linalg.norm(by_rest - by_faces, axis=1).max() < 2e-3 * size
+
+
+def test_smoothing_on_faces_that_change_in_every_frame():
+    surface = scenes.tail(frames=4)
+    decimate = surface.modifiers.new("Decimate", "DECIMATE")
+    for frame, ratio in ((1, 1.0), (4, 0.7)):
+        decimate.ratio = ratio
+        decimate.keyframe_insert("ratio", frame=frame)
+    bpy.context.scene.frame_set(1)
+    obj = bound(surface)
+    obj.dapple.bake_smoothing = "BOTH_WAYS"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame in (1, 2, 4):
+        bpy.context.scene.frame_set(frame)
+        points = scenes.positions(obj)
+        assert len(points) == 60
+        assert nearest(surface, points).max() < 1e-4 * scenes.size(scenes.world_vertices(surface))
+
+
 def test_other_levels_after_a_bake_are_no_other_motion():
     surface = scenes.tail(frames=3)
     obj = bound(surface)

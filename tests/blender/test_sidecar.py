@@ -192,6 +192,76 @@ def test_a_killed_bake_goes_on_to_the_same_bytes(tmp_path, moment, kept):
     assert packed(obj) == resumed
 
 
+KILLED_IN_PIECES = KILLED.replace(
+    "bpy.ops.wm.open_mainfile",
+    """together = addon_host.part("core.together")
+together.PIECE, together.OVERLAP = 3, 1
+bpy.ops.wm.open_mainfile""",
+)
+
+
+def saved_in_pieces(path, monkeypatch):
+    """A scatter whose frames are solved together, the first three of them, then the last four."""
+    together = addon_host.part("core.together")
+    monkeypatch.setattr(together, "PIECE", 3)
+    monkeypatch.setattr(together, "OVERLAP", 1)
+    obj = scenes.scattered(scenes.tail(frames=FRAMES))
+    obj.dapple.bake_smoothing = "LOOP"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return obj
+
+
+def taken():
+    """Bake; how many frames were solved before."""
+    steps, baking = addon_host.part("core.steps"), addon_host.part("blender.steps.baking")
+    return steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES)).taken
+
+
+@pytest.mark.parametrize(
+    ("moment", "kept", "of_whole_pieces"),
+    [("1 after-renaming", 1, 0), ("2 after-renaming", 2, 2), ("4 while-writing", 3, 2)],
+)
+def test_a_killed_bake_in_pieces_goes_on_to_the_same_bytes(
+    tmp_path, monkeypatch, moment, kept, of_whole_pieces
+):
+    path = tmp_path / "pieces.blend"
+    saved_in_pieces(path, monkeypatch)
+    child.killed(KILLED_IN_PIECES, path, moment, tmp_path / "repository")
+    obj = opened(path)
+    assert addon_host.part("blender.status.workfiles").unfinished(obj) == kept
+    assert taken() == of_whole_pieces
+    resumed = packed(obj)
+    files_of(obj).clear()
+    assert taken() == 0
+    assert packed(obj) == resumed
+
+
+def test_a_canceled_bake_in_pieces_goes_on_from_the_last_whole_piece(tmp_path, monkeypatch):
+    obj = saved_in_pieces(tmp_path / "canceled.blend", monkeypatch)
+    said = stop_after(1)
+    assert said.startswith("Canceled: the scatter is unchanged; 2 solved frames are kept in")
+    assert (going_on(obj), left_over(obj)) == (2, 0)
+    assert taken() == 2
+    bpy.ops.wm.save_mainfile()
+    assert not list(tmp_path.rglob("*.npz"))
+
+
+def test_frames_ahead_follow_when_the_file_is_saved_under_another_name(tmp_path, monkeypatch):
+    obj = saved_in_pieces(tmp_path / "first.blend", monkeypatch)
+    stop_after(1)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "second.blend"))
+    assert not (tmp_path / "first.dapple").exists()
+    assert [path.name for path in files_of(obj).folder.glob("ahead_*")] == ["ahead_000003.npz"]
+    assert taken() == 2
+
+
+def test_pieces_of_another_length_are_solved_anew(tmp_path, monkeypatch):
+    saved_in_pieces(tmp_path / "longer.blend", monkeypatch)
+    stop_after(1)
+    monkeypatch.setattr(addon_host.part("core.together"), "OVERLAP", 2)
+    assert taken() == 0
+
+
 def counted_advances():
     """Counts frames that the tracker solves from here on; call the result to read it and stop."""
     baker = addon_host.part("core.bake").Baker
@@ -214,9 +284,9 @@ def counted_solves():
     sidecar = addon_host.part("core.sidecar").Sidecar
     store, seen = sidecar.store, []
 
-    def noting(self, frame, *rest):
+    def noting(self, frame, *rest, **named):
         seen.append(frame)
-        return store(self, frame, *rest)
+        return store(self, frame, *rest, **named)
 
     def count():
         sidecar.store = store

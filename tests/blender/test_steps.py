@@ -58,9 +58,13 @@ def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
     assert steps.run_now(generator()) == "no"
 
 
-def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps):
+@pytest.mark.parametrize("smoothing", ["FORWARDS", "BOTH_WAYS"])
+def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps, smoothing, monkeypatch):
     baking = addon_host.part("blender.steps.baking")
+    monkeypatch.setattr(addon_host.part("core.together"), "PIECE", 3)
+    monkeypatch.setattr(addon_host.part("core.together"), "OVERLAP", 1)
     obj = scenes.scattered(scenes.tail())
+    obj.dapple.bake_smoothing = smoothing
     bpy.context.scene.frame_set(3)
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     expected = scenes.positions(obj)

@@ -137,11 +137,12 @@ def _start(obj: bpy.types.Object, first: int | None) -> str:
     settings = settings_of(obj)
     first = bpy.context.scene.frame_start if first is None else first
     edits = _known.edits.get(obj.session_uid, 0)
-    token = (settings, first, obj.data.session_uid, len(obj.data.vertices), edits)
+    way = obj.dapple.bake_smoothing
+    token = (settings, way, first, obj.data.session_uid, len(obj.data.vertices), edits)
     known = _known.starts.get(obj.session_uid)
     if known is None or known[0] != token:
         try:
-            start = start_digest(settings, first, own_columns(obj, _START_COLUMNS))
+            start = start_digest(settings, way, first, own_columns(obj, _START_COLUMNS))
         except ScatterError:
             start = _digest("")
         known = _known.starts[obj.session_uid] = token, start
@@ -155,7 +156,7 @@ def _counted(obj: bpy.types.Object) -> tuple[int, int]:
         return 0, 0
     own = work_files(obj).folder
     settings = obj.dapple
-    kept = (settings.count_over_time, settings.bake_smoothing) == ("KEEP_COUNT", "FORWARDS")
+    kept = settings.count_over_time == "KEEP_COUNT"
     times = tuple((files.folder.name, files.folder.stat().st_mtime_ns) for files in found)
     token = (own, kept, settings.bake_fingerprint, times)
     known = _known.counts.get(obj.session_uid)

@@ -39,9 +39,10 @@ def new_baker(
     smoothing = obj.dapple.bake_smoothing
     if obj.dapple.count_over_time == "KEEP_DENSITY":
         return PopulationBaker(arrays, start, keyframes, first=first, fade=obj.dapple.fade_frames)
-    if smoothing != "FORWARDS":
-        return TogetherBaker(arrays, start, keyframes, first=first, closed=smoothing == "LOOP")
-    return Baker(arrays, start, keyframes, work_files(obj, first), first, rebind)
+    kept = work_files(obj, first)
+    if smoothing == "FORWARDS":
+        return Baker(arrays, start, keyframes, kept, first, rebind)
+    return TogetherBaker(arrays, start, keyframes, kept, first, rebind, closed=smoothing == "LOOP")
 
 
 def _binding(

@@ -9,7 +9,6 @@ from ...core.bake import Baker
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Steps, Task
 from ...core.surface import SurfaceArrays, check_unchanged
-from ...core.together import TogetherBaker
 from ..base.held import Held
 from ..base.times import times_of
 from ..base.translation import reported
@@ -21,8 +20,6 @@ from .bake_writing import write_bake
 from .bakers import new_baker
 from .crossing import crossed
 from .meanwhile import Meanwhile
-
-_READING = 0.2  # of the progress of a bake that solves all frames together
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
@@ -51,43 +48,48 @@ def _carry(
     begun = yield from begin_bake(held, arrays, settings)
     baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
     baker.anew = begun.anew
-    begin = begun.progress
-    end = _READING if isinstance(baker, TogetherBaker) else 1.0
     for step in range(count):
         meanwhile.check()
         if step:
             arrays = at_frame(surface, first + step, kind=kind)
         if step in (count // 2, count - 1):
             note_moving(begun, held, surface, settings)
-        at = begin + (end - begin) * step / count
-        yield from _solve(baker, held, surface, arrays, (at, at + (end - begin) / count))
-    if isinstance(baker, TogetherBaker):
-        yield Task(baker.solve, end, 1.0)
+        yield from _solve(baker, held, surface, arrays, begun.progress)
+    yield from _finish(baker, begun.progress)
     check_unchanged(begun.arrays, at_frame(surface, first, settings=settings, own=held))
     return begun, baker
 
 
-def _solve(
-    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, share: tuple[float, float]
-) -> Any:
+def _solve(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, begin: float) -> Any:
     """The next frame: what a stopped bake left, or solved now."""
     if baker.changes(arrays):
+        yield from _finish(baker, begin)
         arrays = crossed(baker, held, surface, arrays)
     baker.enter(arrays)
+    shares = [begin + (1.0 - begin) * share for share in baker.share]
     try:
-        if (yield Task(lambda _: baker.take(), *share)):
+        if (yield Task(lambda _: baker.take(), *shares)):
             return
-        yield Task(baker.advance, *share)
+        yield Task(baker.advance, *shares)
+    except StoppedError as error:
+        raise StoppedError(_stopped(baker)) from error
+
+
+def _finish(baker: Baker, begin: float) -> Any:
+    """What is held back of the frames so far."""
+    shares = (baker.share[0], baker.done / baker.keyframes.count)
+    try:
+        yield Task(baker.finish, *(begin + (1.0 - begin) * share for share in shares))
     except StoppedError as error:
         raise StoppedError(_stopped(baker)) from error
 
 
 def _stopped(baker: Baker) -> str:
-    if baker.sidecar is None or not baker.done:
+    if baker.sidecar is None or not baker.reports:
         return reported("Canceled: nothing was written")
     return reported(
         "Canceled: the scatter is unchanged; {count} solved frames are kept in '{folder}', "
         "Bake continues from there",
-        count=baker.done,
+        count=len(baker.reports),
         folder=baker.sidecar.folder,
     )
