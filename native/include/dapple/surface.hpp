@@ -85,7 +85,7 @@ class Surface {
   /// \pre face is in 0..face_count() - 1; the weights' sum is 1
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
 
-  /// Unit normals at points of the surface, interpolated from angle-weighted vertex normals.
+  /// Unit normals at points, interpolated from angle-weighted vertex normals; z if there are none.
   /// \param faces   the caller's
   /// \param weights barycentric coordinates, one for each face
   /// \throw ArgumentError naming the first face out of range; if the lengths differ

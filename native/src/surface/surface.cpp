@@ -250,8 +250,10 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
     for (std::size_t c = 0; c < 3; ++c)
       sum += weights[k][static_cast<Eigen::Index>(c)] *
              at_vertices[static_cast<std::size_t>(ordered_->corners(f)[c])];
-    // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is.
-    result[k] = sum.norm() > 1e-6 ? sum.normalized() : ordered_->geometry(f).normal;
+    // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is; a
+    // face without area has none.
+    const Vec3& normal = ordered_->geometry(f).normal;
+    result[k] = sum.norm() > 1e-6 ? sum.normalized() : normal.isZero(0.0) ? Vec3(0, 0, 1) : normal;
   });
   return result;
 }

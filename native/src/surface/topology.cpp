@@ -61,7 +61,7 @@ Topology topology(const Surface& surface) {
   result.manifold = consistent && result.nonmanifold_edges == 0 && build(surface, mesh);
   if (!result.manifold) return result;
   result.border_loops = count_border_loops(mesh);
-  result.closed = result.border_loops == 0;
+  result.closed = result.border_loops == 0 && result.border_edges == 0;
   // Euler and Poincare: V - E + F = 2 components - 2 genus - borders.
   const auto euler = static_cast<std::int32_t>(mesh.n_vertices()) -
                      static_cast<std::int32_t>(mesh.n_edges()) +

@@ -257,6 +257,8 @@ void CellBuilder::add_nearest_owners(std::span<const OrderedFace> faces) {
   });
   for (const auto& part : found) shares_.insert(shares_.end(), part.begin(), part.end());
   std::sort(shares_.begin(), shares_.end());
+  // Several sites at one place may each have led to the one of them that owns it all.
+  shares_.erase(std::unique(shares_.begin(), shares_.end()), shares_.end());
 }
 
 void CellBuilder::index_owners() {

@@ -173,6 +173,17 @@ TEST(Surface, SpacesHexagonally) {
   EXPECT_NEAR(grid(2).surface().spacing(50), std::sqrt(2.0 / (std::numbers::sqrt3 * 50.0)), 1e-15);
 }
 
+TEST(Surface, GivesAUnitNormalWhereAFaceHasNoArea) {
+  Shape shape = triangle();
+  const Vec3 corner = shape.vertices[0];
+  for (int k = 0; k < 3; ++k) shape.vertices.push_back(corner + Vec3(0.0, 0.0, 1.0));
+  shape.faces.push_back({3, 4, 5});
+  const Surface surface(shape.vertices, shape.faces, {}, {.weld = std::nullopt});
+  const std::vector<std::int32_t> faces = {1};
+  const std::vector<Vec3> weights = {{0.5, 0.25, 0.25}};
+  EXPECT_EQ(surface.normals(faces, weights)[0].norm(), 1.0);
+}
+
 TEST(Surface, InterpolatesSphereNormals) {
   const Shape shape = icosphere(3);
   const Surface surface = shape.surface();

@@ -120,6 +120,15 @@ TEST(Topology, OfRealMeshes) {
   EXPECT_TRUE(topology(shared_mesh("fandisk").surface()).closed);
 }
 
+/// Faces that lie on each other are not connected over their common edge (weld.hpp).
+TEST(Topology, IsNotClosedWhereFacesOfAFlatSoupStayApart) {
+  const Shape flat =
+      mapped(icosphere(0), [](const Vec3& p) { return Vec3(p.x(), p.y(), 1e-4 * p.z()); });
+  const Topology found = topology(soup(flat).surface());
+  EXPECT_EQ(found.border_edges, 4);
+  EXPECT_FALSE(found.closed);
+}
+
 /// That faces do not fit together is in the result; a library has nothing to print.
 TEST(Topology, PrintsNothing) {
   testing::internal::CaptureStderr();

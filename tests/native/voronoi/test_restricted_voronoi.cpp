@@ -235,6 +235,36 @@ TEST(RestrictedVoronoi, AgreesWithBruteForceWhereASmallPartHasAllSites) {
   expect_same_cells(ball, ball.surface(), crowded_sites(ball.surface(), on_cap));
 }
 
+/// Triangles that hang together at the origin alone, at 30 degrees from one another.
+Shape propeller() {
+  Shape shape{"Propeller", {Vec3::Zero()}, {}};
+  for (std::int32_t k = 0; k < 6; ++k) {
+    for (const double angle : {1.0471975511965976 * k, 1.0471975511965976 * k + 0.5})
+      shape.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    shape.faces.push_back({0, 2 * k + 1, 2 * k + 2});
+  }
+  return shape;
+}
+
+TEST(RestrictedVoronoi, GivesAPartWithoutSitesToCoincidentSitesOnce) {
+  const Shape shape = propeller();
+  const Surface surface(shape.vertices, shape.faces);
+  const Vec3 inside = surface.point(2, {0.2, 0.4, 0.4});
+  for (const Cells cells : {Cells::kConnected, Cells::kEuclidean})
+    for (const std::vector<std::int32_t>& faces :
+         {std::vector<std::int32_t>{0, 1, 2}, {1, 0, 2}, {0, 0, 2, 1}, {0, 4, 2, 5, 1}}) {
+      Sites sites;
+      for (const std::int32_t face : faces) {
+        sites.faces.push_back(face);
+        sites.positions.push_back(face == 2 ? inside : Vec3::Zero());
+      }
+      double area = 0.0;
+      for (const Moments& cell : restricted_voronoi(surface, sites, nullptr, cells).cells)
+        area += cell.area;
+      EXPECT_NEAR(area, surface.area(), 1e-12) << faces.size() << " sites";
+    }
+}
+
 TEST(RestrictedVoronoi, NamesTheFirstOfCoincidentSitesAsNeighbor) {
   const Shape shape = grid(4);
   const Surface surface = shape.surface();
