@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "expect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace dapple::fuzz {
+namespace {
+
+template <typename T>
+bool equal(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool equal(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Tile& s, const Tile& t) {
+    return s.cell_area == t.cell_area && s.area == t.area && s.parts == t.parts &&
+           s.loops == t.loops;
+  });
+}
+
+/// The density's largest value on a face.
+double densest(const Surface& surface, const std::vector<double>& values, const Face& face,
+               std::size_t number) {
+  if (surface.density_at() == DensityAt::kFaces) return values[number];
+  double result = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool at_vertices = surface.density_at() == DensityAt::kVertices;
+    const std::size_t at = at_vertices ? static_cast<std::size_t>(face[k]) : 3 * number + k;
+    result = std::max(result, values[at]);
+  }
+  return result;
+}
+
+}  // namespace
+
+bool same_bytes(const Samples& a, const Samples& b) {
+  return test::same_bytes(a, b) && equal(a.fade, b.fade) &&
+         a.report.slide_max == b.report.slide_max;
+}
+
+bool same_bytes(const std::vector<Samples>& a, const std::vector<Samples>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Samples& s, const Samples& t) { return same_bytes(s, t); });
+}
+
+bool same_bytes(const PlanarSamples& a, const PlanarSamples& b) {
+  return equal(a.positions, b.positions) && equal(a.classes, b.classes) &&
+         equal(a.report.energies, b.report.energies);
+}
+
+bool same_bytes(const Mosaic& a, const Mosaic& b) {
+  return equal(a.vertices, b.vertices) && equal(a.corners, b.corners) &&
+         equal(a.starts, b.starts) && equal(a.sites, b.sites) && equal(a.classes, b.classes) &&
+         equal(a.faces, b.faces) && equal(a.sides, b.sides) && equal(a.tiles, b.tiles);
+}
+
+bool same_bytes(const Stipples& a, const Stipples& b) {
+  return equal(a.positions, b.positions) && equal(a.classes, b.classes) && a.radius == b.radius;
+}
+
+bool same_bytes(const Refined& a, const Refined& b) {
+  return a.parents == b.parents && a.ends == b.ends && a.surface.faces() == b.surface.faces() &&
+         test::same_bytes(a.surface.vertices(), b.surface.vertices()) &&
+         equal(a.surface.density(), b.surface.density());
+}
+
+void expect_where_dense(const Surface& surface, const Samples& samples) {
+  if (surface.uniform()) return;
+  const std::vector<double> values = surface.density();
+  const std::vector<Face> faces = surface.faces();
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto number = static_cast<std::size_t>(samples.faces[k]);
+    EXPECT_GT(densest(surface, values, faces[number], number), 0.0)
+        << "sample " << k << " is where the density is 0";
+  }
+}
+
+double area_rounding(const Surface& surface) {
+  const std::vector<Vec3> vertices = surface.vertices();
+  double largest = 0.0, edges = 0.0;
+  for (const Face& face : surface.faces())
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& a = vertices[static_cast<std::size_t>(face[k])];
+      edges += (vertices[static_cast<std::size_t>(face[(k + 1) % 3])] - a).norm();
+      largest = std::max(largest, a.cwiseAbs().maxCoeff());
+    }
+  return 64.0 * std::numeric_limits<double>::epsilon() * largest * edges;
+}
+
+void expect_valid(const Surface& surface, const Samples& samples) {
+  test::check(surface, samples, area_rounding(surface));
+  expect_measured(samples.report);
+}
+
+void expect_samples(const Surface& surface, const Samples& samples, std::size_t count) {
+  EXPECT_EQ(samples.size(), count);
+  expect_valid(surface, samples);
+  expect_where_dense(surface, samples);
+}
+
+void expect_descent(const Report& report) {
+  for (std::size_t k = 0; k < report.energies.size(); ++k) {
+    EXPECT_TRUE(std::isfinite(report.energies[k])) << "energies[" << k << "]";
+    if (k > 0) {
+      EXPECT_LE(report.energies[k], report.energies[k - 1]) << "energies[" << k << "]";
+    }
+  }
+}
+
+void expect_measured(const Report& report) {
+  EXPECT_TRUE(std::isfinite(report.energy)) << report.energy;
+  EXPECT_TRUE(std::isfinite(report.spacing)) << report.spacing;
+  EXPECT_TRUE(std::isfinite(report.evenness.capacity_variation));
+  EXPECT_GE(report.evenness.alpha_min, 0.0);
+  EXPECT_LE(report.evenness.alpha_min, report.evenness.alpha_mean * (1.0 + 1e-9));
+  EXPECT_GE(report.bond_order, 0.0);
+  EXPECT_LE(report.bond_order, 1.0 + 1e-9);
+}
+
+std::size_t count_of(std::span<const std::int32_t> classes, std::int32_t wanted) {
+  return static_cast<std::size_t>(std::count(classes.begin(), classes.end(), wanted));
+}
+
+void expect_mosaic(const Surface& surface, const Mosaic& mosaic, std::size_t count,
+                   double tolerance) {
+  const auto vertices = static_cast<std::int32_t>(mosaic.vertices.size());
+  EXPECT_EQ(mosaic.tiles.size(), count);
+  ASSERT_EQ(mosaic.starts.size(), mosaic.size() + 1);
+  ASSERT_EQ(mosaic.starts.back(), static_cast<std::int32_t>(mosaic.corners.size()));
+  for (std::size_t k = 0; k < mosaic.size(); ++k) {
+    EXPECT_GE(mosaic.starts[k + 1] - mosaic.starts[k], 3) << "polygon " << k;
+    EXPECT_LT(static_cast<std::size_t>(mosaic.sites[k]), count);
+    EXPECT_LT(static_cast<std::size_t>(mosaic.faces[k]), surface.face_count());
+    if (k > 0) {
+      EXPECT_LE(mosaic.sites[k - 1], mosaic.sites[k]);
+    }
+  }
+  for (const std::int32_t v : mosaic.corners) {
+    EXPECT_GE(v, 0);
+    EXPECT_LT(v, vertices);
+  }
+  for (const Vec3& vertex : mosaic.vertices) EXPECT_TRUE(vertex.allFinite());
+  const double rounding = 1e-9 * surface.area() + area_rounding(surface);
+  double cells = 0.0;
+  for (const Tile& tile : mosaic.tiles) {
+    EXPECT_GE(tile.area, 0.0);
+    if (tolerance == 0.0) {
+      EXPECT_LE(tile.area, tile.cell_area + rounding);
+    }
+    cells += tile.cell_area;
+  }
+  if (count > 0) {
+    EXPECT_NEAR(cells, surface.area(), rounding);
+  }
+}
+
+}  // namespace dapple::fuzz

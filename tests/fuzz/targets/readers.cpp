@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+#include <cmath>
+
+#include "expect.hpp"
+#include "surface/mesh_readers.hpp"
+#include "surface/mesh_writers.hpp"
+#include "targets.hpp"
+
+namespace dapple::fuzz {
+namespace {
+
+struct Format {
+  MeshArrays (*read)(std::string_view bytes);
+  std::string (*write)(std::span<const Vec3> vertices, std::span<const Face> faces);
+  bool every_digit;
+};
+
+constexpr std::array<Format, 4> kFormats = {{{read_off, to_off, true},
+                                             {read_obj, to_obj, true},
+                                             {read_ply, to_ply, true},
+                                             {read_stl, to_stl, false}}};
+
+bool finite(const MeshArrays& mesh) {
+  return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                     [](const Vec3& p) { return p.allFinite(); });
+}
+
+void expect_faces(const MeshArrays& mesh) {
+  for (const Face& face : mesh.faces)
+    for (const std::int32_t v : face) {
+      EXPECT_GE(v, 0);
+      EXPECT_LT(static_cast<std::size_t>(v), mesh.vertices.size());
+    }
+}
+
+/// What was written is what is read. STL has its places in single precision, in another order.
+void expect_round_trip(const Format& format, const MeshArrays& mesh) {
+  const auto written = answer([&] { return format.write(mesh.vertices, mesh.faces); });
+  if (!written) return;
+  const MeshArrays again = format.read(*written);
+  EXPECT_EQ(again.faces.size(), mesh.faces.size());
+  if (!format.every_digit) return;
+  EXPECT_EQ(again.faces, mesh.faces);
+  EXPECT_EQ(again.vertices, mesh.vertices);
+}
+
+}  // namespace
+
+void fuzz_readers(Bytes& bytes) {
+  const Format& format = kFormats[bytes.byte() % kFormats.size()];
+  MeshArrays mesh;
+  try {
+    mesh = format.read(bytes.rest());
+  } catch (const ReadError&) {
+    return;
+  }
+  expect_faces(mesh);
+  if (finite(mesh)) expect_round_trip(format, mesh);
+  if (mesh.faces.size() > 200) return;
+  const auto surface = answer([&] { return Surface(mesh.vertices, mesh.faces); });
+  if (surface) {
+    EXPECT_GT(surface->area(), 0.0);
+  }
+}
+
+}  // namespace dapple::fuzz

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <dapple/relax.hpp>
+#include <dapple/sampler.hpp>
+
+#include "expect.hpp"
+#include "targets.hpp"
+
+namespace dapple::fuzz {
+namespace {
+
+/// Even samples for most inputs, as relax() is for what has been solved.
+std::optional<Samples> take_solved(Bytes& bytes, const Surface& surface) {
+  if (bytes.one_in(3)) return take_samples(bytes, surface);
+  const std::size_t count = take_count(bytes);
+  return answer([&] { return sample(surface, count, {.optimizer = {.max_evaluations = 5}}); });
+}
+
+/// Another density or place for a few values or vertices.
+Surface take_changed(Bytes& bytes, const Surface& surface) {
+  const auto changed = answer([&] {
+    if (bytes.one_in(2)) return surface.deformed(take_frame(bytes, surface.vertices()));
+    std::vector<double> values(surface.face_count(), 1.0);
+    for (int k = bytes.below(20); k > 0; --k)
+      values[bytes.whole() % values.size()] = bytes.between(0.0, 3.0);
+    return surface.with_density({DensityAt::kFaces, values});
+  });
+  return changed.value_or(surface);
+}
+
+std::vector<std::int32_t> take_changed_faces(Bytes& bytes, const Surface& before,
+                                             const Surface& after) {
+  std::vector<std::int32_t> faces = changed_faces(before, after);
+  if (bytes.one_in(4))
+    for (int k = bytes.below(8); k > 0; --k)
+      faces.push_back(static_cast<std::int32_t>(bytes.whole() % before.face_count()));
+  return faces;
+}
+
+RelaxOptions take_relax_options(Bytes& bytes, const Samples& samples) {
+  RelaxOptions options;
+  take_options(bytes, options);
+  if (bytes.one_in(3)) {
+    bytes.set_wild();  // the region may not reach it
+    options.count = take_count(bytes);
+  }
+  if (samples.size() > 0 && bytes.one_in(4))
+    for (int k = bytes.below(8); k > 0; --k)
+      options.locked.push_back(static_cast<std::int32_t>(bytes.whole() % samples.size()));
+  return options;
+}
+
+void expect_locked(const Samples& before, const Samples& after,
+                   std::span<const std::int32_t> locked) {
+  for (const std::int32_t k : locked) {
+    const std::int32_t id = before.ids[static_cast<std::size_t>(k)];
+    EXPECT_EQ(std::count(after.ids.begin(), after.ids.end(), id), 1) << "locked[" << k << "]";
+  }
+}
+
+}  // namespace
+
+void fuzz_relax(Bytes& bytes) {
+  const Shape shape = take_shape(bytes);
+  const auto surface = take_surface(bytes, shape);
+  if (!surface) return;
+  const auto before = take_solved(bytes, *surface);
+  if (!before) return;
+  const Surface after = take_changed(bytes, *surface);
+  const std::vector<std::int32_t> changed = take_changed_faces(bytes, *surface, after);
+  RelaxOptions options = take_relax_options(bytes, *before);
+  const auto samples = answer_of_threads([&](int threads) {
+    options.threads = threads;
+    return relax(after, *before, changed, options);
+  });
+  if (!samples) return;
+  expect_valid(after, *samples);
+  if (options.count) {
+    EXPECT_EQ(samples->size(), *options.count);
+  }
+  expect_locked(*before, *samples, options.locked);
+}
+
+}  // namespace dapple::fuzz

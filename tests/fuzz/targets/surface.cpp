@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
+#include <brute_force.hpp>
+#include <cmath>
+#include <dapple/curvature.hpp>
+#include <dapple/energy.hpp>
+#include <dapple/projector.hpp>
+#include <dapple/topology.hpp>
+#include <limits>
+
+#include "expect.hpp"
+#include "targets.hpp"
+
+namespace dapple::fuzz {
+namespace {
+
+using Triangle = std::array<Vec3, 3>;
+
+Triangle triangle_of(const Shape& shape, const Face& face) {
+  const auto at = [&](std::size_t k) { return shape.vertices[static_cast<std::size_t>(face[k])]; };
+  return {at(0), at(1), at(2)};
+}
+
+/// How far from the closest point of a triangle its corners' last digits may lead, the farther the
+/// thinner it is; infinite without area.
+double needle_rounding(const Triangle& corners) {
+  const Vec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
+  const double longest = std::max({u.norm(), v.norm(), (v - u).norm()});
+  const double height = u.cross(v).norm() / longest;
+  return 64.0 * std::numeric_limits<double>::epsilon() * longest * (longest / height);
+}
+
+/// The closest of all faces, one after the other.
+void expect_closest(const Shape& shape, const Vec3& point, double distance, double rounding) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Face& face : shape.faces) {
+    const Triangle corners = triangle_of(shape, face);
+    const Vec3 closest = test::closest_on_triangle(point, corners[0], corners[1], corners[2]);
+    const double found = (closest - point).norm() + needle_rounding(corners);
+    if (std::isfinite(found)) least = std::min(least, found);
+  }
+  EXPECT_LE(distance, least + rounding);
+}
+
+void fuzz_projector(Bytes& bytes, const Shape& shape, const Surface& surface) {
+  const double size = std::sqrt(surface.area());
+  std::vector<Vec3> points = take_sites(bytes, surface, bytes.below(10)).positions;
+  test::Random random(bytes.byte());
+  for (Vec3& p : points) p += bytes.power(-6, 2) * size * random.in_box();
+  if (!points.empty() && bytes.one_in(8)) points[0] = {bytes.wild(), bytes.wild(), bytes.wild()};
+  const auto found = answer([&] { return Projector(surface).project(points); });
+  if (!found) return;
+  test::check_on_surface(surface, {found->positions, found->faces}, found->barycentric);
+  double largest = size;
+  for (const Vec3& p : shape.vertices) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!std::isfinite(found->distances[k])) continue;  // the largest of all numbers away
+    const double rounding = 1e-12 * std::max(largest, points[k].norm());
+    EXPECT_NEAR(found->distances[k], (points[k] - found->positions[k]).norm(), rounding);
+    expect_closest(shape, points[k], found->distances[k], rounding);
+  }
+}
+
+void expect_topology(const Topology& found) {
+  EXPECT_GE(found.components, 1);
+  EXPECT_GE(found.border_edges, 0);
+  EXPECT_EQ(found.closed, found.manifold && found.border_edges == 0);
+  EXPECT_EQ(found.manifold, found.genus >= 0);
+}
+
+void expect_curvature(const Surface& surface) {
+  const std::vector<double> density = curvature_density(surface);
+  EXPECT_EQ(density.size(), surface.vertex_count());
+  for (const double value : density) {
+    EXPECT_GE(value, 0.0);
+    EXPECT_LE(value, 1.0);
+  }
+}
+
+void fuzz_energy(Bytes& bytes, const Surface& surface) {
+  const Sites sites = take_sites(bytes, surface, bytes.below(30));
+  const Cells cells = bytes.one_in(2) ? Cells::kConnected : Cells::kEuclidean;
+  const double weight = take_option(bytes, {}, 30.0);
+  const auto energy =
+      answer([&] { return evaluate_energy(surface, sites, weight, nullptr, cells); });
+  if (!energy) return;
+  double area = 0.0;
+  for (const Moments& cell : energy->diagram.cells) area += cell.area;
+  if (sites.size() > 0) {
+    EXPECT_NEAR(area, surface.area(), 1e-10 * surface.area() + area_rounding(surface));
+  }
+  test::check_cells(surface, sites, area_rounding(surface));
+  // Squares of capacities end where numbers do.
+  if (bytes.was_wild() || std::abs(std::log10(surface.mass())) > 60.0) return;
+  EXPECT_GE(energy->cvt, 0.0);
+  for (const Vec3& part : energy->gradient) EXPECT_TRUE(part.allFinite());
+}
+
+}  // namespace
+
+void fuzz_surface(Bytes& bytes) {
+  const Shape shape = take_shape(bytes);
+  const auto surface = take_surface(bytes, shape);
+  if (!surface) return;
+  EXPECT_GT(surface->area(), 0.0);
+  EXPECT_GT(surface->mass(), 0.0);
+  expect_topology(topology(*surface));
+  expect_curvature(*surface);
+  fuzz_projector(bytes, shape, *surface);
+  fuzz_energy(bytes, *surface);
+}
+
+}  // namespace dapple::fuzz
