@@ -11,15 +11,16 @@ from pathlib import Path
 
 import dapple3d as dapple
 
-from benchmarks.tracking import report
+from benchmarks.tracking import new_faces, report
 from benchmarks.tracking.animations import FACES, GENERATED, LENGTH, Animation, load
 from benchmarks.tracking.blender_points import replaced
+from benchmarks.tracking.changing import CHANGING
 from benchmarks.tracking.contenders import CONTENDERS
 from benchmarks.tracking.metrics import STEADY, Run, play
 
 SHARED = ["elephant", "greenman"]
 SHARED_SITES = {"greenman": 700}  # 356 faces: twice as many sites as faces
-QUICK = ["bend", "arm"]
+QUICK = ["bend", "arm", "metaballs"]
 
 
 def main() -> None:
@@ -37,11 +38,27 @@ def main() -> None:
             found = replaced(animation, sites, min(animation.period, len(animation.frames)))
             blender |= {animation.name: found} if found else {}
         _store(runs, blender, options)
-    print(
-        "\n" + report.table(runs), "\n\nFrames that miss a goal:\n", report.misses(runs), sep="\n"
-    )
+    if runs:
+        print("\n" + report.table(runs), "\n\nFrames that miss a goal:\n", sep="\n")
+        print(report.misses(runs))
     if blender:
         print("\nDistribute Points on Faces, Poisson:\n", report.replaced_table(blender), sep="\n")
+    _play_new_faces(options)
+
+
+def _play_new_faces(options: argparse.Namespace) -> None:
+    """Bodies whose faces change, among those that were asked for."""
+    found: list[new_faces.NewFaces] = []
+    for name in (name for name in options.animations if name in CHANGING):
+        body = CHANGING[name](options.frames, options.faces)
+        run, shown = new_faces.play(body, options.sites, options.seed)
+        found += [new_faces.nearest(body, options.sites, options.seed), run]
+        new_faces.draw_strip(shown, options.out / f"{name}.png")
+        if options.json:
+            rows = [asdict(one) for one in found]
+            options.json.with_stem(f"{options.json.stem}_faces").write_text(json.dumps(rows))
+    if found:
+        print("\nBodies whose faces change:\n", new_faces.table(found), sep="\n")
 
 
 def _store(
@@ -60,7 +77,7 @@ def _options() -> argparse.Namespace:
         description=__doc__,
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
-    known = [*GENERATED, *SHARED]
+    known = [*GENERATED, *SHARED, *CHANGING]
     parser.add_argument(
         "--animations",
         nargs="+",
@@ -106,6 +123,8 @@ def _options() -> argparse.Namespace:
 
 def _animations(options: argparse.Namespace) -> Iterator[Animation]:
     for name in options.animations:
+        if name in CHANGING:
+            continue
         if name in GENERATED:
             yield GENERATED[name](options.frames, options.faces)
             continue

@@ -42,11 +42,23 @@ def mesh(field: Field, low: Array, high: Array, faces: int) -> tuple[Array, Face
 
     ValueError where so few do not tell the parts of the surface apart.
     """
-    step = float(np.linalg.norm(high - low)) / 50
-    found = len(_surface_nets(field, low, high, step)[1])
-    vertices, quads = _surface_nets(field, low, high, step * (2 * found / faces) ** 0.5)
+    vertices, quads = _surface_nets(field, low, high, step_for(field, low, high, faces))
     if not _closed(quads):
         raise ValueError(f"{faces} faces: too few for this surface, some edge joins more than two")
+    vertices = _relaxed(field, vertices, quads)
+    return vertices, _triangles(vertices, quads)
+
+
+def step_for(field: Field, low: Array, high: Array, faces: int) -> float:
+    """The lattice's step that makes about so many faces of the surface."""
+    step = float(np.linalg.norm(high - low)) / 50
+    found = len(_surface_nets(field, low, high, step)[1])
+    return step * float((2 * found / faces) ** 0.5)
+
+
+def mesh_by_step(field: Field, low: Array, high: Array, step: float) -> tuple[Array, Faces]:
+    """Vertices (v, 3) and faces (m, 3), over a lattice of this step that begins at `low`."""
+    vertices, quads = _surface_nets(field, low, high, step)
     vertices = _relaxed(field, vertices, quads)
     return vertices, _triangles(vertices, quads)
 

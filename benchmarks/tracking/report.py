@@ -78,7 +78,7 @@ def table(runs: Sequence[Run]) -> str:
         [run.animation, run.contender, str(len(run.energy)), *(c.cell(run) for c in COLUMNS)]
         for run in runs
     ]
-    return _markdown(head, rows)
+    return markdown(head, rows)
 
 
 def misses(runs: Sequence[Run]) -> str:
@@ -93,7 +93,7 @@ def misses(runs: Sequence[Run]) -> str:
             np.count_nonzero(np.array(run.slide_max) > 0.5),
         ]
         rows.append([run.animation, run.contender, str(len(run.energy)), *map(str, counts)])
-    return _markdown(head, rows)
+    return markdown(head, rows)
 
 
 def replaced_table(found: dict[str, dict[str, list[float]]]) -> str:
@@ -108,10 +108,10 @@ def replaced_table(found: dict[str, dict[str, list[float]]]) -> str:
         ]
         for name, one in found.items()
     ]
-    return _markdown(["animation", "replaced mean", "replaced max", "points", "ms"], rows)
+    return markdown(["animation", "replaced mean", "replaced max", "points", "ms"], rows)
 
 
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

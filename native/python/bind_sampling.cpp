@@ -94,14 +94,14 @@ py::dict report_dict(const Report& report) {
   py::list classes;
   for (const Quality& quality : report.classes) classes.append(quality_dict(quality));
   py::dict result = quality_dict(report);
-  result.attr("update")(
-      py::dict("classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
-               "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
-               "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
-               "parts"_a = report.parts, "converged"_a = report.converged,
-               "seconds"_a = report.seconds, "profile"_a = profile_dict(report.profile),
-               "energies"_a = report.energies, "slide_mean"_a = report.slide_mean,
-               "slide_median"_a = report.slide_median, "slide_max"_a = report.slide_max));
+  result.attr("update")(py::dict(
+      "classes"_a = classes, "worst_overlap"_a = report.worst_overlap,
+      "overlapping"_a = py::make_tuple(report.overlapping[0], report.overlapping[1]),
+      "evaluations"_a = report.evaluations, "iterations"_a = report.iterations,
+      "parts"_a = report.parts, "converged"_a = report.converged, "seconds"_a = report.seconds,
+      "profile"_a = profile_dict(report.profile), "energies"_a = report.energies,
+      "slide_mean"_a = report.slide_mean, "slide_median"_a = report.slide_median,
+      "slide_max"_a = report.slide_max, "births"_a = report.births, "deaths"_a = report.deaths));
   return result;
 }
 
@@ -162,6 +162,10 @@ void bind_reports(py::module_& m) {
                     "Tracker and resample(): mean distance from where they were, in spacings.")
       .def_readonly("slide_median", &Report::slide_median, "The median of these distances.")
       .def_readonly("slide_max", &Report::slide_max, "The largest such distance.")
+      .def_readonly("births", &Report::births,
+                    "Population: how many samples appear from this frame on.")
+      .def_readonly("deaths", &Report::deaths,
+                    "Population: how many samples vanish from this frame on.")
       .def("to_dict", &report_dict, "All of it as a dict that json can write.");
 }
 

@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
 #include <dapple/window_tracker.hpp>
@@ -55,11 +56,35 @@ std::shared_ptr<Population> make_population(const Surface& surface, const Sample
   return std::make_shared<Population>(surface, samples, options, std::move(wanted), context.get());
 }
 
+/// A frame of a body without a density that faces of its own could need.
+Surface surface_like(const Surface& before, std::span<const Vec3> vertices,
+                     std::span<const Face> faces, Context* context) {
+  if (!before.uniform())
+    throw ArgumentError(
+        "faces are others than before, and the surface has a density: give the frame as a Surface "
+        "with its density");
+  return {vertices, faces, Density{}, SurfaceOptions{.weld = before.weld()}, context};
+}
+
 std::shared_ptr<Samples> advance_population(Population& population, const py::object& vertices,
-                                            const ContextPtr& context) {
+                                            const py::object& faces, const ContextPtr& context) {
+  if (py::isinstance<Surface>(vertices)) {
+    if (!faces.is_none())
+      throw ArgumentError("faces are given beside a Surface, which has its own");
+    const auto next = vertices.cast<std::shared_ptr<Surface>>();
+    const py::gil_scoped_release released;
+    return std::make_shared<Samples>(population.advance(*next, context.get()));
+  }
   const DoubleArray points = doubles("vertices", vertices, 3);
+  const IntArray triangles = faces.is_none() ? IntArray() : integers("faces", faces, 3);
+  const bool same_faces = faces.is_none();
   const py::gil_scoped_release released;
-  return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
+  const Surface& before = population.surface();
+  if (same_faces || (static_cast<std::size_t>(points.shape(0)) == before.vertex_count() &&
+                     std::ranges::equal(as_faces(triangles), before.faces())))
+    return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
+  const Surface next = surface_like(before, as_points(points), as_faces(triangles), context.get());
+  return std::make_shared<Samples>(population.advance(next, context.get()));
 }
 
 std::vector<std::shared_ptr<Samples>> shared(std::vector<Samples> frames) {
@@ -185,7 +210,8 @@ void bind_population(py::module_& m) {
       documented(kPopulation, R"(Samples on a deforming surface at a constant density per area.
 
 Where the surface grows samples appear, where it shrinks some vanish; they never pop (Samples.fade goes from 0 to 1 or
-back), and an id is never used again. Apart from that it is a Tracker.
+back), and an id is never used again. Frames may have other faces: fluids, remeshed and torn bodies. Apart from that it
+is a Tracker.
 
 Args:
     surface: the Surface of the first frame.
@@ -204,20 +230,28 @@ Raises:
            "classes: Sequence[SampleClass | int] | None = None, "
            "context: Context | None = None) -> None",
            py::arg("surface"), py::arg("samples"));
-  type.def("advance", &advance_population, py::arg("vertices"), py::kw_only(),
-           py::arg("context") = nullptr,
+  type.def("advance", &advance_population, py::arg("vertices"), py::arg("faces") = py::none(),
+           py::kw_only(), py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
 
+On other faces each sample goes on from the nearest place on its side of the surface, which the winding of the faces
+tells, if there is one within `reach`; one that has none has lost its surface and vanishes with it. Apart from those no
+more are born or die than the area changes by and 0.5 % of them. Meshes of one shape differ a little in area, so there
+their number may be off by 0.25 %.
+
 Args:
-    vertices: (v, 3) float64, as many as the surface has, in the same order.
+    vertices: (v, 3) float64, or a Surface with its faces and density.
+    faces: (m, 3) int32, of the vertices; None: those of the surface, which has as many vertices in the same order.
     context: a Context to watch and cancel it by.
 
 Returns:
-    Samples of the new frame: those that stay, then those that vanish; their fade tells how far.
+    Samples of the new frame: those that stay, then those that vanish; their fade tells how far. report.births and
+    deaths count those that do so from this frame on; on other faces slides are from where samples go on.
 
 Raises:
-    SurfaceError: vertices of another number or not finite.
-    ValueError: the surface has grown so much that more samples or ids are needed than there can be.
+    SurfaceError: vertices of another number without faces, or not finite; faces of no vertices.
+    ValueError: the surface has grown so much that more samples or ids are needed than there can be; other faces on a
+        surface with a density, without one of their own; other faces for samples of several classes.
     Cancelled: through the context.)")
       .def_property_readonly(
           "surface", [](const Population& p) { return std::make_shared<Surface>(p.surface()); },

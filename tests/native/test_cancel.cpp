@@ -30,6 +30,7 @@
 #include <mutex>
 #include <thread>
 
+#include "changing_bodies.hpp"
 #include "invariants.hpp"
 #include "shapes.hpp"
 
@@ -404,6 +405,21 @@ TEST(Watched, AFrameOfAPopulation) {
       mapped(shape, [](const Vec3& p) { return Vec3(1.3 * p.x(), p.y(), p.z()); }).vertices;
   const Population fresh(shape.surface(), sample(shape.surface(), 80),
                          {.tracker = {.optimizer = few_steps()}});
+  Population population = fresh;
+  cancel_everywhere(
+      [&](Context* context) {
+        if (cancel_at == kNever)
+          Population(fresh).advance(next, context);
+        else
+          population.advance(next, context);
+      },
+      [&] { EXPECT_TRUE(same_bytes(population.samples(), fresh.samples())); });
+  expect_honest_progress([&](Context* context) { Population(fresh).advance(next, context); });
+}
+
+TEST(Watched, AFrameOfOtherFaces) {
+  const Surface first = remeshed(0).surface(), next = remeshed(1).surface();
+  const Population fresh(first, sample(first, 80), {.tracker = {.optimizer = few_steps()}});
   Population population = fresh;
   cancel_everywhere(
       [&](Context* context) {

@@ -13,6 +13,7 @@ from checks import ARRAYS
 from shapes import Mesh
 
 TIMES = ("seconds", "profile")
+COUNTS = ("births", "deaths")  # which the ids tell, that are kept
 FRAMES = 20
 
 
@@ -56,7 +57,9 @@ class Run:
         self.report(samples.report)
 
     def report(self, report: dapple.Report) -> None:
-        figures = {name: value for name, value in report.to_dict().items() if name not in TIMES}
+        figures = {
+            name: value for name, value in report.to_dict().items() if name not in (*TIMES, *COUNTS)
+        }
         self._add("report", json.dumps(figures, sort_keys=True).encode())
 
 
@@ -268,6 +271,17 @@ def population_classes(run: Run) -> None:
     population = dapple.Population(surface, start, classes=RADII, fade=3, threads=run.threads)
     for frame in range(1, 7):
         run.samples(population.advance(run.given(exact.grown(TORUS[0], frame / 8))))
+
+
+@case
+def population_faces(run: Run) -> None:
+    """A torus that grows, of other triangles in each frame."""
+    surface = run.surface(TORUS)
+    population = dapple.Population(surface, run.sample(surface, 200), fade=3, threads=run.threads)
+    for frame in range(1, 7):
+        vertices, faces = exact.torus(around=8 + frame % 3, tube=4 + frame % 2)
+        vertices, faces = run.given(exact.grown(vertices, frame / 16)), run.given(faces)
+        run.samples(population.advance(vertices, faces))
 
 
 # --- resample

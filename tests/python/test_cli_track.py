@@ -2,6 +2,7 @@
 """dapple track: what it writes, and what it refuses."""
 
 import json
+import re
 from pathlib import Path
 
 import dapple3d as dapple
@@ -123,3 +124,123 @@ def test_needs_a_count_or_points(tmp_path, monkeypatch, motion, arguments):
     found = run("track", motion, "points.npz", *arguments)
     assert found.exit_code == 2
     assert "give either --count or --points" in found.stderr
+
+
+@pytest.fixture
+def changing() -> list[tuple]:
+    """A torus that grows a little, of other triangles in each frame."""
+    return [
+        ((1 + 0.02 * k) * vertices, faces)
+        for k in range(3)
+        for vertices, faces in [shapes.torus(40 + k, 20)]
+    ]
+
+
+def followed(frames: list[tuple], count: int, **options) -> list[dapple.Samples]:
+    surface = dapple.Surface(*frames[0])
+    first = dapple.sample(surface, count)
+    population = dapple.Population(surface, first, **options)
+    return [first, *(population.advance(*frame) for frame in frames[1:])]
+
+
+def test_keeps_the_density_of_other_faces(tmp_path, changing):
+    folder, out = tmp_path / "frames", tmp_path / "points.npz"
+    folder.mkdir()
+    for k, frame in enumerate(changing):
+        dapple.write_mesh(folder / f"frame_{k + 9}.ply", *frame)
+    found = done("track", folder, out, "-n", 200, "--keep-density", "--fade", 4, "--json", "-")
+    expected = followed(changing, 200, fade=4)
+    with np.load(out) as stored:
+        starts = stored["starts"]
+        assert np.diff(starts).tolist() == [len(one) for one in expected]
+        for name in ("positions", "normals", "faces", "barycentric", "ids", "fade"):
+            joined = np.concatenate([getattr(one, name) for one in expected])
+            np.testing.assert_array_equal(stored[name], joined)
+        reports = [json.loads(text) for text in stored["reports"]]
+    assert [one["births"] for one in reports] == [one.report.births for one in expected]
+    assert sum(one["births"] for one in reports) > 0
+    assert json.loads(found.stdout)["settings"]["fade"] == 4
+
+
+def test_reads_an_archive_of_other_faces_to_the_same_bytes(tmp_path, changing):
+    files = [tmp_path / f"frame_{k}.npz" for k in range(3)]
+    for path, (vertices, faces) in zip(files, changing, strict=True):
+        np.savez(path, vertices=vertices, faces=faces)
+    numbered = {f"vertices_{k}": frame[0] for k, frame in enumerate(changing)}
+    numbered |= {f"faces_{k}": frame[1] for k, frame in enumerate(changing)}
+    np.savez(tmp_path / "all.npz", **numbered)
+    done("track", *files, tmp_path / "a.npz", "-n", 60, "--keep-density")
+    done("track", tmp_path / "all.npz", tmp_path / "b.npz", "-n", 60, "--keep-density")
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def test_keeps_the_density_of_the_same_faces(tmp_path, motion):
+    out = tmp_path / "points.npz"
+    done("track", motion, out, "-n", 60, "--keep-density")
+    with np.load(motion) as stored:
+        frames, faces = stored["vertices"], stored["faces"]
+    expected = followed([(frame, faces) for frame in frames], 60)
+    with np.load(out) as stored:
+        joined = np.concatenate([one.positions for one in expected])
+        np.testing.assert_array_equal(stored["positions"], joined)
+
+
+def test_exports_points_that_appear(tmp_path, changing):
+    files = [tmp_path / f"frame_{k}.ply" for k in range(3)]
+    for path, frame in zip(files, changing, strict=True):
+        dapple.write_mesh(path, *frame)
+    points, last = tmp_path / "points.npz", tmp_path / "last.npz"
+    done("track", *files, points, "-n", 200, "--keep-density")
+    done("export", points, last, "--frame", 3)
+    with np.load(points) as stored, np.load(last) as exported:
+        rows = slice(stored["starts"][2], None)
+        np.testing.assert_array_equal(exported["positions"], stored["positions"][rows])
+        np.testing.assert_array_equal(exported["ids"], stored["ids"][rows])
+        np.testing.assert_array_equal(exported["scales"][:, 0], stored["fade"][rows])
+    assert "holds several frames" in refused("analyze", points)
+
+
+def test_refuses_sequences(tmp_path, motion, mesh, changing):
+    out, empty = tmp_path / "points.npz", tmp_path / "empty"
+    empty.mkdir()
+    assert "empty: holds no .ply" in refused("track", empty, out, "-n", 9)
+    assert "a folder is all frames" in refused("track", empty, motion, out, "-n", 9)
+    np.savez(tmp_path / "bare.npz", vertices_0=mesh[0])
+    said = refused("track", tmp_path / "bare.npz", out, "-n", 9, "--keep-density")
+    assert "has 'vertices_0', but no faces" in said
+    np.savez(tmp_path / "flat.npz", vertices_0=mesh[0], faces_0=mesh[1].ravel())
+    said = refused("track", tmp_path / "flat.npz", out, "-n", 9, "--keep-density")
+    assert "are not (v, 3) and (m, 3)" in said
+    for k, frame in enumerate(changing):
+        dapple.write_mesh(empty / f"{k}.ply", *frame)
+    assert "or --keep-density" in refused("track", empty, out, "-n", 9)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [(["--fade", 3], "need --keep-density"), (["--keep-density", "--together"], "frame by frame")],
+)
+def test_refuses_options_without_their_mode(tmp_path, motion, options, said):
+    found = run("track", motion, tmp_path / "points.npz", "-n", 9, *options)
+    assert found.exit_code == 2
+    assert said in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        ({"starts": [0, 5, 3]}, "starts does not divide"),
+        ({"starts": [0, 2]}, "starts does not divide the 3 rows"),
+        ({"starts": [0.0, 3.0]}, "starts does not divide"),
+        ({"starts": [0, 3], "fade": [1.0]}, "fade is float64 .1,.: numbers .3,. are needed"),
+        ({"starts": [0, 3], "ids": [1]}, "ids has the shape"),
+        ({"starts": [0, 1, 3], "times": [1.0]}, "times is float64"),
+    ],
+)
+def test_refuses_damaged_points_that_appear(tmp_path, broken, said):
+    path = tmp_path / "points.npz"
+    np.savez(path, **{"positions": np.zeros((3, 3))} | broken)
+    assert re.search(said, refused("export", path, tmp_path / "out.npz"))
+    np.savez(path, starts=[0, 3])
+    assert "has starts, but no positions" in refused("export", path, tmp_path / "out.npz")

@@ -5,7 +5,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples, same_bytes
-from shapes import bent
+from shapes import bent, torus
 
 
 def frames_of(mesh, count: int) -> list[np.ndarray]:
@@ -165,13 +165,64 @@ def test_a_population_refuses_classes_that_are_not_given(surface):
         dapple.Population(surface, start, classes=[90])
 
 
+def test_a_population_of_classes_refuses_other_faces(surface):
+    start = dapple.sample_classes(surface, [60, 30])
+    population = dapple.Population(surface, start, classes=[60, 30])
+    with pytest.raises(ValueError, match="without classes can go on there, these have 2"):
+        population.advance(*torus(50, 24))
+
+
+def other_mesh(frame: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same torus, of other triangles in each frame."""
+    return torus(40 + frame % 3, 20 + frame % 2)
+
+
+def test_a_population_goes_on_on_other_faces():
+    surface = dapple.Surface(*torus(40, 20))
+    samples = dapple.sample(surface, 300)
+    population = dapple.Population(surface, samples)
+    for frame in range(1, 7):
+        vertices, faces = other_mesh(frame)
+        now = population.advance(vertices, faces)
+        check_samples(dapple.Surface(vertices, faces), now)
+        assert population.surface.faces.tolist() == faces.tolist()
+        assert now.report.births + now.report.deaths <= 0.015 * len(samples)
+        assert now.report.slide_max <= 0.45
+        assert now.report.capacity_variation < 0.02
+    stay = np.isin(now.ids, samples.ids)
+    assert stay.mean() > 0.95
+
+
+def test_a_population_takes_a_surface_as_its_vertices(mesh, surface, samples):
+    vertices = bent(mesh[0], 0.2)
+    one, two, three = (dapple.Population(surface, samples) for _ in range(3))
+    expected = one.advance(vertices)
+    assert same_bytes(two.advance(dapple.Surface(vertices, mesh[1])), expected)
+    assert same_bytes(three.advance(vertices, mesh[1]), expected)
+
+
+def test_a_population_follows_the_density_of_a_surface():
+    vertices, faces = torus(40, 20)
+    surface = dapple.Surface(vertices, faces, density=1.0 + (vertices[:, 0] > 0))
+    population = dapple.Population(surface, dapple.sample(surface, 200))
+    other, triangles = torus(50, 24)
+    with pytest.raises(ValueError, match="Surface with its density"):
+        population.advance(other, triangles)
+    with pytest.raises(ValueError, match="faces are given beside a Surface"):
+        population.advance(surface, faces)
+    now = population.advance(dapple.Surface(other, triangles, density=1.0 + (other[:, 0] > 0)))
+    assert now.report.capacity_variation < 0.1
+    dense = (now.positions[:, 0] > 0).sum()
+    assert 1.8 < dense / (len(now) - dense) < 2.2
+
+
 @pytest.mark.parametrize("name", ["pattern_strength", "stickiness", "longest_motion"])
 def test_names_an_option_below_zero(surface, samples, name):
     with pytest.raises(ValueError, match=name):
         dapple.Tracker(surface, samples, **{name: -1}).advance(surface.vertices)
 
 
-@pytest.mark.parametrize(("name", "value"), [("fade", 0), ("pattern_strength", 2)])
+@pytest.mark.parametrize(("name", "value"), [("fade", 0), ("reach", -1), ("pattern_strength", 2)])
 def test_a_population_names_an_option_out_of_range(surface, samples, name, value):
     with pytest.raises(ValueError, match=name):
         dapple.Population(surface, samples, **{name: value})

@@ -24,6 +24,8 @@ REPORT = {
     "slide_mean": float,
     "slide_max": float,
     "slide_median": float,
+    "births": int,
+    "deaths": int,
     "classes": list,
     "worst_overlap": float,
     "overlapping": tuple,

@@ -37,6 +37,8 @@ struct Report : Quality {
   double slide_mean = 0.0;  ///< tracker, resample: distance from where they were, in spacings
   double slide_median = 0.0;
   double slide_max = 0.0;
+  std::size_t births = 0;  ///< population: samples that appear from this frame on
+  std::size_t deaths = 0;  ///< population: those that vanish from this frame on
 };
 
 /// Samples on a surface. Index k is a sample's identity together with ids[k]; trackers keep both.

@@ -11,6 +11,7 @@
 namespace dapple {
 
 class FrameSolver;
+class Transfer;
 
 /// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
 /// coordinates and are then re-optimized, each keeping its index and id (paper, section 5.4).
@@ -47,6 +48,8 @@ class Tracker {
  private:
   friend class Population;
   void exchange(const Samples& samples);
+  void cross(const Surface& next, const Transfer& transfer, std::span<const std::int32_t> origin,
+             const Samples& now, Context* context);
   [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
 
   Surface surface_;

@@ -150,6 +150,10 @@ class Report(Quality):
     def slide_median(self) -> float: ...
     @property
     def slide_max(self) -> float: ...
+    @property
+    def births(self) -> int: ...
+    @property
+    def deaths(self) -> int: ...
     def to_dict(self) -> dict[str, Any]: ...
 
 class Samples:
@@ -416,6 +420,7 @@ class Population:
         samples: Samples,
         *,
         fade: int = 12,
+        reach: float = 1.0,
         union_weight: float = 1.0,
         capacity_weight: float = 30.0,
         repulsion_weight: float = 3.0,
@@ -431,7 +436,13 @@ class Population:
         classes: Sequence[SampleClass | int] | None = None,
         context: Context | None = None,
     ) -> None: ...
-    def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
+    def advance(
+        self,
+        vertices: ArrayLike | Surface,
+        faces: ArrayLike | None = None,
+        *,
+        context: Context | None = None,
+    ) -> Samples: ...
     @property
     def surface(self) -> Surface: ...
     @property

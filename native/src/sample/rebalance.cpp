@@ -82,9 +82,11 @@ struct Passed {
 
 /// Which sites are balanced, and by what.
 struct Rule {
-  std::size_t count = 0;        // that there shall be, of all
-  std::vector<bool> free = {};  // per site; empty: all are
-  double capacity = 0.0;        // of each of the free ones, where not all are
+  std::size_t count = 0;               // that there shall be, of all
+  std::size_t most_come = kAnyNumber;  // so many may still be put in ...
+  std::size_t most_go = kAnyNumber;    // ... and taken out
+  std::vector<bool> free = {};         // per site; empty: all are
+  double capacity = 0.0;               // of each of the free ones, where not all are
 };
 
 /// One pass over all sites, after which each neighborhood has at most twice and at least half as
@@ -109,6 +111,7 @@ class Round {
 
   Passed run() {
     share_out();
+    if (is_spared()) spare();
     take_out();
     if (all_are_free()) put_in();
     return std::move(passed_);
@@ -231,6 +234,46 @@ class Round {
     wanted_ += work_of(change);
     for (Place s = first; s != last; ++s) patch_[static_cast<std::size_t>(*s)] = changes_.size();
     changes_.push_back(possible);
+    lacks_.push_back(worth(first, last) - static_cast<double>(size));
+  }
+
+  /// Whether no more may come and go than a rule says.
+  [[nodiscard]] bool is_spared() const { return rule_.most_come != kAnyNumber; }
+
+  /// Let neighborhoods that are off by least be as they are, until no more samples come and go than
+  /// may. Where components get their first ones, all others wait for the next round: until then the
+  /// nearest cells own what those components are.
+  void spare() {
+    const bool waits = passed_.fresh.size() > 0;
+    leave_all_but(1, waits ? 0 : rule_.most_come);
+    leave_all_but(-1, waits ? 0 : rule_.most_go);
+    passed_.complete = passed_.complete && !waits;
+  }
+
+  void leave_all_but(int sign, std::size_t most) {
+    std::size_t sum = 0;
+    for (const std::ptrdiff_t change : changes_)
+      if (sign * change > 0) sum += static_cast<std::size_t>(sign * change);
+    for (Queue patches = by_urgency(sign); sum > most; --sum) leave_one(patches, sign);
+  }
+
+  /// The neighborhoods that get samples (sign 1) or lose them (-1), by how far they were off were
+  /// it one less.
+  [[nodiscard]] Queue by_urgency(int sign) const {
+    Queue result;
+    for (std::size_t patch = 0; patch < changes_.size(); ++patch)
+      if (sign * changes_[patch] > 0) result.emplace(urgency(patch, sign), patch);
+    return result;
+  }
+
+  [[nodiscard]] double urgency(std::size_t patch, int sign) const {
+    return sign * (lacks_[patch] - static_cast<double>(changes_[patch]));
+  }
+
+  void leave_one(Queue& patches, int sign) {
+    const std::size_t patch = patches.extract(patches.begin()).value().second;
+    changes_[patch] -= sign;
+    if (changes_[patch] != 0) patches.emplace(urgency(patch, sign), patch);
   }
 
   /// A first site on a component that has none: the next round does the rest.
@@ -316,6 +359,7 @@ class Round {
     std::size_t best = 0;
     double most = -1.0;
     for (std::size_t k = 0; k < found.size(); ++k) {
+      if (is_spared() && !is_in_cell(host, found.positions[k])) continue;
       const double room = density_at(found, k) * squared_distance(found.positions[k], near);
       if (room <= most) continue;
       most = room;
@@ -323,6 +367,16 @@ class Round {
     }
     guests_[host].push_back(passed_.fresh.size());
     add(found, best);
+  }
+
+  /// Where few come, cells stay long and narrow beside what is empty: what is near them may belong
+  /// to others far beyond their neighbors.
+  [[nodiscard]] bool is_in_cell(std::size_t host, const Vec3& point) const {
+    const Vec3 way = point - sites_.positions[host];
+    const auto sides = diagram_.boundary(host);
+    return std::all_of(sides.begin(), sides.end(), [&](const CellBoundary& side) {
+      return 2.0 * way.dot(side.offset) <= side.offset.squaredNorm();
+    });
   }
 
   [[nodiscard]] double density_at(const Sites& sites, std::size_t k) const {
@@ -348,6 +402,8 @@ class Round {
       const double radius = kAround * spacing * std::sqrt((k + 0.5) / kCandidates);
       result.push_back(sites_.positions[host] + radius * (basis * Vec2(cosine, sine)));
     }
+    if (is_spared() && cell.mass > 0.0)
+      result.push_back(sites_.positions[host] + cell.first / cell.mass);
     return result;
   }
 
@@ -381,6 +437,7 @@ class Round {
   std::vector<double> fill_;          // per site: how many samples what it owns is worth
   std::vector<std::size_t> patch_;    // per site
   std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
+  std::vector<double> lacks_;                     // per patch: what it lacks, in samples
   std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
   double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
   std::size_t changed_ = 0;
@@ -411,6 +468,16 @@ void apply(const Passed& passed, Traced& now) {
   now.origin = std::move(origin);
 }
 
+/// Count what has come and gone. Of first ones on a component more may have come than may: as many
+/// more then go.
+void spend(const Passed& passed, Rule& rule) {
+  const std::size_t came = passed.fresh.size();
+  const auto gone =
+      static_cast<std::size_t>(std::count(passed.alive.begin(), passed.alive.end(), false));
+  rule.most_go += std::max(came, rule.most_come) - rule.most_come - gone;
+  rule.most_come -= std::min(rule.most_come, came);
+}
+
 std::vector<bool> left_of(const std::vector<bool>& values, const std::vector<bool>& alive) {
   std::vector<bool> result;
   for (std::size_t k = 0; k < values.size(); ++k)
@@ -426,9 +493,14 @@ double rebalancing_work(std::size_t sites, std::size_t count) {
 }
 
 Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                     std::size_t count, std::uint64_t seed, Context* context) {
+                     std::size_t count, std::uint64_t seed, Context* context, std::size_t pairs) {
   Random random(seed);
-  const Rule rule{.count = count};
+  const auto more_than = [&](std::size_t a, std::size_t b) {
+    return pairs == kAnyNumber ? kAnyNumber : std::max(a, b) - b + pairs;
+  };
+  Rule rule{.count = count,
+            .most_come = more_than(count, sites.size()),
+            .most_go = more_than(sites.size(), count)};
   Rebalanced result;
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
@@ -444,8 +516,9 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
                 left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();
+    if (pairs != kAnyNumber) spend(passed, rule);
     apply(passed, now);
-    complete = passed.complete;
+    complete = passed.complete || rule.most_come + rule.most_go == 0;
   }
   std::vector<std::int32_t> fresh;
   for (std::size_t k = 0; k < now.origin.size(); ++k) {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <dapple/domain.hpp>
+#include <limits>
 
 namespace dapple {
+
+inline constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 /// Sites of another number or under another density, before they are made even.
 struct Rebalanced {
@@ -22,9 +25,12 @@ struct Rebalanced {
 /// has its number to within a sample is left alone.
 /// \param sites with barycentric coordinates; at least one
 /// \param count at least one
+/// \param pairs how many may at most be put in while others are taken out: where that is too few,
+///              those neighborhoods come first that lack or have most
 /// \throw Cancelled
 [[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                                   std::size_t count, std::uint64_t seed, Context* context);
+                                   std::size_t count, std::uint64_t seed, Context* context,
+                                   std::size_t pairs = kAnyNumber);
 
 /// Some of the sites, which alone may go.
 struct FreeSites {

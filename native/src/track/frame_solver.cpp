@@ -143,7 +143,8 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
   return {std::move(found.state.sites), found.evaluations};
 }
 
-FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const Samples& now) const {
+/// The same aims for other samples, about which nothing is remembered.
+FrameSolver FrameSolver::with(const Samples& now) const {
   FrameSolver result = *this;
   result.ids_ = now.ids;
   result.class_of_ = now.classes;
@@ -152,6 +153,11 @@ FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const S
   else
     result.classes_ = counted(classes_, now.classes);
   result.first_ = sites_of(now);
+  return result;
+}
+
+FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const Samples& now) const {
+  FrameSolver result = with(now);
   for (std::size_t k = 0; k < origin.size(); ++k) {
     if (origin[k] < 0) continue;
     const auto o = static_cast<std::size_t>(origin[k]);
@@ -159,6 +165,26 @@ FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const S
     result.first_.barycentric[k] = first_.barycentric[o];
   }
   result.memory_ = memory_.exchanged(origin);
+  return result;
+}
+
+FrameSolver FrameSolver::transplanted(std::span<const std::int32_t> origin, const Samples& now,
+                                      const Surface& before, const Transfer& transfer,
+                                      const Context* context) const {
+  FrameSolver result = with(now);
+  const Transferred found = transfer.find(carried(before, first_), context);
+  std::vector<std::int32_t> place(first_.size(), -1);  // in what was found
+  for (std::size_t k = 0; k < found.which.size(); ++k)
+    place[static_cast<std::size_t>(found.which[k])] = static_cast<std::int32_t>(k);
+  std::vector<std::int32_t> remembered(origin.size(), -1);
+  for (std::size_t k = 0; k < origin.size(); ++k) {
+    const std::int32_t p = origin[k] < 0 ? -1 : place[static_cast<std::size_t>(origin[k])];
+    if (p < 0) continue;
+    remembered[k] = origin[k];
+    result.first_.faces[k] = found.sites.faces[static_cast<std::size_t>(p)];
+    result.first_.barycentric[k] = found.sites.barycentric[static_cast<std::size_t>(p)];
+  }
+  result.memory_ = memory_.exchanged(remembered);
   return result;
 }
 

@@ -8,6 +8,7 @@
 
 #include "optimize/restoration.hpp"
 #include "track/pattern_memory.hpp"
+#include "track/transfer.hpp"
 
 namespace dapple {
 
@@ -54,12 +55,20 @@ class FrameSolver {
   [[nodiscard]] FrameSolver exchanged(std::span<const std::int32_t> origin,
                                       const Samples& now) const;
 
+  /// For other samples on a surface of other faces, where the first frame's pattern is carried too.
+  /// \param origin per sample its index so far, or -1 for one that is new
+  /// \param before the surface so far
+  [[nodiscard]] FrameSolver transplanted(std::span<const std::int32_t> origin, const Samples& now,
+                                         const Surface& before, const Transfer& transfer,
+                                         const Context* context) const;
+
   [[nodiscard]] const TrackerOptions& options() const { return options_; }
   /// Of the first frame, as it was given.
   [[nodiscard]] const Report& first_report() const { return first_report_; }
 
  private:
   [[nodiscard]] OptimizerOptions aims() const;
+  [[nodiscard]] FrameSolver with(const Samples& now) const;
 
   TrackerOptions options_;
   std::vector<SampleClass> classes_;

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <dapple/domain.hpp>
 #include <dapple/population.hpp>
 #include <dapple/resample.hpp>
 #include <map>
 #include <set>
 
+#include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "sample/timed_call.hpp"
 #include "track/class_parts.hpp"
+#include "track/frame_solver.hpp"
+#include "track/transfer.hpp"
+#include "track/turnover.hpp"
 
 namespace dapple {
 namespace {
@@ -18,6 +24,9 @@ namespace {
 constexpr double kReluctance = 0.75;
 constexpr double kResized =
     0.8;  // of the progress of a frame: samples of all classes came and went
+constexpr double kAlike = 0.0025;  // of the area: so far meshes of one shape may differ
+// Of the progress of a frame of other faces: places are found, samples have come and gone.
+constexpr double kFound = 0.1, kBegun = 0.4;
 
 void check_wanted(double wanted, std::size_t now) {
   if (!(wanted <= static_cast<double>(kMostSamples)))
@@ -32,7 +41,22 @@ std::size_t whole_count(double wanted, std::size_t now) {
   return static_cast<std::size_t>(std::llround(wanted));
 }
 
+/// Whether a surface may be another one, deformed.
+bool is_same_body(const Surface& one, const Surface& other) {
+  if (one.vertex_count() != other.vertex_count() || one.face_count() != other.face_count() ||
+      one.density_at() != other.density_at() || one.density() != other.density())
+    return false;
+  return one.same_faces(other) ||
+         (one.faces() == other.faces() && one.welded_faces() == other.welded_faces());
+}
+
 }  // namespace
+
+struct Population::Crossing {
+  Tracker tracker;
+  std::vector<Fading> vanishing;
+  double density;
+};
 
 Population::Population(Surface surface, Samples samples, PopulationOptions options,
                        std::vector<SampleClass> classes, Context* context)
@@ -44,7 +68,9 @@ Population::Population(Surface surface, Samples samples, PopulationOptions optio
   const Samples& first = tracker_.samples();
   for (std::size_t c = 0; c < kinds_.size(); ++c) {
     if (!classes.empty()) kinds_[c].surface = std::move(classes[c].surface);
-    kinds_[c].density = static_cast<double>(count_of(first, c)) / surface_of(tracker_, c).mass();
+    kinds_[c].first_density =
+        static_cast<double>(count_of(first, c)) / surface_of(tracker_, c).mass();
+    kinds_[c].density = kinds_[c].first_density;
   }
   if (!first.ids.empty())
     next_id_ = std::int64_t{*std::max_element(first.ids.begin(), first.ids.end())} + 1;
@@ -146,24 +172,112 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   const Samples before = tracker.samples();
   const Samples after = resized(tracker, resizing.context());
   std::vector<Fading> gone = vanishing(before, after);
-  std::map<std::int32_t, double> fade_of;
-  for (std::size_t k = 0; k < before.size(); ++k)
-    fade_of[before.ids[k]] = std::min(1.0, fades_[k] + 1.0 / options_.fade);
   if (after.ids != before.ids) {
     tracker.exchange(after);
     // Classes come and go by themselves; only the tracker knows how even all of them are together.
     if (kinds_.size() > 1) tracker.advance(vertices, evening.context());
   }
+  take(std::move(tracker), std::move(gone));
+  if (context) context->advance(1.0);
+  return samples_;
+}
+
+const Samples& Population::advance(const Surface& next, Context* context) {
+  if (is_same_body(surface(), next)) return advance(next.vertices(), context);
+  TimedCall call(context);
+  if (context) context->check();
+  check_one_kind();
+  Crossing crossing =
+      with_threads(options_.tracker.threads, [&] { return cross(next, call.context()); });
+  kinds_[0].density = crossing.density;
+  take(std::move(crossing.tracker), std::move(crossing.vanishing));
+  call.write(samples_.report);
+  if (context) context->advance(1.0);
+  return samples_;
+}
+
+void Population::check_one_kind() const {
+  if (kinds_.size() > 1 || kinds_[0].surface)
+    throw ArgumentError(
+        "the surface has other faces than before: only samples without classes can "
+        "go on there, these have " +
+        std::to_string(kinds_.size()));
+}
+
+/// The next frame, on a surface of other faces.
+Population::Crossing Population::cross(const Surface& next, Context* context) const {
+  const Samples& last = tracker_.samples();
+  const auto now = static_cast<double>(last.size());
+  const Kind& kind = kinds_[0];
+  Crossing result{tracker_,
+                  {},
+                  std::clamp(now / next.mass(), (1.0 - kAlike) * kind.first_density,
+                             (1.0 + kAlike) * kind.first_density)};
+  const std::size_t count = whole_count(result.density * next.mass(), last.size());
+  Stretch beginning(context, kFound, kBegun), evening(context, kBegun, 1.0);
+  const Transfer transfer(surface(), next, sites_of(last), {kind.density, options_.reach}, context);
+  const SurfaceDomain domain(next, options_.tracker.cells, Steps::kConnected);
+  const auto [sites, origin] = turn_over(next, domain, transfer.samples(), last.size(), count,
+                                         static_cast<std::uint64_t>(next_id_), beginning.context());
+  const Samples samples = bind_samples(next, sites.faces, sites.barycentric, ids_of(origin));
+  result.vanishing = transferred(vanishing(last, samples), transfer, context);
+  result.tracker.cross(next, transfer, origin, samples, evening.context());
+  return result;
+}
+
+/// Those of the present samples, and new ones.
+/// \param origin per sample its index, or -1
+std::vector<std::int32_t> Population::ids_of(std::span<const std::int32_t> origin) const {
+  check_ids_left(next_id_ - 1,
+                 static_cast<std::size_t>(std::count(origin.begin(), origin.end(), -1)));
+  std::vector<std::int32_t> ids;
+  std::int64_t next = next_id_;
+  for (const std::int32_t o : origin)
+    ids.push_back(o < 0 ? static_cast<std::int32_t>(next++)
+                        : tracker_.samples().ids[static_cast<std::size_t>(o)]);
+  return ids;
+}
+
+/// Those that have a place on another surface.
+std::vector<Population::Fading> Population::transferred(const std::vector<Fading>& fading,
+                                                        const Transfer& transfer,
+                                                        const Context* context) const {
+  Sites sites;
+  for (const Fading& one : fading) {
+    sites.positions.push_back(surface().point(one.face, one.barycentric));
+    sites.faces.push_back(one.face);
+    sites.barycentric.push_back(one.barycentric);
+  }
+  const Transferred found = transfer.find(sites, context);
+  std::vector<Fading> result;
+  for (std::size_t k = 0; k < found.which.size(); ++k) {
+    const Fading& one = fading[static_cast<std::size_t>(found.which[k])];
+    result.push_back(
+        {one.id, found.sites.faces[k], found.sites.barycentric[k], one.fade, one.of_class});
+  }
+  return result;
+}
+
+/// The next frame's samples, and those that vanish.
+void Population::take(Tracker tracker, std::vector<Fading> vanishing) {
+  std::map<std::int32_t, double> fade_of;
+  const Samples& before = tracker_.samples();
+  for (std::size_t k = 0; k < before.size(); ++k)
+    fade_of[before.ids[k]] = std::min(1.0, fades_[k] + 1.0 / options_.fade);
+  const std::size_t last = before.size();
+  std::size_t births = 0;
   fades_.clear();
-  for (const std::int32_t id : after.ids) {
-    fades_.push_back(fade_of.contains(id) ? fade_of[id] : 0.0);
+  for (const std::int32_t id : tracker.samples().ids) {
+    const auto known = fade_of.find(id);
+    births += known == fade_of.end() ? 1 : 0;
+    fades_.push_back(known == fade_of.end() ? 0.0 : known->second);
     next_id_ = std::max(next_id_, std::int64_t{id} + 1);
   }
   tracker_ = std::move(tracker);
-  vanishing_ = std::move(gone);
+  vanishing_ = std::move(vanishing);
   join();
-  if (context) context->advance(1.0);
-  return samples_;
+  samples_.report.births = births;
+  samples_.report.deaths = last + births - fades_.size();
 }
 
 void Population::join() {

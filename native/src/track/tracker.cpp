@@ -11,6 +11,7 @@
 #include "sample/timed_call.hpp"
 #include "track/frame_solver.hpp"
 #include "track/motion.hpp"
+#include "track/transfer.hpp"
 
 namespace dapple {
 namespace {
@@ -144,6 +145,31 @@ void Tracker::exchange(const Samples& samples) {
   samples_ = samples;
   measured_.reset();
   settled_ = false;
+}
+
+/// Go on on a surface of other faces.
+/// \param origin per sample its index so far, or -1 for one that is new; those come last
+/// \param now where the samples begin there
+void Tracker::cross(const Surface& next, const Transfer& transfer,
+                    std::span<const std::int32_t> origin, const Samples& now, Context* context) {
+  const Sites home = sites_of(now);
+  Vectors before = home.positions;
+  Vectors stayed;
+  for (std::size_t k = 0; k < origin.size() && origin[k] >= 0; ++k) {
+    before[k] = samples_.positions[static_cast<std::size_t>(origin[k])];
+    stayed.push_back(home.positions[k]);
+  }
+  solver_ = std::make_shared<const FrameSolver>(
+      solver_->transplanted(origin, now, surface_, transfer, context));
+  const Vectors moves = in_stage(context, Stage::kStart, [&] {
+    return solver_->recall(next, {before, home.faces, home.barycentric}, home);
+  });
+  auto [samples, settled] = solver_->restore(next, home, moves, &home, false, context);
+  measure_slide(samples.report, samples.positions, stayed);
+  settled_ = settled && samples.report.slide_max < kHeld * solver_->options().optimizer.max_slide;
+  surface_ = next;
+  samples_ = std::move(samples);
+  measured_ = samples_.report;
 }
 
 }  // namespace dapple

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -46,9 +47,12 @@ def read(path: Path) -> Motion:
             return Motion(frames, found.times if len(frames) > 1 else None, scene)
     if suffix == ".npz":
         arrays = load_npz(path)
+        if "starts" in arrays:
+            with about(path):
+                return Motion(_changing(arrays), _times(arrays, len(arrays["starts"]) - 1))
         if "positions" in arrays and arrays["positions"].ndim == 3:
             with about(path):
-                return Motion(_frames(arrays), _times(arrays))
+                return Motion(_frames(arrays), _times(arrays, len(arrays["positions"])))
     if suffix == ".csv":
         with about(path):
             return _of_table(text.read_csv(path))
@@ -65,12 +69,41 @@ def _of_table(columns: dict[str, NDArray]) -> Motion:
     return Motion([points.from_columns(frame) for frame in frames], times)
 
 
-def _times(arrays: dict[str, NDArray]) -> NDArray[np.float64] | None:
+def _changing(arrays: dict[str, NDArray]) -> list[Points]:
+    """Those of frame k are the rows starts[k] to starts[k + 1]; what has not appeared is small."""
+    if "positions" not in arrays:
+        raise ValueError("has starts, but no positions")
+    joined = points.from_arrays(arrays).arrays()
+    rows = len(joined["positions"])
+    starts = _starts(arrays["starts"], rows)
+    if "fade" in arrays:
+        fade = arrays["fade"]
+        if fade.shape != (rows,) or fade.dtype.kind not in "fiu":
+            raise ValueError(
+                f"fade is {fade.dtype.name} {fade.shape}: numbers ({rows},) are needed"
+            )
+        joined["scales"] = joined.get("scales", np.ones((rows, 3))) * fade[:, None]
+    return [
+        Points(**{name: values[begin:end] for name, values in joined.items()})
+        for begin, end in pairwise(starts)
+    ]
+
+
+def _starts(starts: NDArray, rows: int) -> list[int]:
+    """They begin with 0, do not fall, and end with the rows."""
+    if starts.ndim == 1 and len(starts) > 1 and starts.dtype.kind in "iu":
+        found: list[int] = starts.tolist()
+        if found[0] == 0 and found[-1] == rows and found == sorted(found):
+            return found
+    raise ValueError(f"starts does not divide the {rows} rows of positions into frames")
+
+
+def _times(arrays: dict[str, NDArray], count: int) -> NDArray[np.float64] | None:
     """Their numbers, if they are as many as the frames."""
     times = arrays.get("times")
     if times is None:
         return None
-    if times.shape != arrays["positions"].shape[:1] or times.dtype.kind not in "fiu":
+    if times.shape != (count,) or times.dtype.kind not in "fiu":
         raise ValueError(
             f"times is {times.dtype.name} {times.shape}: a number for each frame is needed"
         )

@@ -12,6 +12,7 @@ import dapple3d as dapple
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
 INPUT = click.Path(exists=True, dir_okay=False, path_type=Path)
+FRAMES = click.Path(exists=True, path_type=Path)  # or a folder of them
 OUTPUT = click.Path(path_type=Path)
 NOT_NEGATIVE = click.FloatRange(min=0)
 COUNT = click.IntRange(min=1, max=100_000_000)

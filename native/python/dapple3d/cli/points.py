@@ -258,6 +258,8 @@ def _read_npz(path: Path) -> Points:
     arrays = load_npz(path)
     if "positions" not in arrays:
         raise ValueError(f"has no array 'positions', only {', '.join(arrays) or 'none'}")
+    if "starts" in arrays:
+        raise ValueError("holds several frames; `dapple export --frame` takes one out")
     return from_arrays(arrays)
 
 

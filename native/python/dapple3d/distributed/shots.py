@@ -128,11 +128,28 @@ def track_shot(
 
 def motion_arrays(results: Sequence[native.Samples]) -> dict[str, NDArray]:
     """The samples of all frames; without the time they took, the same bytes each time."""
-    reports = [samples.report.to_dict() for samples in results]
-    texts = [json.dumps({k: v for k, v in report.items() if k not in TIMES}) for report in reports]
     stacked = {
         name: np.stack([getattr(samples, name) for samples in results])
         for name in ("positions", "normals", "faces", "barycentric")
     }
-    last = {"ids": results[0].ids, "classes": results[0].classes, "reports": np.array(texts)}
-    return stacked | last
+    last = {"ids": results[0].ids, "classes": results[0].classes}
+    return stacked | last | {"reports": _reports(results)}
+
+
+def changing_arrays(results: Sequence[native.Samples]) -> dict[str, NDArray]:
+    """The same where samples appear and vanish: those of one frame after those of another.
+
+    Those of frame k are the rows starts[k] to starts[k + 1].
+    """
+    names = ("positions", "normals", "faces", "barycentric", "ids", "classes", "fade")
+    joined = {
+        name: np.concatenate([getattr(samples, name) for samples in results]) for name in names
+    }
+    starts = np.cumsum([0, *(len(samples) for samples in results)])
+    return {"starts": starts} | joined | {"reports": _reports(results)}
+
+
+def _reports(results: Sequence[native.Samples]) -> NDArray:
+    reports = [samples.report.to_dict() for samples in results]
+    texts = [json.dumps({k: v for k, v in report.items() if k not in TIMES}) for report in reports]
+    return np.array(texts)

@@ -2,24 +2,24 @@
 """dapple track: points that stay put on a moving mesh."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 import dapple3d as dapple
-from dapple3d.cli import meshes, options
+from dapple3d.cli import meshes, options, sequences
 from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.points import bound
 from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.sequences import Frames
 from dapple3d.cli.work import Work
-from dapple3d.distributed.shots import motion_arrays
+from dapple3d.distributed.shots import changing_arrays, motion_arrays
 from dapple3d.writing import replacing, write_npz
 
-Motion = list[tuple[str, NDArray]]  # name and vertices of each frame
 # Options of sample(), for the first frame, that mean the same to the tracker.
 START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
     "max_evaluations"  # of each frame
@@ -27,7 +27,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 
 
 @click.command("track", short_help="Points that stay put on a moving mesh.")
-@click.argument("frames", type=options.INPUT, nargs=-1, required=True)
+@click.argument("frames", type=options.FRAMES, nargs=-1, required=True)
 @click.argument("out", type=options.OUTPUT)
 @click.option("-n", "--count", type=options.COUNT, help="Number of points, on the first frame.")
 @click.option(
@@ -42,6 +42,13 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
     f"is then {options.library_defaults('track_window')['stickiness']} by default.",
 )
 @options.library_options("track_window", only=["closed", "sweeps"], before="With --together: ")
+@click.option(
+    "--keep-density",
+    is_flag=True,
+    help="As many points per area as on the first frame: some appear, others vanish, and FRAMES "
+    "may have other faces.",
+)
+@options.library_options("Population", only=["fade", "reach"], before="With --keep-density: ")
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
 @options.weld_option
@@ -55,6 +62,9 @@ def command(
     together: bool,
     closed: bool | None,
     sweeps: int | None,
+    keep_density: bool,
+    fade: int | None,
+    reach: float | None,
     seed: int | None,
     weld: bool,
     profile: bool,
@@ -64,31 +74,45 @@ def command(
 ) -> None:
     """Keep COUNT points, or a file's, even and in place on the FRAMES of a motion.
 
-    FRAMES are meshes as for `dapple sample` with the same faces, or one .npz with 'vertices'
-    (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals' (frames, n, 3),
-    'faces' (frames, n) and 'barycentric' (frames, n, 3): where on the mesh each point is; 'ids'
-    and 'classes' (n,), and 'reports' (frames,), JSON.
+    FRAMES are meshes as for `dapple sample` with the same faces, a folder of them, or one .npz with
+    'vertices' (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals'
+    (frames, n, 3), 'faces' (frames, n) and 'barycentric' (frames, n, 3): where on the mesh each
+    point is; 'ids' and 'classes' (n,), and 'reports' (frames,), JSON.
+
+    With --keep-density faces may be others on each frame; one .npz then has 'vertices_0',
+    'faces_0', 'vertices_1' and so on. The points of all frames follow each other in OUT: those of
+    frame k are the rows 'starts'[k] to 'starts'[k + 1] of each array. 'fade' (rows,) is how far a
+    point has appeared, 0 to 1.
 
     \b
     Examples:
       dapple track walk_0.ply walk_1.ply walk_2.ply points.npz -n 2000
       dapple track walk.npz points.npz -n 2000 --together --closed
       dapple track walk.npz points.npz --points plants.npz
+      dapple track splash_meshes points.npz -n 2000 --keep-density
     """
     reporter = Reporter(json_out, quiet)
     if out.suffix.lower() != ".npz":
         raise click.ClickException(f"{out}: the points of all frames are written as .npz")
     if not together and (closed or sweeps is not None):
         raise click.UsageError("--closed and --sweeps need --together")
+    if not keep_density and (fade is not None or reach is not None):
+        raise click.UsageError("--fade and --reach need --keep-density")
+    if keep_density and together:
+        raise click.UsageError("--keep-density goes frame by frame, so not --together")
     options.check_either(count, points)
-    check_outputs([*frames, points], [out, reporter.file])
-    source, motion = read_motion(frames)
-    loaded = meshes.load(source, weld=weld)
+    files = sequences.files_of(frames)
+    check_outputs([*files, points], [out, reporter.file])
+    motion = sequences.read(files)
+    if not keep_density:
+        sequences.check_same_faces(motion)
+    loaded = meshes.load(motion[0][1], weld=weld)
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})
     if together:
         tracking |= options.given({"closed": closed, "sweeps": sweeps})
+    tracking |= options.given({"fade": fade, "reach": reach})
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
         if points:
             first = bound(loaded.surface, points)
@@ -96,10 +120,14 @@ def command(
         else:
             assert count is not None
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
-        follow = follow_together if together else follow_each
-        results = follow(work, loaded.surface, motion, first, tracking)
-    write_motion(out, results)
-    verb = "track_window" if together else "Tracker"
+        if keep_density:
+            results = follow_population(work, loaded.surface, motion, first, tracking, weld)
+        else:
+            follow = follow_together if together else follow_each
+            results = follow(work, loaded.surface, motion, first, tracking)
+    with replacing(out) as file:
+        write_npz(file, (changing_arrays if keep_density else motion_arrays)(results))
+    verb = "Population" if keep_density else "track_window" if together else "Tracker"
     settings = {"count": len(first), "together": together} | options.library_defaults(verb)
     settings["seed"] = options.library_defaults("sample")["seed"]
     reporter.store(
@@ -112,11 +140,19 @@ def command(
     )
     slide = max(samples.report.slide_max for samples in results)
     reporter.say(
-        f"{out}: {len(first)} points on {len(motion)} frames, the last one: "
-        f"{figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
+        f"{out}: {len(first)} points on {len(motion)} frames{turnover(results, keep_density)}, the "
+        f"last one: {figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
     )
     if profile:
         reporter.show_profile([samples.report for samples in results])
+
+
+def turnover(results: Sequence[dapple.Samples], keep_density: bool) -> str:
+    """How many points have appeared and vanished, where they may."""
+    if not keep_density:
+        return ""
+    births = sum(samples.report.births for samples in results)
+    return f", {births} appear, {sum(samples.report.deaths for samples in results)} vanish"
 
 
 def of_classes(first: dapple.Samples) -> dict[str, Any]:
@@ -125,75 +161,48 @@ def of_classes(first: dapple.Samples) -> dict[str, Any]:
     return {"classes": counts} if len(counts) > 1 else {}
 
 
-def read_motion(frames: Sequence[Path]) -> tuple[meshes.Mesh, Motion]:
-    """The first frame as a mesh, and the vertices of all, the first's among them.
-
-    Raises:
-        ClickException: naming the frame that has other faces, or arrays that are no motion.
-    """
-    first = meshes.read_mesh(frames[0])
-    if len(frames) == 1:
-        if np.ndim(first.vertices) != 3 or len(first.vertices) == 0:
-            raise click.ClickException(
-                f"{first.path}: 'vertices' has the shape {np.shape(first.vertices)}: "
-                "(frames, v, 3) is needed, or more files"
-            )
-        motion = [(f"{first.path}[{k}]", frame) for k, frame in enumerate(first.vertices)]
-        return meshes.Mesh(first.path, first.vertices[0], first.faces, first.arrays), motion
-    motion = [(str(first.path), first.vertices)]
-    for path in frames[1:]:
-        other = meshes.read_mesh(path)
-        check_same_faces(first, other)
-        motion.append((str(path), other.vertices))
-    return first, motion
-
-
-def check_same_faces(first: meshes.Mesh, other: meshes.Mesh) -> None:
-    """Raise ClickException, naming the first face that differs."""
-    if other.faces.shape != first.faces.shape:
-        raise click.ClickException(
-            f"{other.path}: has faces {other.faces.shape}, but {first.path} {first.faces.shape}: "
-            "all frames need the same faces"
-        )
-    different = np.flatnonzero((other.faces != first.faces).any(axis=1))
-    if len(different):
-        k = different[0]
-        raise click.ClickException(
-            f"{other.path}: faces[{k}] is {other.faces[k].tolist()}, but in {first.path} "
-            f"{first.faces[k].tolist()}: all frames need the same faces"
-        )
-
-
 def follow_each(
     work: Work,
     surface: dapple.Surface,
-    motion: Motion,
+    motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
 ) -> list[dapple.Samples]:
     """Frame after frame."""
     tracker = dapple.Tracker(surface, first, **given)
     results = [first]
-    for name, vertices in motion[1:]:
+    for name, mesh in motion[1:]:
         with about(name):
-            results.append(work.run(partial(tracker.advance, vertices)))
+            results.append(work.run(partial(tracker.advance, mesh.vertices)))
+    return results
+
+
+def follow_population(
+    work: Work,
+    surface: dapple.Surface,
+    motion: Frames,
+    first: dapple.Samples,
+    given: dict[str, Any],
+    weld: bool,
+) -> list[dapple.Samples]:
+    """Frame after frame, of any faces."""
+    population = dapple.Population(surface, first, **given)
+    results = [first]
+    for name, mesh in motion[1:]:
+        next_surface = meshes.load(replace(mesh, path=Path(name)), weld=weld).surface
+        with about(name):
+            results.append(work.run(partial(population.advance, next_surface)))
     return results
 
 
 def follow_together(
     work: Work,
     surface: dapple.Surface,
-    motion: Motion,
+    motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
 ) -> list[dapple.Samples]:
     """All frames at once."""
-    frames = [vertices for _, vertices in motion[1:]]
+    frames = [mesh.vertices for _, mesh in motion[1:]]
     with about(motion[0][0]):
         return work.run(partial(dapple.track_window, surface, frames, first, **given))
-
-
-def write_motion(path: Path, results: Sequence[dapple.Samples]) -> None:
-    """Write the frames' samples."""
-    with replacing(path) as file:
-        write_npz(file, motion_arrays(results))

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/projector.hpp>
+#include <span>
+
+namespace dapple {
+
+/// Points that have a place on another surface.
+struct Transferred {
+  std::vector<std::int32_t> which;  ///< their indices; sorted
+  Sites sites;                      ///< and places
+};
+
+/// How far points of a surface may be from it in the next frame.
+struct Reach {
+  double density = 0.0;   ///< samples per capacity, > 0
+  double spacings = 0.0;  ///< local ones, of so many samples
+};
+
+/// From a surface to the next frame's, whose faces need not be the same: nobody knows where a point
+/// has gone, so it goes to the nearest place on the same side of the surface. A point that has none
+/// within reach has lost its surface.
+///
+/// A component that moves farther than the reach takes its points along: their reach is more than
+/// twice what half of them need.
+class Transfer {
+ public:
+  /// \param samples sites of `before` that tell how far each of its components moves
+  /// \throw Cancelled
+  Transfer(const Surface& before, const Surface& next, const Sites& samples, const Reach& reach,
+           const Context* context);
+
+  /// Of the samples.
+  [[nodiscard]] const Transferred& samples() const { return samples_; }
+
+  /// Of other sites of `before`.
+  /// \throw Cancelled
+  [[nodiscard]] Transferred find(const Sites& sites, const Context* context) const;
+
+ private:
+  struct Nearest;
+  [[nodiscard]] Nearest nearest(const Sites& sites, const Context* context) const;
+  void measure_motion(const Sites& samples, const Nearest& near);
+  [[nodiscard]] Transferred within_reach(const Sites& sites, const Nearest& near) const;
+  void add_nearest(Transferred& found, std::size_t k, const Vec3& point, const Vec3& normal,
+                   std::span<const std::int32_t> faces) const;
+  [[nodiscard]] double reach_of(const Sites& sites, std::size_t k) const;
+  [[nodiscard]] std::size_t component(std::int32_t face) const;
+  [[nodiscard]] bool is_same_side(std::int32_t face, const Vec3& normal) const;
+
+  Surface before_, next_;
+  Projector projector_;
+  Reach reach_;
+  std::vector<double> motion_;  // per component of the surface before: so far its points may go
+  Transferred samples_;
+};
+
+}  // namespace dapple
