@@ -43,6 +43,7 @@ class Baker:
     """
 
     remedy = REBIND  # where the topology changes and must not
+    at_seam = True  # bind anew just when the topology changes, between two frames
 
     bound: SurfaceArrays  # where the current topology begins
     start: Start
@@ -91,7 +92,8 @@ class Baker:
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
         """Bind to the places of a new topology that are nearest, or the same on the rest shape.
 
-        Both are the surface just before and after it came; with a rest shape, of any moments.
+        Both are the surface just before and after it came; of two frames where that is not asked
+        for, and with a rest shape of any moments.
         """
         if after.rest is None:
             with named(after.name):

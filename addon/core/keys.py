@@ -123,7 +123,7 @@ class Keyframes:
     _next: int = 0
     _start: int = 0  # first frame of this topology
     _offset: int = 0  # of its triangles in the table of all
-    _first_row: int = 0  # its first key
+    _first_rows: list[int] = field(default_factory=list)  # first keys of all topologies
     _topology: str = ""
     _last: tuple[int, Binding] | None = None
     _waiting: list[_Waiting] = field(default_factory=list)
@@ -218,18 +218,26 @@ class Keyframes:
         return columns
 
     def _fill_up(self) -> None:
-        """Give each key rows for the points that appear later: where they will, not there yet."""
+        """Give each key rows for the points that appear later, which are not there yet."""
         for key in range(len(self._rows) - 2, -1, -1):
-            (faces, places), (later_faces, later_places) = self._rows[key], self._rows[key + 1]
-            known, more = len(faces), len(later_faces) - len(faces)
+            own, later = self._rows[key], self._rows_after(key)
+            more = len(later[0])
             if more:
                 gone = self._gone[key]
                 assert gone is not None
                 self._rows[key] = (
-                    np.concatenate([faces, later_faces[known:]]),
-                    np.concatenate([places, later_places[known:]]),
+                    np.concatenate([own[0], later[0]]),
+                    np.concatenate([own[1], later[1]]),
                 )
                 self._gone[key] = np.concatenate([gone, np.ones(more, dtype=np.float32)])
+
+    def _rows_after(self, key: int) -> tuple[Ints, Any]:
+        """Where points will appear; on faces that are not there yet, as many like the first row."""
+        (faces, places), (later_faces, later_places) = self._rows[key], self._rows[key + 1]
+        if key + 1 not in self._first_rows:
+            return later_faces[len(faces) :], later_places[len(faces) :]
+        first = np.zeros(len(later_faces) - len(faces), dtype=np.int64)
+        return faces[first], places[first]
 
     def _begin(self, bound: SurfaceArrays) -> None:
         if self._waiting:
@@ -237,7 +245,7 @@ class Keyframes:
             self._add_key(last.frame, last.placed)
         self._drop_unused()
         self._offset = sum(map(len, self._triangles))
-        self._first_row = len(self._rows)
+        self._first_rows.append(len(self._rows))
         self._triangles.append(bound.faces)
         self._topology, self._start = bound.topology, self._next
         if bound.rest is None:
@@ -247,16 +255,15 @@ class Keyframes:
 
     def _drop_unused(self) -> None:
         """Keep those triangles of the topology that ends which its keys use."""
-        rows = self._rows[self._first_row :]
-        if not rows:
+        if not self._rows:
             return
+        begin = self._first_rows[-1]
+        rows = self._rows[begin:]
         used = np.zeros(len(self._triangles[-1]), dtype=bool)
         for faces, _ in rows:
             used[faces - self._offset] = True
         place = np.cumsum(used, dtype=np.int32) - 1 + np.int32(self._offset)
-        self._rows[self._first_row :] = [
-            (place[faces - self._offset], places) for faces, places in rows
-        ]
+        self._rows[begin:] = [(place[faces - self._offset], places) for faces, places in rows]
         self._triangles[-1] = self._triangles[-1][used]
         for name, values in (self._rest[-1] if self._rest else {}).items():
             self._rest[-1][name] = values[used]

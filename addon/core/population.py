@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from .bake import Baker
+from .binding import faces_with_corners
 from .errors import ScatterError
 from .frames import carried
+from .ground import Ground
 from .keys import Placed, padded
 from .kinds import of_classes
 from .lean import leaning
@@ -21,14 +23,14 @@ from .native import package
 from .records import Binding, Columns
 from .sidecar import Solved
 from .solve import named, point_columns, report_of
-from .surface import Floats, Ints
+from .surface import Floats, Ints, SurfaceArrays
 
 
 @dataclass(frozen=True)
 class Born:
     """Points that appear during a bake, where they appear."""
 
-    binding: Binding
+    binding: Binding  # on the first topology
     positions: Floats  # (k, 3) in world space
     columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
 
@@ -37,15 +39,23 @@ class Born:
 class PopulationBaker(Baker):
     """Bakes births and deaths; frames are not kept in files before the end."""
 
-    remedy = "Set Population to Keep Count"
+    at_seam = False  # the package finds where each point goes on
     fade: int = 12  # frames that a point takes to appear or to vanish
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.start.settings.classes:  # which the package follows on the same faces only
+            self.rebind, self.remedy = False, "Set Population to Keep Count"
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
         self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
+
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Bind all rows to the new topology, those too that are not there."""
+        super().cross(before, after)
+        self._faces = faces_with_corners(self.last.corners, after.faces)
+        self._ground = None
 
     def advance(self, context: Any) -> None:
         """Solve the frame."""
@@ -57,9 +67,16 @@ class PopulationBaker(Baker):
                 self._population = package().Population(
                     self._ground.surface, samples, fade=self.fade, **options
                 )
-            vertices = self._ground.vertices(self._now.vertices)
-            samples = self._ground.back(self._population.advance(vertices, context=context))
+            samples = self._population.advance(self._surface(), context=context)
+            samples = self._ground.back(samples)
         self._add(Solved(self._rows(samples), report_of(samples.report)))
+
+    def _surface(self) -> Any:
+        """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
+        if self._ground is None:
+            self._ground = Ground(self.bound, self.start.settings)
+            return self._ground.surface
+        return self._ground.vertices(self._now.vertices)
 
     def born(self) -> Born | None:
         """The points that were not there at the start."""
@@ -103,11 +120,22 @@ class PopulationBaker(Baker):
         binding = Binding(
             self.bound.faces[faces], np.asarray(samples.barycentric)[new], np.zeros(len(faces))
         )
+        stored = binding if len(self.topologies) == 1 else _first_row(self.begin, len(faces))
         classes = np.asarray(samples.classes, dtype=np.int32)[new]
-        self._births.append((binding, binding.positions(self._now.vertices), classes))
+        self._births.append((stored, binding.positions(self._now.vertices), classes))
         self._faces = np.concatenate([self._faces, faces])
         self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
         self.last = _joined([self.last, binding])
+
+
+def _first_row(binding: Binding, count: int) -> Binding:
+    """So many like the first: for points of later topologies, which the first one never shows."""
+    return Binding(
+        *(
+            np.repeat(values[:1], count, axis=0)
+            for values in (binding.corners, binding.barycentric, binding.carry)
+        )
+    )
 
 
 def _faces_at_start(samples: Any, ids: Ints) -> Ints:

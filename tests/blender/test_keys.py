@@ -115,6 +115,26 @@ def test_keys_are_not_mixed_across_a_change_of_topology(keys):
     assert corners == [[0, 1, 2], [4, 3, 5]]
 
 
+def test_points_that_appear_after_a_change_of_topology_have_rows_before_it(keys):
+    before = strip("before", faces=FACES[:2])
+    after = strip("after", faces=FACES[::-1].copy())
+    found = keys.Keyframes(4)
+    for frame, (arrays, faces) in enumerate(
+        [(before, [1]), (before, [1, 0]), (after, [2, 0, 3]), (after, [2, 0, 3, 1])]
+    ):
+        item = placed(keys, arrays, faces, (0.2, 0.3, 0.5), 0.1 * frame)
+        found.add(replace(item, gone=np.zeros(len(faces))), arrays, arrays, 1.0)
+    packed = found.packed()
+    gone = packed.keys["dapple_gone"].reshape(4, 4)
+    assert gone.tolist() == [[0, 1, 1, 1], [0, 0, 1, 1], [0, 0, 0, 1], [0, 0, 0, 0]]
+    first, second, _, fourth = (packed.binding(k, 4)[0] for k in range(4))
+    assert first.corners.tolist() == FACES[[1, 0, 1, 1]].tolist()
+    assert second.corners.tolist() == FACES[[1, 0, 1, 1]].tolist()
+    assert fourth.corners.tolist() == FACES[::-1][[2, 0, 3, 1]].tolist()
+    faces, table = packed.keys["dapple_face"], packed.frames
+    assert keys.wrong_index(faces, packed.triangles, table, 4) == ""
+
+
 def test_the_rows_of_a_bake_are_held_once(keys):
     arrays, count = strip(), 20_000
     found = keys.Keyframes(4)

@@ -181,3 +181,86 @@ def test_a_cleared_bake_of_an_older_version_leaves_its_points(breathing):
     obj.dapple.solved.count = 0
     assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
     assert obj.dapple.report.count == 80
+
+
+def remeshed():
+    """A ball that grows through the voxels of a Remesh modifier: other faces in every frame."""
+    surface = scenes.sphere()
+    modifier = surface.modifiers.new("Remesh", "REMESH")
+    modifier.mode, modifier.voxel_size = "VOXEL", 0.12
+    surface.shape_key_add(name="Basis")
+    grown = surface.shape_key_add(name="Grown")
+    for point in grown.data:
+        point.co.x = 1.6 * point.co.x + 0.3
+    for frame, share in ((1, 0.0), (8, 1.0)):
+        grown.value = share
+        grown.keyframe_insert("value", frame=frame)
+    return surface
+
+
+def balls():
+    """Two metaballs that merge: other faces in every frame, and no rest position."""
+    bpy.ops.object.metaball_add()
+    surface = bpy.context.object
+    surface.data.resolution = 0.25
+    other = surface.data.elements.new()
+    for frame, x in ((1, 3.6), (8, 1.5)):
+        other.co.x = x
+        other.keyframe_insert("co", frame=frame)
+    return surface
+
+
+def following(made):
+    surface = made()
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 8
+    scene.frame_set(1)
+    obj = scenes.scattered(surface, count=300)
+    obj.dapple.count_over_time, obj.dapple.fade_frames = "KEEP_DENSITY", FADE
+    return surface, obj
+
+
+def read_now(surface):
+    reading = addon_host.part("blender.surface.surface_mesh")
+    return reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+
+
+@pytest.mark.parametrize("made", [remeshed, balls])
+def test_faces_that_change_are_followed_at_a_constant_density(made):
+    surface, obj = following(made)
+    dapple, before = addon_host.part("core.native").package(), ids(obj)
+    obj.dapple.on_topology_change = "REBIND"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert ids(obj)[:300] == before
+    assert len(set(ids(obj))) == len(obj.data.vertices) > 300
+    staleness = addon_host.part("blender.status.staleness")
+    first_area, counts = None, set()
+    for frame in range(1, 9):
+        bpy.context.scene.frame_set(frame)
+        assert staleness.stale_reason(obj, bpy.context) == ""
+        arrays = read_now(surface)
+        counts.add(len(arrays.vertices))
+        native = dapple.Surface(arrays.vertices, arrays.faces)
+        first_area = first_area or native.area
+        places = scenes.positions(obj)
+        apart = np.linalg.norm(dapple.project(native, places).positions - places, axis=1)
+        assert apart.max() < 1e-3
+        there = fades(obj, frame) > 0.0
+        if frame < 8:
+            there |= fades(obj, frame + 1) > 0.0  # born, so far without a size
+        wanted = 300 * native.area / first_area
+        assert 0.98 * wanted - 2 <= there.sum() <= 1.02 * wanted + 30  # some still vanish
+    assert len(counts) > 4
+    table = np.stack([fades(obj, frame) for frame in range(1, 9)])
+    born_again = (np.diff((table > 0.0).astype(int), axis=0) == 1).sum(axis=0)
+    assert (born_again <= 1).all()
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert len(obj.data.vertices) == 300
+
+
+def test_faces_that_change_are_refused_unless_asked_for():
+    _, obj = following(remeshed)
+    obj.dapple.bind_to = "FACES"
+    with pytest.raises(RuntimeError, match=r"changes its topology at frame 2.*New Topology"):
+        bpy.ops.dapple.bake()
+    assert len(obj.data.vertices) == 300

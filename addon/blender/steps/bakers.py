@@ -38,7 +38,8 @@ def new_baker(
     keyframes = Keyframes(count, obj.dapple.key_every)
     smoothing = obj.dapple.bake_smoothing
     if obj.dapple.count_over_time == "KEEP_DENSITY":
-        return PopulationBaker(arrays, start, keyframes, first=first, fade=obj.dapple.fade_frames)
+        fade = obj.dapple.fade_frames
+        return PopulationBaker(arrays, start, keyframes, None, first, rebind, fade=fade)
     kept = work_files(obj, first)
     if smoothing == "FORWARDS":
         return Baker(arrays, start, keyframes, kept, first, rebind)

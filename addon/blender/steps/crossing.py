@@ -15,7 +15,7 @@ def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> S
     """Have a baker cross to the faces of its next frame, which is returned as read again."""
     number = baker.first + baker.done
     before, after = baker.now, arrays
-    if arrays.rest is None:
+    if arrays.rest is None and baker.at_seam:
         before, after = _seam(surface, number, baker.bound.topology)
     then = at_frame(surface, number, settings=baker.start.settings, own=held)
     baker.cross(before, replace(after, weights=then.weights, around=then.around))
