@@ -124,9 +124,9 @@ Samples Population::resized(const Tracker& tracker, Context* context) const {
 Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64_t next_id,
                             Context* context) const {
   const Surface surface = surface_of(tracker, kind);
-  const Samples now = kinds_.size() == 1
-                          ? tracker.samples()
-                          : of_class(surface, tracker.samples(), static_cast<std::int32_t>(kind));
+  Samples now = kinds_.size() == 1
+                    ? tracker.samples()
+                    : of_class(surface, tracker.samples(), static_cast<std::int32_t>(kind));
   const std::size_t count = wanted(tracker, kind);
   if (count == now.size()) return now;
   SampleOptions options;
