@@ -512,4 +512,7 @@ def _chunks(content: bytes) -> tuple[dict[str, Any], bytes]:
 def _bytes_of(uri: str, path: Path) -> bytes:
     if uri.startswith("data:"):
         return base64.b64decode(uri.partition(",")[2])
-    return (path.parent / unquote(uri)).read_bytes()
+    place = Path(os.path.normpath(path.parent / unquote(uri)))
+    if not place.is_relative_to(os.path.normpath(path.parent)) or not place.is_file():
+        raise ValueError(f"its buffer {uri!r} is no file in its folder")
+    return place.read_bytes()

@@ -190,7 +190,7 @@ def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
         path: any format that Pillow knows; deeper ones are reduced to 8 bits.
 
     Raises:
-        OSError: the file is missing, or no picture.
+        OSError: the file is missing, no picture, or one of more than 179 million pixels.
         ImportError: Pillow is not installed.
     """
     from PIL import Image

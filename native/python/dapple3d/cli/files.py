@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import click
-import numpy as np
 from numpy.typing import NDArray
 
+from dapple3d import reading
 from dapple3d.reading import BROKEN
 
 Arrays = dict[str, NDArray]
@@ -62,12 +62,7 @@ def load_npz(path: Path) -> Arrays:
         ClickException: the file is broken, or holds pickled objects.
     """
     with _reading(path, "npz"):
-        found = np.load(path, allow_pickle=False)
-        if isinstance(found, np.ndarray):
-            raise ValueError("it is a single array")
-        with found:
-            parts = {name: found[name] for name in found.files}
-            return {name: part for name, part in parts.items() if isinstance(part, np.ndarray)}
+        return reading.read_npz(path)
 
 
 def load_npy(path: Path) -> NDArray:
@@ -77,10 +72,7 @@ def load_npy(path: Path) -> NDArray:
         ClickException: the file is broken, or holds pickled objects.
     """
     with _reading(path, "npy"):
-        found = np.load(path, allow_pickle=False)
-        if not isinstance(found, np.ndarray):
-            raise ValueError("it holds several arrays")
-        return found
+        return reading.read_npy(path)
 
 
 def listed(formats: Iterable[str]) -> str:

@@ -93,8 +93,15 @@ def _not_negative(word: str) -> int:
     return int(word)
 
 
+def _least_bytes(order: str, element: _Element) -> int:
+    """A row is never shorter: what it promises is there before memory is asked for."""
+    if order == ORDERS["ascii"]:
+        return max(1, 2 * len(element.fields) - 1)  # digits, and what is between them
+    return max(1, np.dtype([(name, order + kind) for name, kind in element.fields]).itemsize)
+
+
 def _read_rows(file: IO[bytes], order: str, element: _Element) -> NDArray:
-    if element.count > os.fstat(file.fileno()).st_size:  # before memory is asked for
+    if element.count * _least_bytes(order, element) > os.fstat(file.fileno()).st_size:
         raise ValueError(f"is too short for {element.count} '{element.name}'")
     if order == ORDERS["ascii"]:
         return _read_text(file, element)

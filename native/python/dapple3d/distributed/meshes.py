@@ -213,7 +213,7 @@ def _check_corners(corners: NDArray, vertices: int, first: int) -> None:
 def _place(faces: Column, buckets: NDArray, count: int, folder: Path) -> None:
     """Write the faces bucket by bucket, in a bucket in their own order."""
     starts = np.concatenate([[0], np.bincount(buckets, minlength=count).cumsum()])
-    np.save(folder / "starts.npy", starts)
+    np.save(folder / "starts.npy", starts, allow_pickle=False)
     ids = np.lib.format.open_memmap(folder / "ids.npy", "w+", np.int64, (faces.rows,))
     sorted_faces = np.lib.format.open_memmap(folder / "faces.npy", "w+", np.int32, (faces.rows, 3))
     filled = starts[:-1].copy()

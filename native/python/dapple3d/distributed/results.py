@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reading import BROKEN
+from ..reading import BROKEN, read_npz
 from ..writing import replacing, write_npz
 from .layout import Job
 from .patches import Floats
@@ -125,8 +125,7 @@ class Folder:
 
 def _arrays(path: Path) -> dict[str, NDArray]:
     try:
-        with np.load(path, allow_pickle=False) as found:
-            return dict(found)
+        return read_npz(path)
     except BROKEN as error:
         raise ValueError(f"{path}: could not be read: {error}") from error
 

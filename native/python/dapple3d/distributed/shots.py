@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _native as native
+from ..reading import read_npz
 from ..writing import replacing, write_npz
 from .running import Task, connected, runner_on, shown
 
@@ -115,8 +116,8 @@ def track_shot(
         threads: of each solution.
         options: those of `dapple3d.Tracker`.
     """
-    with np.load(path, allow_pickle=False) as motion:
-        frames, faces = motion["vertices"], motion["faces"]
+    motion = read_npz(path)
+    frames, faces = motion["vertices"], motion["faces"]
     if frames.ndim != 3:
         raise ValueError(f"'vertices' has the shape {frames.shape}: (frames, v, 3) is needed")
     surface = native.Surface(frames[0], faces)

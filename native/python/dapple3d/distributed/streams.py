@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _native as native
+from ..reading import check_archive, entry_header, npy_header
 
 ROWS = 1 << 19  # of a chunk
 # PLY's names of types, old and new, as numpy has them.
@@ -66,6 +67,7 @@ def _column(values: NDArray) -> Column:
 
 def _open_npz(path: Path) -> Stream:
     with zipfile.ZipFile(path) as archive:
+        check_archive(archive)
         names = {name.removesuffix(".npy") for name in archive.namelist()}
     for name in ("vertices", "faces"):
         if name not in names:
@@ -76,8 +78,8 @@ def _open_npz(path: Path) -> Stream:
 
 
 def _npz_column(path: Path, name: str, dimensions: int) -> Column:
-    with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as file:
-        shape, fortran, _ = _npy_header(file)
+    with zipfile.ZipFile(path) as archive:
+        shape, fortran, _ = entry_header(archive, f"{name}.npy")
     wanted = (shape[0], 3)[:dimensions] if shape else None
     if shape != wanted or fortran:
         raise ValueError(
@@ -89,15 +91,8 @@ def _npz_column(path: Path, name: str, dimensions: int) -> Column:
 
 def _npz_chunks(path: Path, name: str) -> Chunks:
     with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as file:
-        shape, _, dtype = _npy_header(file)
+        shape, _, dtype = npy_header(file)
         yield from _chunks(file, dtype, shape[0], shape[1:])
-
-
-def _npy_header(file: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
-    version = np.lib.format.read_magic(file)
-    if version == (1, 0):
-        return np.lib.format.read_array_header_1_0(file)
-    return np.lib.format.read_array_header_2_0(file)
 
 
 def _chunks(file: IO[bytes], dtype: np.dtype, rows: int, shape: tuple[int, ...] = ()) -> Chunks:
