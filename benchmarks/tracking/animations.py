@@ -245,8 +245,64 @@ def arm(length: int = LENGTH, faces: int = FACES) -> Animation:
     return Animation("arm", rig.faces, np.stack(frames))
 
 
+def gallop(length: int = LENGTH, faces: int = FACES) -> Animation:
+    """The creature of walk at a gallop: a stride in about 16 frames, its legs far out."""
+    rig = Rig(CREATURE, faces, fillet=0.03, softness=0.05)
+    frames = []
+    for phase in _phases(length, max(round(length / 16), 1)):
+        turns, _ = _stride(float(phase))
+        wide = {name: (0, 1.6 * y, 0) for name, (_, y, _) in turns.items()}
+        arch = 14 * float(np.sin(phase))
+        wide |= {"hips": (0, -arch, 0), "chest": (0, arch, 0)}
+        frames.append(rig.pose(wide, (0, 0, 0.1 * float(np.sin(phase)))))
+    return Animation("gallop", rig.faces, np.stack(frames))
+
+
+def flag(length: int = LENGTH, faces: int = FACES) -> Animation:
+    """A cloth in the wind, held at one side: waves run along it and stretch it, three in a loop."""
+    columns = round((faces * 0.8) ** 0.5)
+    rows = round(columns / 1.6)
+    x, y = np.meshgrid(np.linspace(0, 1.6, columns + 1), np.linspace(0, 1, rows + 1), indexing="ij")
+    frames = []
+    for phase in _phases(length, 3):
+        z = 0.12 * x * np.sin(5.5 * x + 1.2 * y - phase) + 0.03 * x * np.sin(9 * y + phase)
+        frames.append(np.stack([x, y, z], -1).reshape(-1, 3))
+    return Animation("flag", _grid(columns, rows), np.stack(frames))
+
+
+def shear(length: int = LENGTH, faces: int = FACES) -> Animation:
+    """A ball whose belt turns against its poles, each way: its area stays where it is."""
+    rest, triangles = _ball(faces)
+    x, y, z = rest.T
+    frames = []
+    for phase in _phases(length):
+        turn = 1.2 * np.sin(phase) * np.exp(-((z / 0.4) ** 2))
+        turned = [np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z]
+        frames.append(np.column_stack(turned))
+    return Animation("shear", triangles, np.stack(frames))
+
+
+def bud(length: int = LENGTH, faces: int = FACES) -> Animation:
+    """A ball that a horn grows out of and shrinks again, twice in a loop, bent to one side."""
+    rest, triangles = _ball(faces)
+    shape = np.exp(-((rest - [0, 0, 1]) ** 2).sum(axis=1) / 0.09)
+    frames = []
+    for phase in _phases(length, 2):
+        share = _there_and_back(float(phase))
+        grown = rest + 0.9 * share * shape[:, None] * rest
+        grown[:, 0] += 0.3 * share**2 * shape**2
+        frames.append(grown)
+    return Animation("bud", triangles, np.stack(frames))
+
+
+def _ball(faces: int) -> tuple[Array, Faces]:
+    high = np.full(3, 1.15)
+    return implicit.mesh(lambda points: np.linalg.norm(points, axis=1) - 1, -high, high, faces)
+
+
 GENERATED: dict[str, Callable[[int, int], Animation]] = {
-    made.__name__: made for made in (bend, twist, bulge, stretch, walk, fold, arm)
+    made.__name__: made
+    for made in (bend, twist, bulge, stretch, walk, fold, arm, gallop, flag, shear, bud)
 }
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -60,7 +60,10 @@ class Dapple:
     """dapple.Tracker as it comes."""
 
     def __init__(self, surface: dapple.Surface, samples: dapple.Samples) -> None:
-        self._tracker = dapple.Tracker(surface, samples, threads=1)
+        self._tracker = self.tracker(surface, samples)
+
+    def tracker(self, surface: dapple.Surface, samples: dapple.Samples) -> dapple.Tracker:
+        return dapple.Tracker(surface, samples, threads=1)
 
     def advance(self, vertices: Array) -> Step:
         samples = self._tracker.advance(vertices)
@@ -68,11 +71,47 @@ class Dapple:
         return Step(self._tracker.surface, samples, report.evaluations, report.parts)
 
 
+class Calm(Dapple):
+    """A Tracker whose samples return to the first pattern slowly, and are held a little."""
+
+    def tracker(self, surface: dapple.Surface, samples: dapple.Samples) -> dapple.Tracker:
+        return dapple.Tracker(surface, samples, pattern_strength=0.2, stickiness=0.1, threads=1)
+
+
+class Window:
+    """dapple.track_window over all frames of a loop, of which the last is the first again."""
+
+    def __init__(
+        self, surface: dapple.Surface, samples: dapple.Samples, frames: Sequence[Array]
+    ) -> None:
+        self.surface = surface
+        solved = dapple.track_window(surface, frames[:-1], samples, closed=True, threads=1)
+        self._left = [*solved[1:], solved[0]]
+
+    def advance(self, vertices: Array) -> Step:
+        self.surface = self.surface.deformed(vertices)
+        samples = self._left.pop(0)
+        return Step(self.surface, samples, samples.report.evaluations)
+
+
 CONTENDERS: dict[str, Callable[[dapple.Surface, dapple.Samples], Contender]] = {
     "ride": Ride,
     "paper": Paper,
     "dapple": Dapple,
+    "calm": Calm,
 }
+
+
+WINDOW = "window"  # knows the frames beforehand
+
+
+def entered(
+    name: str, surface: dapple.Surface, samples: dapple.Samples, frames: Sequence[Array]
+) -> Contender:
+    """The contender of a name, ready to advance to these frames."""
+    if name == WINDOW:
+        return Window(surface, samples, frames)
+    return CONTENDERS[name](surface, samples)
 
 
 def carried(surface: dapple.Surface, samples: dapple.Samples) -> dapple.Samples:

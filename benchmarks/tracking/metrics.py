@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tracking.animations import Animation
-from benchmarks.tracking.contenders import CONTENDERS, Step, carried
+from benchmarks.tracking.contenders import Step, carried, entered
 from benchmarks.tracking.implicit import Array
 
 STEADY = 500  # advances over which a pattern shows its drift
@@ -39,26 +39,31 @@ class Run:
     jerk_mean: list[float] = field(default_factory=list)
     jerk_max: list[float] = field(default_factory=list)
     turn_max: list[float] = field(default_factory=list)
+    jerk_p99: float | None = None  # of all samples on all frames
     hysteresis: float | None = None  # mean distance from the start after one period
 
 
 def play(animation: Animation, samples: dapple.Samples, contender: str, advances: int) -> Run:
     """Carry samples of the first frame through so many advances of the animation."""
     surface = dapple.Surface(animation.frames[0], animation.faces)
-    one = CONTENDERS[contender](surface, samples)
+    order = list(animation.order(advances))
+    one = entered(contender, surface, samples, [animation.frames[frame] for frame in order])
     run = Run(animation.name, contender, quality(surface, samples))
     start = samples.positions
     slide = np.zeros_like(start)
-    for advance, frame in enumerate(animation.order(advances), 1):
+    jerks: list[Array] = []
+    for advance, frame in enumerate(order, 1):
         ridden = carried(surface.deformed(animation.frames[frame]), samples)
         began = time.perf_counter()
         step = one.advance(animation.frames[frame])
         run.milliseconds.append(1000 * (time.perf_counter() - began))
-        slide = _note(run, surface, samples, slide, ridden, step)
+        slide, jerk = _note(run, surface, samples, slide, ridden, step)
+        jerks.append(jerk)
         surface, samples = step.surface, step.samples
         if advance == animation.period:
             way = np.linalg.norm(samples.positions - start, axis=1)
             run.hysteresis = float(way.mean()) / surface.spacing(len(start))
+    run.jerk_p99 = float(np.quantile(np.concatenate(jerks), 0.99))
     return run
 
 
@@ -80,8 +85,8 @@ def _note(
     slide_before: Array,
     ridden: dapple.Samples,
     step: Step,
-) -> Array:
-    """Add a row; the slide (n, 3) of this advance, which is that of slide_before at the next."""
+) -> tuple[Array, Array]:
+    """Add a row; the slide (n, 3) of this advance, which is slide_before at the next; the jerk."""
     for name, value in quality(step.surface, step.samples).items():
         getattr(run, name).append(value)
     spacing = step.surface.spacing(len(ridden))
@@ -96,7 +101,7 @@ def _note(
     run.jerk_mean.append(float(jerk.mean()))
     run.jerk_max.append(float(jerk.max()))
     run.turn_max.append(float(turn(ridden.normals, step.samples.normals).max()))
-    return slide
+    return slide, jerk
 
 
 def face_frames(surface: dapple.Surface, faces: NDArray[np.int32]) -> Array:
@@ -125,6 +130,15 @@ def turn(normals: Array, others: Array) -> Array:
     """
     sine = np.linalg.norm(np.cross(normals, others), axis=1)
     return np.asarray(np.degrees(np.arctan2(sine, (normals * others).sum(axis=1))))
+
+
+def roughness(run: Run) -> float | None:
+    """Mean jerk over mean slide: near 1 each frame's correction is new noise, near 0 smooth.
+
+    None where nothing slides.
+    """
+    slide = float(np.mean(run.slide_mean))
+    return float(np.mean(run.jerk_mean)) / slide if slide > 0 else None
 
 
 def drift(run: Run) -> float:

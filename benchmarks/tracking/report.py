@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-u
 
 from benchmarks.tracking.animations import Animation
 from benchmarks.tracking.implicit import Array, Faces
-from benchmarks.tracking.metrics import Run, drift
+from benchmarks.tracking.metrics import Run, drift, roughness
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,9 @@ COLUMNS = [
     Column("slide mean", lambda run: float(np.mean(run.slide_mean)), 3, 0.15),
     Column("slide max", lambda run: max(run.slide_max), 3, 0.5),
     Column("jerk mean", lambda run: float(np.mean(run.jerk_mean))),
+    Column("jerk p99", lambda run: run.jerk_p99, 3, 0.05),
     Column("jerk max", lambda run: max(run.jerk_max)),
+    Column("jerk / slide", roughness, 2, 0.5),
     Column("turn max", lambda run: max(run.turn_max), 1),
     Column("hysteresis", lambda run: run.hysteresis),
     Column("psi6 drift", lambda run: abs(drift(run)), 3, 0.03),
@@ -150,6 +152,41 @@ def _draw_curve(axes: Axes, runs: Sequence[Run], curve: str, goal: float | None)
         axes.plot(getattr(run, curve), label=run.contender, linewidth=1)
     if goal is not None:
         axes.axhline(goal, color="gray", linestyle="--", linewidth=0.8)
+
+
+def draw_smoothness(
+    runs: Sequence[Run], blender: dict[str, dict[str, list[float]]], file: Path
+) -> None:
+    """Slide and jerk over one period, riding and Blender's node beside the others.
+
+    That node's points are held against the nearest of the frame before that rode along.
+    """
+    names = list(dict.fromkeys(run.animation for run in runs))
+    figure = Figure(figsize=(6.5 * len(names), 5.4), layout="constrained")
+    axes = figure.subplots(2, len(names), squeeze=False, sharex="col")
+    for row, curve in zip(axes, ("slide_mean", "jerk_mean"), strict=True):
+        for one, name in zip(row, names, strict=True):
+            shown = {run.contender: getattr(run, curve) for run in _first_runs(runs, name)}
+            if name in blender:
+                shown["Blender's Poisson disks"] = blender[name][curve]
+            for label, values in shown.items():
+                one.plot(values, label=label, linewidth=1.2)
+        row[0].set_ylabel(curve.removesuffix("_mean") + ", mean, in spacings")
+    for one, name in zip(axes[0], names, strict=True):
+        one.set_title(name)
+    for one in axes[1]:
+        one.set_xlabel("frame")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.savefig(file, dpi=80)
+
+
+def _first_runs(runs: Sequence[Run], animation: str) -> list[Run]:
+    """Of each contender, the run over one period."""
+    found: dict[str, Run] = {}
+    for run in runs:
+        if run.animation == animation:
+            found.setdefault(run.contender, run)
+    return list(found.values())
 
 
 def draw_frames(animation: Animation, file: Path, shown: int = 6) -> None:
