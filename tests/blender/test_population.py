@@ -199,12 +199,12 @@ def remeshed():
 
 
 def balls():
-    """Two metaballs that merge: other faces in every frame, and no rest position."""
+    """Two metaballs that part: other faces in every frame, and no rest position."""
     bpy.ops.object.metaball_add()
     surface = bpy.context.object
     surface.data.resolution = 0.25
     other = surface.data.elements.new()
-    for frame, x in ((1, 3.6), (8, 1.5)):
+    for frame, x in ((1, 1.5), (8, 3.6)):
         other.co.x = x
         other.keyframe_insert("co", frame=frame)
     return surface

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dapple/neighbors.hpp>
 #include <limits>
 
 #include "base/hexagonal.hpp"
@@ -14,7 +15,9 @@ namespace {
 
 constexpr double kAmple = 2.5;  // of the way that half of a component's samples need: others need
                                 // more, but up to half may have lost their surface
-constexpr double kFarthest = 0.25;  // of a component's size: beyond, it is another thing
+constexpr std::size_t kAround = 24;  // sites that move alike
+constexpr double kDoubt = 0.1;       // of their number: the weight of not moving
+constexpr double kFarthest = 0.25;   // of a component's size: beyond, it is another thing
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
@@ -51,11 +54,46 @@ Transfer::Transfer(const Surface& before, const Surface& next, const Sites& samp
       motion_(at(before.ordered().components()), 0.0) {
   const Nearest near = nearest(samples, context);
   measure_motion(samples, near);
-  samples_ = within_reach(samples, near);
+  const Sites there = moved(samples, near);
+  samples_ = within_reach(there, nearest(there, context));
 }
 
 Transferred Transfer::find(const Sites& sites, const Context* context) const {
-  return within_reach(sites, nearest(sites, context));
+  const Sites there = moved(sites, nearest(sites, context));
+  return within_reach(there, nearest(there, context));
+}
+
+/// Where they are likely to go: the nearest places tell how far along their normals, and those
+/// around with other normals the rest. Where all normals are alike, nothing tells how far along the
+/// surface, and they stay.
+Sites Transfer::moved(const Sites& sites, const Nearest& near) const {
+  const Neighbors tree(sites.positions);
+  std::vector<Neighbor> around;
+  Sites result = sites;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    tree.nearest(sites.positions[k], kAround, around);
+    std::erase_if(around, [&](const Neighbor& other) {
+      return !is_found(sites, near, at(other.index)) ||
+             component(sites.faces[at(other.index)]) != component(sites.faces[k]);
+    });
+    result.positions[k] += common_way(sites, near, around);
+  }
+  return result;
+}
+
+/// The way that brings sites to the planes of their nearest places, as nearly as one can for all.
+Vec3 Transfer::common_way(const Sites& sites, const Nearest& near,
+                          std::span<const Neighbor> which) const {
+  Eigen::Matrix3d planes = kDoubt * static_cast<double>(kAround) * Eigen::Matrix3d::Identity();
+  Vec3 sum = Vec3::Zero();
+  for (const Neighbor& one : which) {
+    const std::size_t k = at(one.index);
+    const OrderedFace face = next_.ordered().ordered_face(near.places.faces[k]);
+    const Vec3& normal = next_.ordered().geometry(face).normal;
+    planes += normal * normal.transpose();
+    sum += normal.dot(near.places.positions[k] - sites.positions[k]) * normal;
+  }
+  return planes.inverse() * sum;
 }
 
 Transfer::Nearest Transfer::nearest(const Sites& sites, const Context* context) const {
@@ -97,12 +135,16 @@ Transferred Transfer::within_reach(const Sites& sites, const Nearest& near) cons
   Transferred found;
   std::size_t other = 0;
   for (std::size_t k = 0; k < sites.size(); ++k) {
-    if (near.same_side[k] && near.places.distances[k] <= reach_of(sites, k))
+    if (is_found(sites, near, k))
       add(found, k, near.places.positions[k], near.places.faces[k], near.places.barycentric[k]);
     if (other == others.size() || others[other] != k) continue;
     add_nearest(found, k, sites.positions[k], near.normals[k], around[other++]);
   }
   return found;
+}
+
+bool Transfer::is_found(const Sites& sites, const Nearest& near, std::size_t k) const {
+  return near.same_side[k] && near.places.distances[k] <= reach_of(sites, k);
 }
 
 /// The nearest place of those faces that are on its side, if there is one.

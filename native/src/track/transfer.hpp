@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <dapple/neighbors.hpp>
 #include <dapple/projector.hpp>
 #include <span>
 
@@ -19,8 +20,8 @@ struct Reach {
 };
 
 /// From a surface to the next frame's, whose faces need not be the same: nobody knows where a point
-/// has gone, so it goes to the nearest place on the same side of the surface. A point that has none
-/// within reach has lost its surface.
+/// has gone. So it moves as brings those around it closest to the surface, and then goes to the
+/// nearest place on the same side. A point that has none within reach has lost its surface.
 ///
 /// A component that moves farther than the reach takes its points along: their reach is more than
 /// twice what half of them need.
@@ -40,6 +41,10 @@ class Transfer {
 
  private:
   struct Nearest;
+  [[nodiscard]] Sites moved(const Sites& sites, const Nearest& near) const;
+  [[nodiscard]] bool is_found(const Sites& sites, const Nearest& near, std::size_t k) const;
+  [[nodiscard]] Vec3 common_way(const Sites& sites, const Nearest& near,
+                                std::span<const Neighbor> which) const;
   [[nodiscard]] Nearest nearest(const Sites& sites, const Context* context) const;
   void measure_motion(const Sites& samples, const Nearest& near);
   [[nodiscard]] Transferred within_reach(const Sites& sites, const Nearest& near) const;
