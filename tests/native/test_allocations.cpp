@@ -1,37 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <dapple/energy.hpp>
 #include <dapple/poisson_start.hpp>
-#include <new>
 
+#include "allocator.hpp"
 #include "base/parallel.hpp"
 #include "shapes.hpp"
-
-namespace {
-
-std::atomic<long> allocations = 0;
-
-void* counted(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  const std::size_t whole =
-      (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
-  if (void* memory = std::aligned_alloc(alignment, whole)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace dapple::test {
 namespace {
@@ -41,9 +16,9 @@ template <typename Work>
 long allocations_in(const Work& work) {
   long count = 0;
   with_threads(1, [&] {
-    const long before = allocations;
+    const long before = allocations();
     work();
-    count = allocations - before;
+    count = allocations() - before;
   });
   return count;
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
 #include <dapple/classes.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/relax.hpp>
@@ -14,55 +13,12 @@
 #include <dapple/tracker.hpp>
 #include <dapple/window.hpp>
 #include <fstream>
-#include <iomanip>
-#include <sstream>
 
+#include "hash.hpp"
 #include "shapes.hpp"
 
 namespace dapple::test {
 namespace {
-
-/// FNV-1a in 64 bits, of whole numbers and of the bits of others, byte by byte from the lowest.
-class Hash {
- public:
-  void add(std::uint64_t bits) {
-    for (int byte = 0; byte < 8; ++byte) {
-      state_ ^= bits >> (8 * byte) & 0xff;
-      state_ *= 0x100000001b3u;
-    }
-  }
-  void add(std::int32_t value) {
-    add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
-  }
-  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  template <int Size>
-  void add(const Eigen::Matrix<double, Size, 1>& point) {
-    for (const double value : point) add(value);
-  }
-  template <typename Value>
-  void add(const std::vector<Value>& values) {
-    add(static_cast<std::uint64_t>(values.size()));
-    for (const Value& value : values) add(value);
-  }
-  void add(const Samples& samples) {
-    add(samples.positions);
-    add(samples.normals);
-    add(samples.faces);
-    add(samples.barycentric);
-    add(samples.ids);
-    add(samples.classes);
-    add(samples.report.energy);
-    add(samples.report.slide_max);
-  }
-  [[nodiscard]] std::string text() const {
-    std::ostringstream out;
-    out << std::hex << std::setw(16) << std::setfill('0') << state_;
-    return out.str();
-  }
-
- private:
-  std::uint64_t state_ = 0xcbf29ce484222325u;
-};
 
 // Only + - * / and square roots make the inputs: IEEE 754 rounds them in one way, sines it does
 // not.

@@ -99,6 +99,7 @@ class Population {
                                                 const Transfer& transfer,
                                                 const Context* context) const;
   void take(Tracker tracker, std::vector<Fading> vanishing);
+  void settle(Tracker tracker, std::vector<Fading> vanishing);
   void join();
 
   Tracker tracker_;

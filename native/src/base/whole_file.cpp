@@ -37,6 +37,23 @@ fs::path beside(const fs::path& path) {
   return path.parent_path() / name;
 }
 
+/// A file beside another that is to take its place; gone if it does not.
+class Part {
+ public:
+  explicit Part(const fs::path& target) : path_(beside(target)) {}
+  ~Part() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
 }  // namespace
 
 void write_whole(const fs::path& path, const std::string& content) {
@@ -47,18 +64,10 @@ void write_whole(const fs::path& path, const std::string& content) {
     if (!put(target, content)) refuse(path, "written");
     return;
   }
-  const fs::path part = beside(target);
-  if (!put(part, content)) {
-    const int reason = errno;
-    fs::remove(part, error);
-    errno = reason;
-    refuse(path, "written");
-  }
-  fs::rename(part, target, error);
-  if (!error) return;
-  const std::string reason = error.message();
-  fs::remove(part, error);
-  throw FileError(path.string() + " could not be written: " + reason);
+  const Part part(target);
+  if (!put(part.path(), content)) refuse(path, "written");
+  fs::rename(part.path(), target, error);
+  if (error) throw FileError(path.string() + " could not be written: " + error.message());
 }
 
 std::string read_whole(const fs::path& path) {

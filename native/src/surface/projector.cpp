@@ -31,12 +31,26 @@ constexpr double kMargin = 2e-6;
 constexpr double kFar = 1e12;
 constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
 
+/// \param device null for what went wrong before there was one
+/// \throw Cancelled if Embree was told to stop; std::bad_alloc, std::runtime_error for what it
+/// could not do
+void check_error(RTCDevice device) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error == RTC_ERROR_CANCELLED) throw Cancelled();
+  // What one of its threads throws reaches others as a cancelled task, which is unknown to them.
+  if (error == RTC_ERROR_OUT_OF_MEMORY || error == RTC_ERROR_UNKNOWN) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
+}
+
 /// Something of Embree's, given back at the end.
 template <typename T, void (*Release)(T)>
 class Handle {
  public:
-  explicit Handle(T handle) : handle_(handle) {
-    if (!handle_) throw std::runtime_error("Embree could not be set up");
+  /// \param device that made it; null for a device itself
+  explicit Handle(T handle, RTCDevice device = nullptr) : handle_(handle) {
+    if (handle_) return;
+    check_error(device);
+    throw std::runtime_error("Embree could not be set up");
   }
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
@@ -58,12 +72,11 @@ struct Projector::Scene {
   void find_size(const Context* context);
   void attach_triangles(const Context* context);
   void build(const Context* context);
-  void check() const;
 
   Surface surface;
   std::vector<OrderedFace> faces;  // that Embree knows, by its index
   Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
-  Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get())};
+  Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get()), device.get()};
   Vec3 center;
   double scale;
   double factor;  // a power of two, about 1 / scale: squares of what is scaled by it are safe
@@ -162,12 +175,12 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
 }
 
 /// Asks whether to go on while Embree builds its tree, from any of its threads. Exceptions must not
-/// pass through it.
+/// pass through it, not even that there is no memory for one that says that it was cancelled.
 bool go_on(void* context, double) noexcept {
   try {
     (*static_cast<const Context**>(context))->check();
     return true;
-  } catch (const Cancelled&) {
+  } catch (...) {
     return false;
   }
 }
@@ -206,8 +219,11 @@ void Projector::Scene::build(const Context* context) {
   if (context)
     rtcSetSceneProgressMonitorFunction(handle.get(), go_on, reinterpret_cast<void*>(&context));
   rtcCommitScene(handle.get());
-  if (context) rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
-  check();
+  if (context) {
+    rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
+    context->check();
+  }
+  check_error(device.get());
 }
 
 /// A point so far away that it has no place in single precision gives way to one in its direction.
@@ -215,15 +231,6 @@ Vec3 Projector::Scene::within_reach(const Vec3& p) const {
   const Vec3 way = p - center;
   const double most = way.cwiseAbs().maxCoeff();
   return most <= kFar * scale ? p : Vec3(center + kFar * scale * (way / most));
-}
-
-/// \throw Cancelled if Embree was told to stop; std::bad_alloc, std::runtime_error for what it
-/// could not do
-void Projector::Scene::check() const {
-  const RTCError error = rtcGetDeviceError(device.get());
-  if (error == RTC_ERROR_CANCELLED) throw Cancelled();
-  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE) throw std::runtime_error("Embree could not take the surface");
 }
 
 template <typename T>
@@ -235,7 +242,7 @@ T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::si
 
 void Projector::Scene::attach_triangles(const Context* context) {
   const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
-      rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE)};
+      rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE), device.get()};
   const RTCGeometry triangles = geometry.get();
   auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
                              surface.vertex_count());

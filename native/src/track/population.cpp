@@ -162,7 +162,8 @@ std::vector<Population::Fading> Population::vanishing(const Samples& before,
 
 const Samples& Population::advance(std::span<const Vec3> vertices, Context* context) {
   if (rests_at(vertices)) {
-    samples_.report = tracker_.advance(vertices, context).report;
+    Report report = tracker_.advance(vertices, context).report;
+    samples_.report = std::move(report);
     return samples_;
   }
   Tracker tracker = tracker_;
@@ -189,8 +190,8 @@ const Samples& Population::advance(const Surface& next, Context* context) {
   check_one_kind();
   Crossing crossing =
       with_threads(options_.tracker.threads, [&] { return cross(next, call.context()); });
-  kinds_[0].density = crossing.density;
   take(std::move(crossing.tracker), std::move(crossing.vanishing));
+  kinds_[0].density = crossing.density;
   call.write(samples_.report);
   if (context) context->advance(1.0);
   return samples_;
@@ -260,6 +261,12 @@ std::vector<Population::Fading> Population::transferred(const std::vector<Fading
 
 /// The next frame's samples, and those that vanish.
 void Population::take(Tracker tracker, std::vector<Fading> vanishing) {
+  Population next = *this;  // so that nothing is half done whatever fails
+  next.settle(std::move(tracker), std::move(vanishing));
+  *this = std::move(next);
+}
+
+void Population::settle(Tracker tracker, std::vector<Fading> vanishing) {
   std::map<std::int32_t, double> fade_of;
   const Samples& before = tracker_.samples();
   for (std::size_t k = 0; k < before.size(); ++k)

@@ -110,11 +110,12 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     samples.report.parts = parts;
     measure_slide(samples.report, samples.positions, home.positions);
     call.write(samples.report);
-    settled_ = (still && settled_) ||
+    std::optional<Report> measured = samples.report;
+    settled_ = (still && settled_) ||  // from here on nothing fails
                (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
     surface_ = std::move(surface);
     samples_ = std::move(samples);
-    measured_ = samples_.report;
+    measured_ = std::move(measured);
   });
   if (context) context->advance(1.0);
   return samples_;

@@ -378,6 +378,27 @@ TEST_F(MeshFile, LeavesWhatWasThereOnAFullDisk) {
   }
 }
 
+/// Of a small file every byte may be the last that fits, of a large one the last of every block.
+TEST_F(MeshFile, LeavesWhatWasThereWhereverTheDiskIsFull) {
+  for (const auto& [shape, step] : {std::pair(tetrahedron(), 1), std::pair(blob(3), 512)})
+    for (const char* suffix : kSuffixes) {
+      const fs::path file = path(std::string("mesh") + suffix);
+      write_mesh(file, shape.vertices, shape.faces);
+      const std::string whole = bytes_of(file);
+      write_text(file.filename().string(), "before");
+      for (std::size_t bytes = 0; bytes < whole.size(); bytes += static_cast<std::size_t>(step)) {
+        const FullDisk full(bytes);
+        EXPECT_THROW(write_mesh(file, shape.vertices, shape.faces), FileError) << bytes;
+        ASSERT_EQ(bytes_of(file), "before") << suffix << " after " << bytes << " bytes";
+        ASSERT_EQ(files_there(), 1u) << suffix << " after " << bytes << " bytes";
+      }
+      const FullDisk just_enough(whole.size());
+      write_mesh(file, shape.vertices, shape.faces);
+      EXPECT_EQ(bytes_of(file), whole) << suffix;
+      fs::remove(file);
+    }
+}
+
 TEST_F(MeshFile, WritesThroughALink) {
   const Shape shape = tetrahedron();
   write_text("there.ply", "before");

@@ -1,0 +1,579 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every allocation of every verb fails once: count first, then break each one (as Embree's verify
+// does). What comes out is std::bad_alloc or an error of the library, or the result is right;
+// nothing leaks, and the next call gives the usual bytes. By itself the test breaks the first
+// allocation of each chain of calls; with DAPPLE_THOROUGH in the environment, all of them.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <dapple/classes.hpp>
+#include <dapple/curvature.hpp>
+#include <dapple/decals.hpp>
+#include <dapple/energy.hpp>
+#include <dapple/errors.hpp>
+#include <dapple/mesh_file.hpp>
+#include <dapple/mosaic.hpp>
+#include <dapple/planar_sampler.hpp>
+#include <dapple/poisson_start.hpp>
+#include <dapple/population.hpp>
+#include <dapple/progressive.hpp>
+#include <dapple/projector.hpp>
+#include <dapple/refine_image.hpp>
+#include <dapple/refine_obstacles.hpp>
+#include <dapple/refined_samples.hpp>
+#include <dapple/relax.hpp>
+#include <dapple/resample.hpp>
+#include <dapple/restricted_voronoi.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/spectrum.hpp>
+#include <dapple/stipple.hpp>
+#include <dapple/topology.hpp>
+#include <dapple/window.hpp>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "allocator.hpp"
+#include "base/parallel.hpp"
+#include "hash.hpp"
+#include "shapes.hpp"
+
+extern "C" {  // Embree's, by name: the headers differ from version to version
+void rtcNewDevice();
+void rtcNewScene();
+void rtcNewGeometry();
+void rtcSetNewGeometryBuffer();
+void rtcAttachGeometry();
+void rtcCommitGeometry();
+void rtcCommitScene();
+}
+
+namespace dapple::test {
+namespace {
+
+/// One call of a verb, which adds what it returns.
+using Work = std::function<void(Hash&)>;
+
+/// Makes a verb ready to be called, with inputs that nobody has called with before.
+using Prepare = std::function<Work()>;
+
+/// For calls that leave their inputs as they are.
+Prepare again(Work work) {
+  return [work = std::move(work)] { return work; };
+}
+
+std::uint64_t outcome(const Work& work) {
+  Hash hash;
+  work(hash);
+  return hash.value();
+}
+
+template <typename Function>
+const void* address(Function* function) {
+  return reinterpret_cast<const void*>(function);
+}
+
+/// Whether all was as it should be although memory was missing.
+class Trial {
+ public:
+  /// \param lost allocations that other libraries may lose each time
+  explicit Trial(Prepare prepare, long lost = 0)
+      : prepare_(std::move(prepare)), lost_(lost), expected_(outcome(prepare_())) {}
+
+  [[nodiscard]] long count() const {
+    const Work work = prepare_();
+    const long before = allocations();
+    (void)outcome(work);
+    return allocations() - before;
+  }
+
+  /// The first allocation of each chain of calls.
+  [[nodiscard]] std::vector<long> first_of_each() const {
+    const Work work = prepare_();
+    const CallSites sites(count());
+    (void)outcome(work);
+    return sites.first_of_each();
+  }
+
+  /// `many` allocations fail from the `number`-th on. What is kept from then on for all calls to
+  /// come is kept once.
+  void fail(long number, long many) const {
+    SCOPED_TRACE("allocation " + std::to_string(number) + ", " + std::to_string(many) + " of them");
+    for (int round = 0;; ++round) {
+      const long before = live_allocations();
+      break_once(number, many);
+      const long left = live_allocations() - before;
+      if (left <= may_be_lost()) return;
+      ASSERT_LT(round, 3) << "it leaked " << left << " allocations";
+    }
+  }
+
+ private:
+  /// By other libraries: Embree's function loses the device, and what it has made for it, when
+  /// there is no memory for the rest.
+  [[nodiscard]] long may_be_lost() const {
+    constexpr long kDevice = 4;
+    return lost_ + (was_missing_in(address(&rtcNewDevice)) ? kDevice : 0);
+  }
+
+  void break_once(long number, long many) const {
+    const Work work = prepare_();
+    if (const auto result = attempt(work, number, many))
+      EXPECT_EQ(*result, expected_) << "it went on with what was not there";
+    else
+      EXPECT_EQ(outcome(work), expected_) << "it left something behind";
+  }
+
+  /// \return what came out; none if an error did
+  static std::optional<std::uint64_t> attempt(const Work& work, long number, long many) {
+    Hash hash;
+    const OutOfMemory missing(number, many);
+    try {
+      work(hash);
+      return hash.value();
+    } catch (const std::bad_alloc&) {
+    } catch (const FileError&) {
+    }
+    return std::nullopt;
+  }
+
+  Prepare prepare_;
+  long lost_;
+  std::uint64_t expected_;
+};
+
+bool thorough() { return std::getenv("DAPPLE_THOROUGH") != nullptr; }
+
+std::vector<long> up_to(long count, long step) {
+  std::vector<long> numbers;
+  for (long number = 1; number <= count; number += step) numbers.push_back(number);
+  return numbers;
+}
+
+// ---- the verbs, on inputs that are just large enough for all their passes ----
+
+OptimizerOptions few_steps() { return {.max_evaluations = 3}; }
+SampleOptions few(int threads) { return {.optimizer = few_steps(), .threads = threads}; }
+
+Prepare sampling(int threads) {
+  return again([surface = two_sheets(3, 0.02).surface(), threads](Hash& hash) {
+    hash.add(sample(surface, 60, few(threads)));
+  });
+}
+
+Prepare sampling_classes(int threads) {
+  return again([surface = blob(2).surface(), threads](Hash& hash) {
+    const double radius = 0.4 * surface.spacing(60);
+    const std::array<SampleClass, 2> classes = {
+        {{.count = 15, .radius = radius}, {.count = 45, .radius = radius}}};
+    hash.add(sample_classes(surface, classes, {.sample = few(threads), .two_stages = true}));
+  });
+}
+
+void add(Hash& hash, const PlanarSamples& samples) {
+  hash.add(samples.positions);
+  hash.add(samples.classes);
+  hash.add(samples.report.energy);
+}
+
+Prepare sampling_a_picture(int threads) {
+  const Image ramp{2, 2, {0.2, 0.4, 0.6, 1.0}};
+  return again([domain = PlanarDomain::image(1.0, 1.0, ramp), threads](Hash& hash) {
+    add(hash, sample_planar(domain, 40, few(threads)));
+  });
+}
+
+Prepare sampling_a_torus(int threads) {
+  return again([threads](Hash& hash) {
+    const std::array<PlanarClass, 2> classes = {{{.count = 15}, {.count = 25}}};
+    add(hash, sample_planar_classes(TorusDomain(), classes, {.sample = few(threads)}));
+  });
+}
+
+Prepare sampling_a_polygon(int threads) {
+  return again([threads](Hash& hash) {
+    const std::vector<Vec2> outline = {{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}};
+    add(hash, sample_planar(PlanarDomain::polygon(outline), 30, few(threads)));
+  });
+}
+
+Image sloped_ink() {
+  Image ink{8, 8, {}};
+  for (int k = 0; k < 64; ++k) ink.values.push_back(0.4 * (k % 8) / 8.0);
+  return ink;
+}
+
+Prepare stippling(int threads) {
+  return again([ink = sloped_ink(), threads](Hash& hash) {
+    const Stipples dots =
+        stipple(std::array{ink, ink}, 50, {.optimizer = few_steps(), .threads = threads});
+    hash.add(dots.positions);
+    hash.add(dots.classes);
+  });
+}
+
+Samples start(const Surface& surface, std::size_t count) { return sample(surface, count, few(1)); }
+
+Prepare resampling(int threads) {
+  const Surface surface = blob(2).surface();
+  return again([surface, samples = start(surface, 40), threads](Hash& hash) {
+    hash.add(resample(surface, samples, 70, few(threads)));
+    hash.add(resample(surface, samples, 25, few(threads)));
+  });
+}
+
+Prepare relaxing(int threads) {
+  const Surface surface = blob(2).surface();
+  std::vector<double> density;
+  for (const Vec3& x : surface.vertices()) density.push_back(x.z() > 0.7 ? 3.0 : 1.0);
+  const Surface after = surface.with_density({DensityAt::kVertices, density});
+  return again([surface, after, samples = start(surface, 80), threads](Hash& hash) {
+    hash.add(relax(after, samples, changed_faces(surface, after),
+                   {.optimizer = few_steps(), .threads = threads}));
+  });
+}
+
+TrackerOptions tracking(int threads) {
+  return {.optimizer = few_steps(), .longest_motion = 0.1, .threads = threads};
+}
+
+Prepare beginning_to_track(int threads) {
+  const Surface surface = blob(2).surface();
+  return again([surface, samples = start(surface, 60), threads](Hash& hash) {
+    hash.add(Tracker(surface, samples, tracking(threads)).samples());
+  });
+}
+
+Prepare tracking_a_frame(int threads) {
+  const Shape shape = blob(2);
+  const Tracker fresh(shape.surface(), start(shape.surface(), 60), tracking(threads));
+  return [fresh, next = deformed(shape.vertices, 1.0)] {
+    return [next, tracker = std::make_shared<Tracker>(fresh)](Hash& hash) {
+      hash.add(tracker->advance(next));
+    };
+  };
+}
+
+Prepare resuming(int threads) {
+  const Shape shape = blob(2);
+  const Samples samples = start(shape.surface(), 60);
+  const Tracker fresh(shape.surface(), samples, tracking(threads));
+  return [fresh, samples, next = deformed(shape.vertices, 1.0)] {
+    return [samples, next, tracker = std::make_shared<Tracker>(fresh)](Hash& hash) {
+      tracker->resume(next, samples, false);
+      hash.add(tracker->samples());
+    };
+  };
+}
+
+Prepare a_population(int threads) {
+  const Shape shape = blob(2);
+  PopulationOptions options{.tracker = tracking(threads), .fade = 3};
+  Population fresh(shape.surface(), start(shape.surface(), 60), options);
+  const auto scaled = [&](double much) {
+    return mapped(shape, [&](const Vec3& p) { return Vec3(much * p.x(), p.y(), p.z()); }).vertices;
+  };
+  fresh.advance(scaled(0.9));  // so that some are vanishing
+  return [fresh, next = scaled(1.3)] {
+    return [next, population = std::make_shared<Population>(fresh)](Hash& hash) {
+      hash.add(population->advance(next));
+      hash.add(population->samples().fade);
+    };
+  };
+}
+
+/// Nothing moves: reports alone are made.
+Prepare resting(int threads) {
+  const Shape shape = blob(2);
+  const Population fresh(shape.surface(), start(shape.surface(), 60),
+                         {.tracker = tracking(threads)});
+  return [fresh, shape] {
+    return [shape, population = std::make_shared<Population>(fresh)](Hash& hash) {
+      hash.add(population->advance(shape.vertices));
+      hash.add(population->samples().report.energies);
+    };
+  };
+}
+
+Prepare a_window(int threads) {
+  const Shape shape = blob(2);
+  const Surface surface = shape.surface();
+  WindowOptions options{.tracker = tracking(threads), .sweeps = 1, .closed = true};
+  const std::vector<std::vector<Vec3>> frames = {shape.vertices, deformed(shape.vertices, 0.3)};
+  return again([surface, samples = start(surface, 30), frames, options](Hash& hash) {
+    hash.add(track_window(surface, frames, samples, options));
+  });
+}
+
+Prepare tiling(int threads) {
+  const Surface surface = two_sheets(3, 0.02).surface();
+  return again([surface, samples = start(surface, 40), threads](Hash& hash) {
+    const Mosaic tiles =
+        mosaic(surface, samples, {.grout = 0.01, .thickness = 0.01, .threads = threads});
+    hash.add(tiles.vertices);
+    hash.add(tiles.corners);
+  });
+}
+
+Prepare covering(int) {
+  const Surface surface = grid(3).surface();
+  std::vector<FaceUv> uv;
+  for (const Face& face : surface.faces()) {
+    uv.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      uv.back()[k] = surface.vertices()[static_cast<std::size_t>(face[k])].head<2>();
+  }
+  return again([surface, uv, samples = start(surface, 20)](Hash& hash) {
+    const Texels grid_of_texels = texels(surface, uv, 16, 16);
+    const std::vector<double> radii(20, 0.1);
+    const std::vector<Vec3> tangents(20, Vec3::UnitX());
+    hash.add(cover(surface, samples, radii, tangents, grid_of_texels).samples);
+  });
+}
+
+Prepare refining(int) {
+  return again([surface = grid(2).surface()](Hash& hash) {
+    const double longest = 0.2;
+    const Refined edges = refine_edges(surface, {&longest, 1}, 100000);
+    hash.add(edges.surface.vertices());
+    const std::vector<Vec3> points = {{0.5, 0.5, 0.0}};
+    const std::vector<double> radii = {0.2};
+    const Refined holes = refine_obstacles(edges.surface, {points, radii, {}}, {.edge = 0.5});
+    hash.add(edges.then(holes).surface.vertices());
+    hash.add(edges.deformed(surface.vertices()).surface.area());
+  });
+}
+
+Prepare refining_to_a_picture(int) {
+  const Surface surface = grid(1).surface();
+  const std::vector<FaceUv> uv(surface.face_count(), {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1)});
+  return again([surface, uv, ink = sloped_ink()](Hash& hash) {
+    hash.add(refine_image(surface, uv, ink, {.max_faces = 300}).surface.vertices());
+  });
+}
+
+Prepare a_spectrum(int threads) {
+  Random random(1);
+  std::vector<Vec2> points;
+  for (int k = 0; k < 40; ++k) points.emplace_back(random.uniform(), random.uniform());
+  return again([points, threads](Hash& hash) {
+    const std::vector<std::span<const Vec2>> runs = {points, points};
+    hash.add(spectrum(runs, {.threads = threads}).periodogram);
+  });
+}
+
+Prepare a_spectrum_of_a_surface(int threads) {
+  const Surface surface = grid(6).surface();
+  return again([surface, samples = start(surface, 150), threads](Hash& hash) {
+    const std::array<const Samples*, 2> runs = {&samples, &samples};
+    const SurfaceSpectrum result =
+        surface_spectrum(surface, runs, {.radius = 3.0, .bins = 16, .threads = threads});
+    hash.add(result.differentials);
+    hash.add(result.power);
+  });
+}
+
+Prepare projecting(int) {
+  return again([surface = blob(2).surface()](Hash& hash) {
+    const std::vector<Vec3> points(100, Vec3(2.0, 1.0, 0.5));
+    const Projector projector(surface);
+    const Projection found = projector.project(points);
+    hash.add(found.positions);
+    const std::vector<double> radii(points.size(), 2.0);
+    hash.add(projector.faces_within(points, radii));
+  });
+}
+
+Prepare ranking(int) {
+  const Samples samples = start(blob(2).surface(), 120);
+  std::vector<std::int32_t> classes;
+  for (int k = 0; k < 120; ++k) classes.push_back(k % 2);
+  return again(
+      [samples, classes](Hash& hash) { hash.add(progressive_ranks(samples.positions, classes)); });
+}
+
+Prepare making_surfaces(int) {
+  return again([loose = soup(blob(2)), whole = blob(2)](Hash& hash) {
+    const Surface welded = loose.surface();
+    hash.add(welded.welded_faces());
+    hash.add(welded.deformed(loose.vertices).area());
+    const std::vector<double> density(loose.vertices.size(), 2.0);
+    hash.add(welded.with_density({DensityAt::kVertices, density}).mass());
+    hash.add(topology(welded).genus);
+    hash.add(curvature_density(whole.surface()));
+  });
+}
+
+Prepare measuring(int) {
+  const Surface walls = two_sheets(3, 0.02).surface();
+  return again([walls, samples = start(walls, 40)](Hash& hash) {
+    hash.add(analyze(walls, samples).energy);
+    hash.add(bind_samples(walls, samples.faces, samples.barycentric));
+    for (const CellPolygon& polygon :
+         restricted_voronoi_polygons(walls, {samples.positions, samples.faces}))
+      hash.add(polygon.points);
+  });
+}
+
+// ---- the tests ----
+
+struct Case {
+  const char* name;
+  Prepare (*prepare)(int threads);
+  long lost = 0;
+};
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
+
+/// Embree can be broken while it builds a tree: a thread that finds no room to join the memory of
+/// a scene keeps using that of the scene when both are gone (3.13, bind() in
+/// kernels/common/alloc.h). So memory is missing in all of its other functions.
+class OutOfMemoryIn : public testing::TestWithParam<Case> {
+ protected:
+  OutOfMemoryIn() { spare_library_of(address(&rtcCommitScene), others_); }
+  ~OutOfMemoryIn() override { spare_library_of(nullptr, {}); }
+
+ private:
+  std::array<const void*, 6> others_ = {
+      address(&rtcNewDevice),      address(&rtcNewScene),
+      address(&rtcNewGeometry),    address(&rtcSetNewGeometryBuffer),
+      address(&rtcAttachGeometry), address(&rtcCommitGeometry)};
+};
+
+TEST_P(OutOfMemoryIn, OneThread) {
+  const Trial trial(GetParam().prepare(1), GetParam().lost);
+  const std::vector<long> numbers = thorough() ? up_to(trial.count(), 1) : trial.first_of_each();
+  std::cout << numbers.size() << " of " << trial.count() << " allocations fail\n";
+  ASSERT_GT(numbers.size(), 0u);
+  for (const long number : numbers) {
+    trial.fail(number, 1);
+    if (HasFailure()) return;
+  }
+}
+
+/// Also while errors are made and passed on.
+TEST_P(OutOfMemoryIn, AndThereIsNoMoreFromThenOn) {
+  constexpr long kSample = 40;
+  const Trial trial(GetParam().prepare(1), GetParam().lost);
+  for (const long number :
+       up_to(trial.count(), 1 + trial.count() / (thorough() ? 2000 : kSample))) {
+    trial.fail(number, std::numeric_limits<long>::max());
+    if (HasFailure()) return;
+  }
+}
+
+TEST_P(OutOfMemoryIn, TwoThreads) {
+  constexpr long kSample = 40;
+  const Trial trial(GetParam().prepare(2), GetParam().lost);
+  for (const long number :
+       up_to(trial.count(), 1 + trial.count() / (thorough() ? 2000 : kSample))) {
+    trial.fail(number, 1);
+    if (HasFailure()) return;
+  }
+}
+
+constexpr std::array kCases = {
+    Case{"Sample", sampling},
+    Case{"Classes", sampling_classes},
+    Case{"Picture", sampling_a_picture},
+    Case{"Torus", sampling_a_torus},
+    Case{"Polygon", sampling_a_polygon, 1},  // a block of CGAL's Compact_container
+    Case{"Stipple", stippling},
+    Case{"Resample", resampling},
+    Case{"Relax", relaxing},
+    Case{"NewTracker", beginning_to_track},
+    Case{"Frame", tracking_a_frame},
+    Case{"Resume", resuming},
+    Case{"Population", a_population},
+    Case{"Resting", resting},
+    Case{"Window", a_window},
+    Case{"Mosaic", tiling},
+    Case{"Decals", covering},
+    Case{"Refine", refining},
+    Case{"RefineImage", refining_to_a_picture},
+    Case{"Spectrum", a_spectrum},
+    Case{"SurfaceSpectrum", a_spectrum_of_a_surface},
+    Case{"Projector", projecting},
+    Case{"Ranks", ranking},
+    Case{"Surfaces", making_surfaces},
+    Case{"Measures", measuring},
+};
+
+INSTANTIATE_TEST_SUITE_P(Verbs, OutOfMemoryIn, testing::ValuesIn(kCases),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+// ---- files ----
+
+namespace fs = std::filesystem;
+
+/// A folder with a mesh file in it, gone at the end.
+class MeshFolder {
+ public:
+  explicit MeshFolder(const std::string& suffix)
+      : folder_(fs::path(testing::TempDir()) / ("dapple out of memory" + std::to_string(getpid()))),
+        path_(folder_ / ("mesh" + suffix)) {
+    fs::create_directories(folder_);
+    write_mesh(path_, before_.vertices, before_.faces);
+  }
+  ~MeshFolder() { fs::remove_all(folder_); }
+  MeshFolder(const MeshFolder&) = delete;
+  MeshFolder& operator=(const MeshFolder&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  [[nodiscard]] const Shape& before() const { return before_; }
+  [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(folder_), {}); }
+
+ private:
+  fs::path folder_;
+  fs::path path_;
+  Shape before_ = tetrahedron();
+};
+
+class OutOfMemoryWithFiles : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Formats, OutOfMemoryWithFiles,
+                         testing::Values(".ply", ".off", ".obj", ".stl"),
+                         [](const auto& one) { return std::string(one.param).substr(1); });
+
+long allocations_of(const std::function<void()>& work) {
+  const long before = allocations();
+  work();
+  return allocations() - before;
+}
+
+TEST_P(OutOfMemoryWithFiles, Reading) {
+  const MeshFolder folder(GetParam());
+  const Trial trial(again([&](Hash& hash) {
+    const MeshArrays mesh = read_mesh(folder.path());
+    hash.add(mesh.vertices);
+    hash.add(mesh.faces);
+  }));
+  for (const long number : up_to(trial.count(), 1)) trial.fail(number, 1);
+}
+
+/// The file is the old one or the new one, and nothing is beside it.
+TEST_P(OutOfMemoryWithFiles, Writing) {
+  const Shape after = blob(1);
+  const MeshFolder folder(GetParam());
+  const auto write = [&] { write_mesh(folder.path(), after.vertices, after.faces); };
+  write();
+  for (const long number : up_to(allocations_of(write), 1)) {
+    write_mesh(folder.path(), folder.before().vertices, folder.before().faces);
+    bool written = true;
+    try {
+      const OutOfMemory missing(number);
+      write();
+    } catch (const std::exception&) {
+      written = false;
+    }
+    const std::size_t faces = read_mesh(folder.path()).faces.size();
+    ASSERT_EQ(faces, written ? after.faces.size() : folder.before().faces.size()) << number;
+    ASSERT_EQ(folder.files(), 1) << "allocation " << number << " left a part behind";
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
