@@ -12,6 +12,17 @@ import shapes
 
 ROOT = Path(__file__).parents[2]
 
+try:
+    from hypothesis import HealthCheck, configuration, settings
+except ModuleNotFoundError:  # test_properties.py is left out
+    pass
+else:
+    configuration.set_hypothesis_home_dir(ROOT / "build" / "hypothesis")
+    common = {"deadline": None, "suppress_health_check": list(HealthCheck)}
+    settings.register_profile("usual", derandomize=True, database=None, max_examples=40, **common)
+    settings.register_profile("thorough", max_examples=2000, print_blob=True, **common)
+    settings.load_profile("usual")
+
 
 @pytest.fixture(scope="session")
 def root() -> Path:
