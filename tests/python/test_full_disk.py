@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 from dapple3d import gltf, instances, stippling, tables, usd
 from dapple3d.cli import motions, points, polygons
-from dapple3d.cli.commands import analyze, track
+from dapple3d.cli.commands import analyze
 from dapple3d.cli.report import Reporter
 from dapple3d.distributed import Tiles, sample_tiles
+from dapple3d.distributed.shots import motion_arrays
+from dapple3d.writing import replacing, write_npz
 from test_tiles import TILE, contents, hills
 
 resource = pytest.importorskip("resource", reason="Windows limits no file")
@@ -90,13 +92,17 @@ def cells(surface, few):
 
 
 @writer(".npz")
-def motion(surface, few):
-    return lambda path: motions.write_npz_motion(path, [points.points_of(few)] * 2)
+def tracked(surface, few):
+    def write(path):
+        with replacing(path) as file:
+            write_npz(file, motion_arrays([few, few]))
+
+    return write
 
 
 @writer(".npz")
-def tracked(surface, few):
-    return lambda path: track.write_motion(path, [few, few])
+def motion(surface, few):
+    return lambda path: motions.write_npz_motion(path, [points.points_of(few)] * 2)
 
 
 @writer(".json")

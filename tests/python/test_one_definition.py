@@ -89,7 +89,7 @@ def test_a_new_option_touches_at_most_five_files(scratch, root, tables):
     assert changed == {option_tables.STUBS, option_tables.PAGE}
     stubs = generated[scratch / option_tables.STUBS]
     takers = [verb for verb, rows in tables.items() if any(o.name == "damping" for o in rows)]
-    assert stubs.count(" damping: float = 0.25,\n") == len(takers) == 10
+    assert stubs.count(" damping: float = 0.25,\n") == len(takers) == 11
     assert "| `damping` | `0.25` | 0..1 | spacings |" in generated[scratch / option_tables.PAGE]
     by_hand = {HEADER, "the source that uses it", "the German text of its tooltip"}
     assert len(changed | by_hand) <= 5

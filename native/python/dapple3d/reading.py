@@ -14,8 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    *("BROKEN", "WRONG_ENTRY"),
-    *("check_archive", "entry_header", "npy_header", "read_npy", "read_npz"),
+    "BROKEN",
+    "WRONG_ENTRY",
+    "check_archive",
+    "entry_header",
+    "npy_header",
+    "read_npy",
+    "read_npz",
 ]
 
 WRONG_ENTRY: Final = (LookupError, TypeError, AttributeError, OverflowError, RecursionError)
