@@ -278,7 +278,7 @@ def test_a_file_that_cannot_be_saved_stays(path, capfd, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(whole, "_sync", full)
-    monkeypatch.setattr(addon_host.part("core.sidecar").Sidecar, "store", lambda *_: None)
+    monkeypatch.setattr(addon_host.part("core.sidecar").Sidecar, "store", lambda *_, **__: None)
     assert command("bake") == 1
     assert "could not be saved: [Errno 28] No space left on device" in capfd.readouterr().err
     assert path.read_bytes() == before
@@ -300,8 +300,8 @@ def test_a_signal_stops_and_the_next_run_goes_on(path, tmp_path, monkeypatch, nu
     sidecar = addon_host.part("core.sidecar").Sidecar
     store = sidecar.store
 
-    def signaled(self, frame, *rest):
-        store(self, frame, *rest)
+    def signaled(self, frame, *rest, **places):
+        store(self, frame, *rest, **places)
         if frame == kept:
             os.kill(os.getpid(), number)
 
@@ -326,8 +326,8 @@ def test_a_signal_keeps_what_is_done(tmp_path, monkeypatch):
     sidecar = addon_host.part("core.sidecar").Sidecar
     store = sidecar.store
 
-    def signaled(self, *arguments):
-        store(self, *arguments)
+    def signaled(self, *arguments, **places):
+        store(self, *arguments, **places)
         if self.folder.name.startswith("Scales"):
             os.kill(os.getpid(), signal.SIGTERM)
 

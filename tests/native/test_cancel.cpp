@@ -418,7 +418,9 @@ TEST(Watched, AFrameOfAPopulation) {
 }
 
 TEST(Watched, AFrameOfOtherFaces) {
-  const Surface first = remeshed(0).surface(), next = remeshed(1).surface();
+  const Shape moved = mapped(
+      remeshed(1), [](const Vec3& p) { return Vec3(1.2 * p.x(), p.y(), p.z()); });  // to even out
+  const Surface first = remeshed(0).surface(), next = moved.surface();
   const Population fresh(first, sample(first, 80), {.tracker = {.optimizer = few_steps()}});
   Population population = fresh;
   cancel_everywhere(
