@@ -89,6 +89,7 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
 
 std::vector<std::shared_ptr<Samples>> shared(std::vector<Samples> frames) {
   std::vector<std::shared_ptr<Samples>> result;
+  result.reserve(frames.size());
   for (Samples& one : frames) result.push_back(std::make_shared<Samples>(std::move(one)));
   return result;
 }
