@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace dapple {
 namespace {
 
 // Floods before their stamps begin anew: with more sites than that, indices end too.
 constexpr std::int32_t kMostStamps = 1 << 30;
-constexpr double kTie = 1e-14;  // of a polygon's squared radius: rounding of x . (x_j - x_i)
+// Rounding of x . (x_j - x_i), of r |x_j - x_i| with r the radius of a polygon.
+constexpr double kTie = 1e-14;
 
 }  // namespace
 
@@ -48,7 +50,7 @@ bool CellFlood::clip(OrderedFace face) {
                                         surface_->ordered().vertex(c) - x};
   polygon_.start(triangle[0], triangle[1], triangle[2]);
   squared_radius_ = polygon_.squared_radius();
-  const double floor = -kTie * squared_radius_;
+  const double floor = -2.0 * kTie * squared_radius_;  // no |x_j - x_i| that counts is above 2 r
   std::size_t k = 0;
   while (const Bisector* next = bisectors_.at(k)) {
     if (is_far(*next)) break;
@@ -79,7 +81,8 @@ bool CellFlood::cut_by_those(unsigned reached, std::size_t first, std::size_t la
 
 bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   const auto [low, high] = polygon_.measure(bisector.normal, bisector.offset);
-  if (low >= -kTie * squared_radius_ && high <= kTie * squared_radius_) {
+  const double tie = kTie * std::sqrt(squared_radius_ * bisector.squared_distance);
+  if (low >= -tie && high <= tie) {
     if (sites_->original(site_) < sites_->original(bisector.site)) return true;
     tied_to_ = bisector.site;
     polygon_.clear();

@@ -341,6 +341,16 @@ TEST(RestrictedVoronoi, GivesAWallInABisectorToTheFirstSite) {
 
 // ---- pieces that the flood from the site does not reach ----
 
+TEST(RestrictedVoronoi, SharesOutANeedleAmongSitesThatAllButTouch) {
+  const double width = 1e-6, apart = 1e-9;
+  const Shape needle{"Needle", {{-1, -width, 0}, {1, -width, 0}, {0, width, 0}}, {{0, 1, 2}}};
+  const Surface surface = needle.surface();
+  const Sites sites =
+      at_points({{0, 0, 0}, {0.9 * apart, 0, 0}, {-0.9 * apart, 0, 0}, {0, apart, 0}});
+  check_cells(surface, sites);
+  for (const Moments& cell : restricted_voronoi(surface, sites).cells) EXPECT_GT(cell.area, 0.0);
+}
+
 TEST(RestrictedVoronoi, ReachesThroughWalls) {
   const Shape shape = two_sheets(4, 0.01);
   Random random(21);
