@@ -2,7 +2,8 @@
 """Look into the wheels of a release: python scripts/audit.py WHEEL...
 
 A wheel holds its module, licenses and a bill of materials, and is at most 5 MB. The module is for
-the wheel's system, imports only what that system and Python have, and shows nothing but its entry.
+the wheel's system, imports only what that system and Python have, shows nothing but its entry, and
+is hardened: a stack that is guarded and never executed, addresses that are fixed once it is loaded.
 Prints a line for each wheel; ends with status 1 at the first that is otherwise.
 """
 
@@ -79,6 +80,32 @@ def asked_for(module: Any) -> list[str]:
     ]
 
 
+def refuse_unguarded(imported: Iterable[str]) -> None:
+    """A compiler that guards the stack has functions call what ends the program."""
+    if not {"__stack_chk_fail", "___stack_chk_fail"} & set(imported):  # macOS adds one to each name
+        raise RefusedError("is built without a guard of the stack (-fstack-protector-strong)")
+
+
+def refuse_soft_elf(module: Any) -> None:
+    """An ELF file's stack and tables of addresses."""
+    if not module.has_nx:
+        raise RefusedError("has a stack that can be executed (-z noexecstack)")
+    kinds = {segment.type for segment in module.segments}
+    flags = module.get(lief.ELF.DynamicEntry.TAG.FLAGS)
+    is_bound = flags is not None and flags.has(lief.ELF.DynamicEntryFlags.FLAG.BIND_NOW)
+    if lief.ELF.Segment.TYPE.GNU_RELRO not in kinds or not is_bound:
+        raise RefusedError("has tables of addresses that stay writable (-z relro -z now)")
+    refuse_unguarded(symbol.name for symbol in module.imported_symbols)
+
+
+def refuse_soft_pe(flags: Iterable[Any]) -> None:
+    """What a PE file says of where it may be loaded, and of its stack."""
+    kinds = lief.PE.OptionalHeader.DLL_CHARACTERISTICS
+    for wanted in (kinds.NX_COMPAT, kinds.DYNAMIC_BASE, kinds.HIGH_ENTROPY_VA):
+        if wanted not in flags:
+            raise RefusedError(f"lacks {wanted.name} among its characteristics")
+
+
 def audit_linux(module: Any, wheel: Wheel) -> str:
     """An ELF file: its libraries, the glibc that it needs, its symbols."""
     if module.header.machine_type != lief.ELF.ARCH.X86_64:
@@ -95,6 +122,7 @@ def audit_linux(module: Any, wheel: Wheel) -> str:
         raise RefusedError(f"needs glibc {least}, {wheel.platform} promises {GLIBC}")
     refuse_others("asks for", asked_for(module), PYTHON)
     refuse_exports(s.name for s in module.exported_symbols)
+    refuse_soft_elf(module)
     return f"glibc {'.'.join(map(str, least))}"
 
 
@@ -109,6 +137,7 @@ def audit_windows(module: Any, wheel: Wheel) -> str:
     refuse_others("imports", libraries - {python}, WINDOWS)
     refuse_exports(entry.name for entry in module.get_export().entries)
     optional = module.optional_header
+    refuse_soft_pe(optional.dll_characteristics_lists)
     return f"Windows {optional.major_subsystem_version}.{optional.minor_subsystem_version}"
 
 
@@ -134,6 +163,7 @@ def audit_macos(module: Any, wheel: Wheel) -> str:
     lookups = (s.name.removeprefix("_") for s in module.imported_symbols if not s.library_ordinal)
     refuse_others("asks for", lookups, PYTHON)
     refuse_exports(own_exports(symbol.name for symbol in module.exported_symbols))
+    refuse_unguarded(symbol.name for symbol in module.imported_symbols)
     return f"macOS {'.'.join(map(str, least))}"
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .bake import Baker
-from .binding import faces_with_corners
+from .binding import faces_with_corners, samples_of
 from .errors import ScatterError
 from .frames import carried
 from .ground import Ground
@@ -22,7 +22,7 @@ from .lean import leaning
 from .native import package
 from .records import Binding, Columns
 from .sidecar import Solved
-from .solve import named, point_columns, report_of
+from .solve import Report, named, point_columns, report_of
 from .surface import Floats, Ints, SurfaceArrays
 
 
@@ -35,9 +35,24 @@ class Born:
     columns: Columns  # named as in POINT_ATTRIBUTES and ADDED_ATTRIBUTES
 
 
+@dataclass(frozen=True)
+class _There:
+    """Points of a frame, on the faces of its topology: those that stay, then those that vanish."""
+
+    ids: Ints
+    classes: Ints
+    faces: Ints
+    barycentric: Floats
+    fade: Floats
+
+
 @dataclass
 class PopulationBaker(Baker):
-    """Bakes births and deaths; frames are not kept in files before the end."""
+    """Bakes births and deaths.
+
+    A file of a frame holds the points that are there in it, not the rows, and what the population
+    remembers; see dapple.Population.state.
+    """
 
     at_seam = False  # the package finds where each point goes on
     fade: int = 12  # frames that a point takes to appear or to vanish
@@ -46,8 +61,14 @@ class PopulationBaker(Baker):
         super().__post_init__()
         if self.start.settings.classes:  # which the package follows on the same faces only
             self.rebind, self.remedy = False, "Set Population to Keep Count"
+        self._chain.note(f"population, {self.fade}")
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
+        self._stands = 0  # frames after which the population stands
+        self._ground_then: Ground | None = None  # of the last frame, its topology and points
+        self._bound_then = self.bound
+        self._there_then: _There
+        self._state: Columns = {}
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
         self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
 
@@ -57,19 +78,74 @@ class PopulationBaker(Baker):
         self._faces = faces_with_corners(self.last.corners, after.faces)
         self._ground = None
 
+    def take(self) -> bool:
+        """Whether the frame was solved before; then it is done."""
+        if self.sidecar is None:
+            return False
+        number = self.first + self.done
+        kept = self.sidecar.load(number, self.fingerprint, None, self.bound.faces)
+        there = None if kept is None else _there_of(kept)
+        if kept is None or there is None:
+            return False
+        self.taken += 1
+        self._ground_then = None
+        self._note(there, kept)
+        return True
+
     def advance(self, context: Any) -> None:
         """Solve the frame."""
         with named(self.bound.name):
-            if self._population is None:
-                options = self.start.settings.tracker_options()
-                samples = self._begin()
-                options |= of_classes(self._ground, samples, self.start.settings)
-                self._population = package().Population(
-                    self._ground.surface, samples, fade=self.fade, **options
-                )
-            samples = self._population.advance(self._surface(), context=context)
-            samples = self._ground.back(samples)
-        self._add(Solved(self._rows(samples), report_of(samples.report)))
+            population = self._ready()
+            samples = population.advance(self._surface(), context=context)
+            now = self._ground.back(samples)
+        there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
+        kept = self._kept(there, report_of(now.report), population.state)
+        self._keep(kept, self.first + self.done, self.fingerprint)
+        # What is stored leads back to cut faces but for rounding: the population is put there too.
+        self._stands = -1 if self._ground.is_cut else self.done + 1
+        self._ground_then = self._ground
+        self._note(there, kept)
+
+    def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
+        faces = np.asarray(there.faces, dtype=np.int32)
+        binding = Binding(self.bound.faces[faces], there.barycentric, np.zeros(len(faces)))
+        more = {**state, "ids": there.ids, "classes": there.classes}
+        return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
+
+    def _note(self, there: _There, kept: Solved) -> None:
+        """The frame is done."""
+        self._there_then, self._state, self._bound_then = there, kept.more, self.bound
+        self._add(Solved(self._rows(there), kept.report))
+
+    def _ready(self) -> Any:
+        """The population, at the last frame that is done."""
+        if self._population is None:
+            self._population = self._new_population()
+        if self._stands < self.done:
+            ground, there = self._ground_then or self._new_ground_then(), self._there_then
+            who = {"ids": there.ids, "classes": there.classes}
+            points = package().Samples(ground.original, there.faces, there.barycentric, **who)
+            surface = ground.surface.deformed(ground.vertices(self._vertices))
+            self._population.resume(surface, ground.there(points), self._state)
+            self._stands = self.done
+        return self._population
+
+    def _new_population(self) -> Any:
+        """At the start of the bake."""
+        settings, start = self.start.settings, self.start
+        ground = Ground(self.first_surface, settings)
+        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
+        samples = ground.there(samples)
+        if self.bound is self.first_surface:
+            self._ground = self._ground_then = ground
+        options = settings.tracker_options() | of_classes(ground, samples, settings)
+        return package().Population(ground.surface, samples, fade=self.fade, **options)
+
+    def _new_ground_then(self) -> Ground:
+        ground = Ground(self._bound_then, self.start.settings)
+        if self._bound_then is self.bound:
+            self._ground = ground
+        return ground
 
     def _surface(self) -> Any:
         """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
@@ -126,6 +202,16 @@ class PopulationBaker(Baker):
         self._faces = np.concatenate([self._faces, faces])
         self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
         self.last = _joined([self.last, binding])
+
+
+def _there_of(kept: Solved) -> _There | None:
+    """The points of a file, if it is one of a population."""
+    more, placed = kept.more, kept.placed
+    for name, kind in {"ids": "i4", "classes": "i4", "fades": "f8"}.items():
+        if name not in more or more[name].dtype != kind or more[name].shape != placed.faces.shape:
+            return None
+    weights = placed.binding.barycentric
+    return _There(more["ids"], more["classes"], placed.faces, weights, more["fades"])
 
 
 def _first_row(binding: Binding, count: int) -> Binding:

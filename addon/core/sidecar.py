@@ -14,7 +14,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ from .whole import replacing
 
 FORMAT = 2
 _OURS = ("frame_*", "ahead_*")
+_MORE = "more_"  # how names of arrays begin that only populations have
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Solved:
     placed: Placed
     report: Report
     settled: bool = False  # dapple.Tracker.settled, to go on from here
+    more: Columns = field(default_factory=dict)  # of a population: who is there, what it remembers
 
 
 class Fingerprint:
@@ -50,6 +52,10 @@ class Fingerprint:
         self._digest = hashlib.blake2b(head.encode(), digest_size=16)
         for array in (start.corners, start.barycentric, start.carry, *arrays):
             self._add(array)
+
+    def note(self, text: str) -> None:
+        """What else all frames are solved from."""
+        self._digest.update(text.encode())
 
     def add(self, frame: SurfaceArrays) -> str:
         """The fingerprint with one more frame."""
@@ -86,9 +92,9 @@ class Sidecar:
         return self.folder / f"{'ahead' if ahead else 'frame'}_{frame:06d}.npz"
 
     def load(
-        self, frame: int, fingerprint: str, points: int, faces: Ints, *, ahead: bool = False
+        self, frame: int, fingerprint: str, points: int | None, faces: Ints, *, ahead: bool = False
     ) -> Solved | None:
-        """The frame if it was solved from the same input: so many points, faces (m, 3)."""
+        """The frame if it was solved from the same input: so many points, or any; faces (m, 3)."""
         try:
             with np.load(self.path(frame, ahead=ahead), allow_pickle=False) as stored:
                 if str(stored["fingerprint"]) != fingerprint:
@@ -112,6 +118,7 @@ class Sidecar:
         part = path.with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
         some: dict[str, Any] = {} if lean is None else {"lean": lean}
+        some |= {_MORE + name: np.asarray(values) for name, values in solved.more.items()}
         packed = io.BytesIO()  # numpy leaves an archive on the disk open when a write fails
         np.savez(
             packed,
@@ -150,8 +157,9 @@ class Sidecar:
                 return
 
 
-def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
+def _checked(stored: dict[str, Any], points: int | None, faces: Ints) -> Solved:
     """The stored frame; ValueError if its arrays cannot be of such a frame."""
+    points = len(stored["faces"]) if points is None else points
     wanted = {
         "faces": ("i4", (points,)),
         "barycentric": ("f8", (points, 3)),
@@ -169,4 +177,5 @@ def _checked(stored: dict[str, Any], points: int, faces: Ints) -> Solved:
     binding = Binding(faces[stored["faces"]], stored["barycentric"], stored["carry"])
     report = Report(**json.loads(str(stored["report"])))
     placed = Placed(stored["faces"], binding, lean=stored.get("lean"))
-    return Solved(placed, report, bool(stored["settled"]))
+    more = {name[len(_MORE) :]: stored[name] for name in stored if name.startswith(_MORE)}
+    return Solved(placed, report, bool(stored["settled"]), more)

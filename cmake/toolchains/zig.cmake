@@ -32,8 +32,10 @@ set(CMAKE_OSX_SYSROOT "" CACHE STRING "")
 # Linking is tried nowhere: what the compilers can do is known, and configuring takes seconds.
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_TRY_COMPILE_CONFIGURATION Release)
-set(CMAKE_C_FLAGS_INIT -ffp-contract=off)
-set(CMAKE_CXX_FLAGS_INIT -ffp-contract=off)
+# What is written past the end of an array ends the program instead of running on.
+set(hardening "-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2")
+set(CMAKE_C_FLAGS_INIT "-ffp-contract=off ${hardening}")
+set(CMAKE_CXX_FLAGS_INIT "-ffp-contract=off ${hardening}")
 foreach(kind EXE SHARED MODULE)
   set(CMAKE_${kind}_LINKER_FLAGS_INIT -s)
 endforeach()

@@ -87,6 +87,50 @@ std::shared_ptr<Samples> advance_population(Population& population, const py::ob
   return std::make_shared<Samples>(population.advance(next, context.get()));
 }
 
+py::dict state_of(const Population& population) {
+  PopulationState state = population.state();
+  py::dict result;
+  result["fades"] = give(std::move(state.fades));
+  result["first_faces"] = give(std::move(state.first_faces));
+  result["first_barycentric"] = give(std::move(state.first_barycentric));
+  result["starts"] = give(std::vector<std::int64_t>(state.starts.begin(), state.starts.end()));
+  result["neighbors"] = give(std::move(state.neighbors));
+  result["densities"] = give(std::move(state.densities));
+  result["next_id"] = state.next_id;
+  result["settled"] = state.settled;
+  return result;
+}
+
+PopulationState state_from(const py::dict& given) {
+  const auto of = [&given](const char* name) {
+    if (!given.contains(name)) throw ArgumentError(std::string("state has no '") + name + "'");
+    return py::object(given[name]);
+  };
+  const auto all = [](const auto& array) {
+    const auto span = as_span(array);
+    return std::vector(span.begin(), span.end());
+  };
+  const IntArray rows = integers("state.starts", of("starts"), 0);
+  const std::span<const std::int32_t> starts = as_span(rows);
+  const DoubleArray first = doubles("state.first_barycentric", of("first_barycentric"), 3);
+  const std::span<const Vec3> places = as_points(first);
+  return {.fades = all(doubles("state.fades", of("fades"), 0)),
+          .first_faces = all(integers("state.first_faces", of("first_faces"), 0)),
+          .first_barycentric = {places.begin(), places.end()},
+          .starts = {starts.begin(), starts.end()},
+          .neighbors = all(integers("state.neighbors", of("neighbors"), 0)),
+          .densities = all(doubles("state.densities", of("densities"), 0)),
+          .next_id = of("next_id").cast<std::int64_t>(),
+          .settled = of("settled").cast<bool>()};
+}
+
+void resume_population(Population& population, const Surface& surface, const Samples& samples,
+                       const py::dict& state) {
+  const PopulationState given = state_from(state);
+  const py::gil_scoped_release released;
+  population.resume(surface, samples, given);
+}
+
 std::vector<std::shared_ptr<Samples>> shared(std::vector<Samples> frames) {
   std::vector<std::shared_ptr<Samples>> result;
   result.reserve(frames.size());
@@ -254,6 +298,27 @@ Raises:
     ValueError: the surface has grown so much that more samples or ids are needed than there can be; other faces on a
         surface with a density, without one of their own; other faces for samples of several classes.
     Cancelled: through the context.)")
+      .def(
+          "resume", &resume_population, py::arg("surface"), py::arg("samples"), py::arg("state"),
+          R"(Go on from a frame that was solved before: the next frames get the bytes that they would have had.
+
+The population is one that began as that which solved the frame; it is unchanged if this raises.
+
+Args:
+    surface: the Surface of that frame. To the last byte: where its faces are those of a frame before, that one's,
+        deformed.
+    samples: Samples with its faces, barycentric coordinates, ids and classes.
+    state: what the property said then.
+
+Raises:
+    ValueError: naming what of the samples or the state does not fit.)")
+      .def_property_readonly(
+          "state", &state_of,
+          R"(What resume() needs of the current frame beside its surface and samples: a dict of arrays and numbers, for a file.
+
+fades (n,) float64 per sample; first_faces (m,) int32 and first_barycentric (m, 3) float64, where each of the m samples
+that stay was on the first frame, on the current faces; starts (m + 1,) int64 and neighbors (k,) int32, rows of their
+neighbors there; densities (c,) float64, samples per capacity of each class; next_id, above all ids so far; settled.)")
       .def_property_readonly(
           "surface", [](const Population& p) { return std::make_shared<Surface>(p.surface()); },
           "The Surface of the current frame.")

@@ -12,6 +12,10 @@ FRAMES, FADE = 12, 3
 
 @pytest.fixture
 def breathing():
+    return breathing_ball()
+
+
+def breathing_ball():
     """A scatter on a ball that grows to 1.3 times its size and shrinks to 0.8 times."""
     surface = scenes.sphere()
     for frame, size in ((1, 1.0), (5, 1.3), (12, 0.8)):
@@ -264,3 +268,98 @@ def test_faces_that_change_are_refused_unless_asked_for():
     with pytest.raises(RuntimeError, match=r"changes its topology at frame 2.*New Topology"):
         bpy.ops.dapple.bake()
     assert len(obj.data.vertices) == 300
+
+
+def two_types(made):
+    surface, obj = made()
+    for share in (3.0, 1.0):
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        obj.dapple.classes[-1].share = share
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    return surface, obj
+
+
+def around_an_obstacle(made):
+    """On faces that are cut where the density changes within them."""
+    surface, obj = made()
+    stones = bpy.data.collections.new("Stones")
+    bpy.context.scene.collection.children.link(stones)
+    stone = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.2, 0.2, 0.2))
+    stones.objects.link(stone)
+    obj.dapple.density.obstacles = stones
+    scenes._activate(obj)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    return surface, obj
+
+
+def packed(obj):
+    stored = addon_host.part("blender.data.key_stores").read_baked(obj)
+    columns = {**stored.keys, **stored.triangles, **stored.frames}
+    return {name: values.tobytes() for name, values in columns.items()} | {"ids": ids(obj)}
+
+
+def baked(obj):
+    """Keys of a bake, and how many of its frames were taken from files and solved."""
+    baking = addon_host.part("blender.steps.baking")
+    bakers = []
+    new = baking.new_baker
+    baking.new_baker = lambda *arguments: bakers.append(new(*arguments)) or bakers[-1]
+    try:
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+    finally:
+        baking.new_baker = new
+    (baker,) = bakers
+    return packed(obj), baker.taken, baker.done - baker.taken
+
+
+MADE = {
+    "ball": lambda: breathing_ball(),
+    "types": lambda: two_types(breathing_ball),
+    "cut": lambda: around_an_obstacle(breathing_ball),
+    "remeshed": lambda: following(remeshed),
+    "balls": lambda: following(balls),
+}
+
+
+@pytest.mark.parametrize("made", MADE)
+@pytest.mark.parametrize("kept", [1, 5, 7])
+def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
+    _, obj = MADE[made]()
+    obj.dapple.on_topology_change = "REBIND"
+    work_files = addon_host.part("blender.status.workfiles")
+    files = work_files.work_files(obj)
+    whole, taken, solved = baked(obj)
+    assert (taken, solved) == (0, bpy.context.scene.frame_end)
+    assert files.frames() == solved
+    for path in sorted(files.folder.iterdir())[:kept]:
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    assert files.frames() == 0
+    addon_host.part("core.sidecar").Sidecar(tmp_path).move(files.folder)
+    assert work_files.unfinished(obj) == kept
+    assert baked(obj) == (whole, kept, solved - kept)
+
+
+def test_frames_of_another_fade_are_not_taken():
+    _, obj = breathing_ball()
+    _, _, solved = baked(obj)
+    obj.dapple.fade_frames = FADE + 1
+    assert baked(obj)[1:] == (0, solved)
+    obj.dapple.count_over_time = "KEEP_COUNT"
+    assert baked(obj)[1:] == (0, solved)
+
+
+def test_files_that_are_not_of_a_population_are_not_taken(tmp_path):
+    _, obj = breathing_ball()
+    files = addon_host.part("blender.status.workfiles").work_files(obj)
+    whole, _, solved = baked(obj)
+    with np.load(files.path(2)) as stored:
+        arrays = dict(stored)
+    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+    files.folder.mkdir(parents=True)
+    for name in ("more_ids", "more_classes", "more_fades"):
+        np.savez(files.path(2), **{key: one for key, one in arrays.items() if key != name})
+        np.savez(files.path(3), **(arrays | {name: arrays[name][:-1]}))
+        assert baked(obj) == (whole, 0, solved)
+        assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+        files.folder.mkdir(parents=True, exist_ok=True)

@@ -34,6 +34,11 @@ def own(surface: dapple.Surface, count: int) -> dapple.Samples:
     return dapple.Samples(surface, [0] * count, np.full((count, 3), 1 / 3))
 
 
+def resume_population(surface: dapple.Surface, samples: dapple.Samples) -> None:
+    population = dapple.Population(surface, own(surface, len(samples)))
+    population.resume(surface, samples, population.state)
+
+
 def cover(surface: dapple.Surface, samples: dapple.Samples) -> object:
     uv = np.zeros((2, 3, 2))
     uv[:, 1, 0] = uv[:, 2, 1] = 1
@@ -60,6 +65,7 @@ VERBS = READERS | {
     "resume": lambda s, p: dapple.Tracker(s, own(s, len(p))).resume(s.vertices, p),
     "Population": dapple.Population,
     "Population of classes": lambda s, p: dapple.Population(s, p, classes=[1]),
+    "Population.resume": lambda s, p: resume_population(s, p),
     "track_window": lambda s, p: dapple.track_window(s, [s.vertices], p),
     "track_pieces": lambda s, p: list(dapple.track_pieces(s, [s.vertices], p)),
     "WindowTracker": dapple.WindowTracker,

@@ -77,6 +77,35 @@ def test_a_module_with_a_function_that_is_nowhere_is_refused(root, tmp_path):
         audit.audit(wheel(tmp_path, LINUX, module.read_bytes()))
 
 
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        (["-z", "execstack"], "a stack that can be executed"),
+        (["-z", "norelro"], "tables of addresses that stay writable"),
+        (["-z", "lazy"], "tables of addresses that stay writable"),
+        ([], "without a guard of the stack"),
+    ],
+)
+def test_a_module_that_is_not_hardened_is_refused(root, tmp_path, flags, said):
+    source, module = tmp_path / "module.c", tmp_path / "module.so"
+    source.write_text("int PyInit__native(void) { return 0; }")
+    map_file = f"-Wl,--version-script={root}/native/python/module.map"
+    hard = ["-z", "relro", "-z", "now", "-z", "noexecstack", *flags]
+    command = ["gcc", "-shared", "-fPIC", "-nostdlib", map_file, source, "-o", module, *hard]
+    subprocess.run(command, check=True)
+    with pytest.raises(audit.RefusedError, match=said):
+        audit.audit(wheel(tmp_path, LINUX, module.read_bytes()))
+
+
+def test_a_module_of_windows_is_loaded_anywhere():
+    kinds = audit.lief.PE.OptionalHeader.DLL_CHARACTERISTICS
+    hard = [kinds.NX_COMPAT, kinds.DYNAMIC_BASE, kinds.HIGH_ENTROPY_VA]
+    audit.refuse_soft_pe(hard)
+    for missing in hard:
+        with pytest.raises(audit.RefusedError, match=missing.name):
+            audit.refuse_soft_pe([kind for kind in hard if kind != missing])
+
+
 def test_a_wheel_that_is_too_large_is_refused(tmp_path):
     with pytest.raises(audit.RefusedError, match="more than 5,000,000"):
         audit.audit(wheel(tmp_path, LINUX, bytes(6_000_000)))

@@ -201,6 +201,53 @@ def test_a_population_takes_a_surface_as_its_vertices(mesh, surface, samples):
     assert same_bytes(three.advance(vertices, mesh[1]), expected)
 
 
+def kept(population, path):
+    """What a population goes on from, as read back from a file."""
+    there = population.samples
+    np.savez(path, **population.state, ids=there.ids, faces=there.faces, places=there.barycentric)
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    samples = dapple.Samples(
+        population.surface, arrays["faces"], arrays["places"], ids=arrays["ids"]
+    )
+    return samples, arrays
+
+
+def test_a_population_goes_on_with_the_same_bytes(tmp_path):
+    surface = dapple.Surface(*torus(40, 20))
+    start = dapple.sample(surface, 200)
+    whole = dapple.Population(surface, start, fade=3)
+    for frame in range(1, 8):
+        again = dapple.Population(surface, start, fade=3)
+        again.resume(whole.surface, *kept(whole, tmp_path / "frame.npz"))
+        vertices, faces = other_mesh(frame // 3)
+        now = whole.advance((1.0 + 0.04 * frame) * vertices, faces)
+        assert same_bytes(again.advance((1.0 + 0.04 * frame) * vertices, faces), now)
+        assert again.samples.fade.tolist() == now.fade.tolist()
+    assert whole.state["next_id"] > len(start)
+
+
+def test_a_population_names_what_of_a_state_does_not_fit(surface, samples):
+    population = dapple.Population(surface, samples)
+    state = population.state
+    for name, bad, said in [
+        ("fades", state["fades"][:-1], r"state.fades"),
+        ("fades", -state["fades"], r"state.fades\[0\] is -1"),
+        ("first_faces", state["first_faces"] - 10**6, r"state.first_faces\[0\] is -\d+"),
+        ("first_barycentric", state["first_faces"], r"state.first_barycentric has the shape"),
+        ("starts", state["starts"][::-1], r"state.starts does not rise"),
+        ("neighbors", state["neighbors"] + len(samples), r"state.neighbors\[0\] is"),
+        ("densities", [np.nan], r"state.densities"),
+        ("next_id", 0, r"state.next_id is 0, not above samples.ids\[0\]"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            population.resume(surface, samples, state | {name: bad})
+        left = {key: value for key, value in state.items() if key != name}
+        with pytest.raises(ValueError, match=f"state has no '{name}'"):
+            population.resume(surface, samples, left)
+    assert same_bytes(population.samples, samples)
+
+
 def test_a_population_follows_the_density_of_a_surface():
     vertices, faces = torus(40, 20)
     surface = dapple.Surface(vertices, faces, density=1.0 + (vertices[:, 0] > 0))

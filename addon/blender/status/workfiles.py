@@ -137,7 +137,7 @@ def _start(obj: bpy.types.Object, first: int | None) -> str:
     settings = settings_of(obj)
     first = bpy.context.scene.frame_start if first is None else first
     edits = _known.edits.get(obj.session_uid, 0)
-    way = obj.dapple.bake_smoothing
+    way = _way_of_baking(obj)
     token = (settings, way, first, obj.data.session_uid, len(obj.data.vertices), edits)
     known = _known.starts.get(obj.session_uid)
     if known is None or known[0] != token:
@@ -149,23 +149,29 @@ def _start(obj: bpy.types.Object, first: int | None) -> str:
     return known[1]
 
 
+def _way_of_baking(obj: bpy.types.Object) -> str:
+    """How frames follow from each other."""
+    settings = obj.dapple
+    if settings.count_over_time == "KEEP_DENSITY":
+        return f"{settings.count_over_time}-{settings.fade_frames}"
+    return str(settings.bake_smoothing)
+
+
 def _counted(obj: bpy.types.Object) -> tuple[int, int]:
     """Frames that Bake goes on from, and others."""
     found = all_work_files(obj)
     if not found or missing():
         return 0, 0
     own = work_files(obj).folder
-    settings = obj.dapple
-    kept = settings.count_over_time == "KEEP_COUNT"
     times = tuple((files.folder.name, files.folder.stat().st_mtime_ns) for files in found)
-    token = (own, kept, settings.bake_fingerprint, times)
+    token = (own, obj.dapple.bake_fingerprint, times)
     known = _known.counts.get(obj.session_uid)
     if known is None or known[0] != token:
-        known = _known.counts[obj.session_uid] = token, _count(obj, found, own if kept else None)
+        known = _known.counts[obj.session_uid] = token, _count(obj, found, own)
     return known[1]
 
 
-def _count(obj: bpy.types.Object, found: list[Sidecar], own: Path | None) -> tuple[int, int]:
+def _count(obj: bpy.types.Object, found: list[Sidecar], own: Path) -> tuple[int, int]:
     going_on = others = 0
     for files in found:
         if _is_finished(obj, files):

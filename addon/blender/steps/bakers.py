@@ -37,10 +37,10 @@ def new_baker(
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     keyframes = Keyframes(count, obj.dapple.key_every)
     smoothing = obj.dapple.bake_smoothing
+    kept = work_files(obj, first)
     if obj.dapple.count_over_time == "KEEP_DENSITY":
         fade = obj.dapple.fade_frames
-        return PopulationBaker(arrays, start, keyframes, None, first, rebind, fade=fade)
-    kept = work_files(obj, first)
+        return PopulationBaker(arrays, start, keyframes, kept, first, rebind, fade=fade)
     if smoothing == "FORWARDS":
         return Baker(arrays, start, keyframes, kept, first, rebind)
     return TogetherBaker(arrays, start, keyframes, kept, first, rebind, closed=smoothing == "LOOP")

@@ -30,6 +30,21 @@ inline constexpr std::tuple kPopulationOptions = {
 
 constexpr const auto& options_of(const PopulationOptions&) { return kPopulationOptions; }
 
+/// What a Population knows beside the samples of its present frame: with both it goes on from there
+/// later, or elsewhere. Faces are those of the present frame.
+struct PopulationState {
+  std::vector<double> fades = {};  ///< per sample: those that stay, then those that vanish
+  std::vector<std::int32_t> first_faces =
+      {};  ///< per sample that stays, where it was on the first frame, carried to these faces
+  std::vector<Vec3> first_barycentric = {};
+  std::vector<std::size_t> starts = {
+      0};  ///< rows of `neighbors`, one more than there are samples that stay
+  std::vector<std::int32_t> neighbors = {};  ///< on the first frame, as indices of samples
+  std::vector<double> densities = {};        ///< per class (one without classes): as wanted now
+  std::int64_t next_id = 0;                  ///< above all that were ever used
+  bool settled = true;                       ///< see Tracker::settled()
+};
+
 /// Samples on a deforming surface at a constant density per area: where it grows samples appear,
 /// where it shrinks some vanish. They never pop: `fade` of a sample goes from 0 to 1 or back, and
 /// an id is never used again.
@@ -63,6 +78,16 @@ class Population {
   /// \throw as above; ArgumentError if there are classes
   const Samples& advance(const Surface& next, Context* context = nullptr);
 
+  /// What resume() needs beside samples() and the present surface().
+  [[nodiscard]] PopulationState state() const;
+
+  /// Go on from a frame that was solved before, as if this population had solved it.
+  /// \param frame the surface of that frame: where its faces are those of a frame before, that
+  ///        one's, deformed
+  /// \param samples, state of a population that began as this one did
+  /// \throw ArgumentError naming what does not fit; the population is then unchanged
+  void resume(const Surface& frame, const Samples& samples, const PopulationState& state);
+
   [[nodiscard]] const Surface& surface() const { return tracker_.surface(); }
   [[nodiscard]] const Samples& samples() const { return samples_; }
 
@@ -92,6 +117,8 @@ class Population {
   [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
   [[nodiscard]] Samples resized(const Tracker& tracker, Context* context) const;
   [[nodiscard]] std::vector<Fading> vanishing(const Samples& before, const Samples& after) const;
+  [[nodiscard]] bool is_of_this_body(const Surface& other) const;
+  [[nodiscard]] Surface with_kinds(const Surface& frame) const;
   void check_one_kind() const;
   [[nodiscard]] Crossing cross(const Surface& next, Context* context) const;
   [[nodiscard]] std::vector<std::int32_t> ids_of(std::span<const std::int32_t> origin) const;

@@ -11,6 +11,7 @@
 namespace dapple {
 
 class FrameSolver;
+class PatternMemory;
 class Transfer;
 
 /// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
@@ -50,6 +51,8 @@ class Tracker {
   void exchange(const Samples& samples);
   void cross(const Surface& next, const Transfer& transfer, std::span<const std::int32_t> origin,
              const Samples& now, Context* context);
+  void replace(const Surface& frame, Samples samples, Sites first, PatternMemory memory,
+               bool settled);
   [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
 
   Surface surface_;

@@ -156,6 +156,13 @@ FrameSolver FrameSolver::with(const Samples& now) const {
   return result;
 }
 
+FrameSolver FrameSolver::replaced(const Samples& now, Sites first, PatternMemory memory) const {
+  FrameSolver result = with(now);
+  result.first_ = std::move(first);
+  result.memory_ = std::move(memory);
+  return result;
+}
+
 FrameSolver FrameSolver::exchanged(std::span<const std::int32_t> origin, const Samples& now) const {
   FrameSolver result = with(now);
   for (std::size_t k = 0; k < origin.size(); ++k) {

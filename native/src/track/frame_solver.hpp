@@ -62,6 +62,13 @@ class FrameSolver {
                                          const Surface& before, const Transfer& transfer,
                                          const Context* context) const;
 
+  /// The same aims for samples of another solver.
+  /// \param first, memory its first() and memory()
+  [[nodiscard]] FrameSolver replaced(const Samples& now, Sites first, PatternMemory memory) const;
+
+  /// Where the samples were on the first frame, on the present faces.
+  [[nodiscard]] const Sites& first() const { return first_; }
+  [[nodiscard]] const PatternMemory& memory() const { return memory_; }
   [[nodiscard]] const TrackerOptions& options() const { return options_; }
   /// Of the first frame, as it was given.
   [[nodiscard]] const Report& first_report() const { return first_report_; }

@@ -22,6 +22,9 @@ class PatternMemory {
  public:
   PatternMemory() = default;
   explicit PatternMemory(const RestrictedVoronoi& first);
+  /// From starts() and neighbors() of another one.
+  PatternMemory(std::vector<std::size_t> starts, std::vector<std::int32_t> neighbors)
+      : starts_(std::move(starts)), neighbors_(std::move(neighbors)) {}
 
   /// Moves toward the places that the first frame's neighbors give each site by the best affine
   /// map of their first places to their present ones. No move where the neighbors do not fit such
@@ -38,6 +41,9 @@ class PatternMemory {
   /// For other sites.
   /// \param origin per site its index so far, or -1 for one that is new: it has no neighbors yet
   [[nodiscard]] PatternMemory exchanged(std::span<const std::int32_t> origin) const;
+
+  [[nodiscard]] const std::vector<std::size_t>& starts() const { return starts_; }
+  [[nodiscard]] const std::vector<std::int32_t>& neighbors() const { return neighbors_; }
 
  private:
   [[nodiscard]] Vec3 recall_one(std::size_t site, const Places& first, const Vectors& before,

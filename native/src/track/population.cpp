@@ -41,15 +41,6 @@ std::size_t whole_count(double wanted, std::size_t now) {
   return static_cast<std::size_t>(std::llround(wanted));
 }
 
-/// Whether a surface may be another one, deformed.
-bool is_same_body(const Surface& one, const Surface& other) {
-  if (one.vertex_count() != other.vertex_count() || one.face_count() != other.face_count() ||
-      one.density_at() != other.density_at() || one.density() != other.density())
-    return false;
-  return one.same_faces(other) ||
-         (one.faces() == other.faces() && one.welded_faces() == other.welded_faces());
-}
-
 }  // namespace
 
 struct Population::Crossing {
@@ -183,8 +174,18 @@ const Samples& Population::advance(std::span<const Vec3> vertices, Context* cont
   return samples_;
 }
 
+/// Whether a surface may be the present one, deformed.
+bool Population::is_of_this_body(const Surface& other) const {
+  const Surface& one = surface();
+  if (one.vertex_count() != other.vertex_count() || one.face_count() != other.face_count() ||
+      one.density_at() != other.density_at() || one.density() != other.density())
+    return false;
+  return one.same_faces(other) ||
+         (one.faces() == other.faces() && one.welded_faces() == other.welded_faces());
+}
+
 const Samples& Population::advance(const Surface& next, Context* context) {
-  if (is_same_body(surface(), next)) return advance(next.vertices(), context);
+  if (is_of_this_body(next)) return advance(next.vertices(), context);
   TimedCall call(context);
   if (context) context->check();
   check_one_kind();

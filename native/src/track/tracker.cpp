@@ -148,6 +148,18 @@ void Tracker::exchange(const Samples& samples) {
   settled_ = false;
 }
 
+/// Go on from a frame that another tracker has solved.
+/// \param first, memory see FrameSolver::replaced()
+void Tracker::replace(const Surface& frame, Samples samples, Sites first, PatternMemory memory,
+                      bool settled) {
+  solver_ = std::make_shared<const FrameSolver>(
+      solver_->replaced(samples, std::move(first), std::move(memory)));
+  surface_ = frame;
+  samples_ = std::move(samples);
+  measured_.reset();
+  settled_ = settled;
+}
+
 /// Go on on a surface of other faces.
 /// \param origin per sample its index so far, or -1 for one that is new; those come last
 /// \param now where the samples begin there
