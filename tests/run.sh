@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then runs every test and names those that failed; the last line counts them.
-#   tests/run.sh [--all | --quick] [--only native|python|blender|package|style] [--zip FILE]
+#   tests/run.sh [--all | --quick | --thorough] [--only native|python|blender|package|style] [--zip FILE]
 #     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip
+#     --thorough  --all, and what takes most of a day: every case of what is sampled otherwise (allocations that fail,
+#               damaged files, 200 random sequences of 60 operations, 50 kills, 2,000 meshes for each property),
+#               sanitizers, an hour of fuzzing, lines broken on purpose, coverage, soak
 #     --quick   where everything is built, an answer in three minutes; it says what it leaves out
 #     --only    one part
 #     --zip     with --only package: this zip instead of a new one. Nothing is set up: build/venv has pytest and bpy.
@@ -16,7 +19,7 @@ here=$PWD
 only='' depth='' zip=''
 while [ $# -gt 0 ]; do
   case $1 in
-    --all | --quick)
+    --all | --quick | --thorough)
       [ -z "$depth" ] || fail "$depth and $1 exclude each other"
       depth=$1
       ;;
@@ -41,6 +44,7 @@ esac
 
 # A registered class can hang Blender at exit, so nothing that holds bpy runs without a limit.
 limit=(timeout --kill-after=10 1500)
+[ "$depth" != --thorough ] || limit=(timeout --kill-after=10 36000)
 workers=$(build_jobs)
 tested=$root/build/tested
 reports=$root/build/reports
@@ -54,6 +58,8 @@ end_jobs() {
   for job in $(jobs -p); do kill -- "-$job" 2>/dev/null || kill "$job" 2>/dev/null || true; done
 }
 trap end_jobs EXIT
+
+is_all() { [ "$depth" = --all ] || [ "$depth" = --thorough ]; }
 
 wanted() { [ -z "$only" ] || [ "$only" = "$1" ]; }
 
@@ -146,6 +152,10 @@ native_tests() {
 python_tests() {
   "$python" -m pytest -q -n "$workers" --junitxml="$report.xml" tests/python "$@"
 }
+# Over new meshes every time: what it finds is printed with what repeats it.
+properties() {
+  "$python" -m pytest -q -n "$workers" --junitxml="$report.xml" --hypothesis-profile=thorough tests/python/test_properties.py
+}
 blender_tests() { side_by_side "${limit[@]}" "$python" -m pytest "$@"; }
 real_blender_tests() { side_by_side real_blender "$@"; }
 tests_on_package() { on_package side_by_side "${limit[@]}" /usr/bin/python3 -m pytest "${on_zip[@]}"; }
@@ -177,20 +187,39 @@ all_parts() {
   part style 'style' end_style
 }
 
+# What is no part of CI for the time that it takes; each has a command of its own.
+thorough_parts() {
+  part native 'native tests under sanitizers' tests/sanitize.sh --seconds 14400
+  part native 'fuzzers' tests/fuzz.sh --seconds 240
+  part native 'lines broken on purpose' "$python" tests/mutate.py
+  part native 'coverage of the library' tests/coverage.sh --only native
+  part python 'coverage of the package' tests/coverage.sh --only python
+  part python 'properties' properties
+  part blender 'coverage of the add-on' tests/coverage.sh --only blender
+  part blender 'soak' tests/soak.sh
+}
+
 real=''
 [ "$(system_name)" != debian-13 ] || real=1
 # Those that meet what packing could lose or change: wheel, files, folders, a process of its own.
 on_zip=(tests/blender/test_{addon,assets,bake,classes,command,density,docs,operators,presets,tiles,translation,window}.py)
 [ -z "$zip" ] || on_zip+=(tests/blender/test_package.py)
-[ "$depth" != --all ] && { [ -z "$only" ] || [ -n "$zip" ]; } || on_zip=(tests/blender)
+if is_all || { [ -n "$only" ] && [ -z "$zip" ]; }; then on_zip=(tests/blender); fi
 slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,farm,hostile,libraries,package,sidecar,undo}.py)
 
 [ -n "$zip" ] || scripts/setup.sh
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-! wanted style || begin_style ${depth:+"$depth"}
+if [ "$depth" = --thorough ]; then export DAPPLE_THOROUGH=1 DAPPLE_SEEDS=200 DAPPLE_ROUNDS=60 DAPPLE_KILLS=50; fi
+case $depth in
+  --quick) checks=(--quick) ;;
+  --all | --thorough) checks=(--all) ;;
+  *) checks=() ;;
+esac
+! wanted style || begin_style "${checks[@]}"
 if [ "$depth" = --quick ]; then quick_parts; else all_parts; fi
+[ "$depth" != --thorough ] || thorough_parts
 
 printf '\n== summary\n'
 printf '   %s\n' "${results[@]}"

@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,26 @@ def pytest_sessionstart(session):
     addon_host.enable()
     if addon_host.TESTED_ZIP:
         addon_host.check_package()
+
+
+def pytest_configure(config):
+    """Name the marks."""
+    config.addinivalue_line("markers", "sampled(n): one case in n, unless DAPPLE_THOROUGH is set")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Of a test with very many cases, take some that are always the same."""
+    if os.environ.get("DAPPLE_THOROUGH"):
+        return
+    cases, left_out = Counter(), []
+    for item in items:
+        mark = item.get_closest_marker("sampled")
+        if mark:
+            cases[item.function] += 1
+            if cases[item.function] % mark.args[0]:
+                left_out.append(item)
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
 
 
 @functools.cache

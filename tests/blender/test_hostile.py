@@ -343,6 +343,7 @@ def expect_sentences(path, change):
             obj = opened(path, change)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", WRONG)
 def test_whatever_a_file_holds_a_sentence_is_said_of_it(files, name):
     expect_sentences(files["FACES"], WRONG[name])

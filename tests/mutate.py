@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Breaks lines of the library one at a time, and counts how many of them the native tests notice.
+
+build/venv/bin/python tests/mutate.py [--count 100] [--rooms voronoi optimize track] [--seed 0]
+
+A line is broken as a slip of the pen would: a sign, a comparison, a minimum for a maximum, a
+statement left out. What does not compile is passed over and does not count, and a run that takes
+too long is noticed. It works on a copy of the sources in build/mutants, which the first run builds
+as a whole. The lines that nobody noticed are printed; exit status 1 if they are more than a tenth.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "build" / "mutants"
+SOURCE, BUILD = FOLDER / "source", FOLDER / "build"
+COPIED = ["CMakeLists.txt", "CMakePresets.json", "LICENSE", "cmake", "native", "tests"]
+PROGRAMS = ["dapple_same_bytes_tests", "dapple_tests"]  # the one that notices most comes first
+SKIPPED = "Consumer*:*RealMesh*"
+PATIENCE = 5.0  # times what the tests take where nothing is broken
+TO_NOTICE = 0.9
+
+# What a slip makes of it. Operators have spaces around them, as clang-format leaves them;
+# templates' brackets have none.
+SLIPS = [
+    (" + ", " - "),
+    (" - ", " + "),
+    (" * ", " / "),
+    (" / ", " * "),
+    (" += ", " -= "),
+    (" -= ", " += "),
+    (" < ", " >= "),
+    (" > ", " <= "),
+    (" <= ", " > "),
+    (" >= ", " < "),
+    (" == ", " != "),
+    (" != ", " == "),
+    (" && ", " || "),
+    (" || ", " && "),
+    ("std::min", "std::max"),
+    ("std::max", "std::min"),
+    ("true", "false"),
+    ("false", "true"),
+    ("(!", "("),
+]
+STATEMENT = re.compile(r"^\s+[\w.:\[\]()>*-]+(\s[-+*/]?=\s.*|\(.*\));$")
+NO_CODE = re.compile(r"^\s*(//|#|namespace\b|using\b|template\b|static_assert\b|throw\b|\}|$)")
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A line of a file, and what it is made."""
+
+    path: Path
+    number: int  # from 1 on
+    line: str
+    broken: str
+
+    def __str__(self) -> str:
+        place = f"{self.path.relative_to(ROOT)}:{self.number}"
+        return f"{place}\n    {self.line.strip()}\n    {self.broken.strip() or '(left out)'}"
+
+
+def breaks(line: str) -> Iterator[str]:
+    """All ways to break a line."""
+    if NO_CODE.match(line):
+        return
+    code = line.split("//")[0]
+    for good, bad in SLIPS:
+        at = code.find(good)
+        while at >= 0:
+            yield line[:at] + bad + line[at + len(good) :]
+            at = code.find(good, at + len(good))
+    if STATEMENT.match(line):
+        yield ""
+
+
+def mutants(rooms: list[str], seed: int) -> Iterator[Mutant]:
+    """One of each line that can be broken, in an order that the seed decides."""
+    lines = [
+        (path, number, line)
+        for room in rooms
+        for path in sorted((ROOT / "native" / "src" / room).glob("*.?pp"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if any(breaks(line))
+    ]
+    chance = random.Random(seed)
+    chance.shuffle(lines)
+    for path, number, line in lines:
+        yield Mutant(path, number, line, chance.choice(list(breaks(line))))
+
+
+def prepare() -> float:
+    """A copy of the sources as they are, built, whose tests pass; seconds that they may take."""
+    SOURCE.mkdir(parents=True, exist_ok=True)
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.rmtree(SOURCE / name, ignore_errors=True)
+            shutil.copytree(ROOT / name, SOURCE / name)  # with its times: built anew is what is new
+        else:
+            shutil.copy2(ROOT / name, SOURCE / name)
+    configure = ["cmake", "-S", str(SOURCE), "-B", str(BUILD), "-G", "Ninja"]
+    configure += ["-DCMAKE_BUILD_TYPE=Release", "-DDAPPLE_TESTS=ON"]
+    configure += ["-DDAPPLE_PYTHON=OFF", "-DDAPPLE_BENCHMARKS=OFF", "-DDAPPLE_WERROR=OFF"]
+    subprocess.run(configure, check=True, stdout=subprocess.DEVNULL)
+    is_built, begun = built(), time.monotonic()
+    if not is_built or noticed(None):
+        sys.exit("error: the tests have to pass before anything is broken")
+    return PATIENCE * (time.monotonic() - begun)
+
+
+def built() -> bool:
+    """Whether the programs compile."""
+    command = ["cmake", "--build", str(BUILD), "--target", *PROGRAMS]
+    return subprocess.run(command, capture_output=True).returncode == 0
+
+
+def noticed(longest: float | None) -> bool:
+    """Whether a test fails, or a program crashes or takes more than so many seconds."""
+    for name in PROGRAMS:
+        command = [f"{BUILD}/tests/native/{name}", "--gtest_brief=1", "--gtest_fail_fast"]
+        command += [f"--gtest_filter=-{SKIPPED}"]
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=longest)
+        except subprocess.TimeoutExpired:
+            return True
+        if done.returncode:
+            return True
+    return False
+
+
+def outcome(mutant: Mutant, longest: float) -> str:
+    """Whether tests notice it: "noticed", "missed" or "does not compile"."""
+    copy = SOURCE / mutant.path.relative_to(ROOT)
+    lines = copy.read_text(encoding="utf-8").splitlines()
+    lines[mutant.number - 1] = mutant.broken
+    copy.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    try:
+        if not built():
+            return "does not compile"
+        return "noticed" if noticed(longest) else "missed"
+    finally:
+        copy.write_text(mutant.path.read_text(encoding="utf-8"), encoding="utf-8")
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--count", type=int, default=100, help="lines that are broken")
+    parser.add_argument("--rooms", nargs="+", default=["voronoi", "optimize", "track"])
+    parser.add_argument("--seed", type=int, default=0, help="another one takes other lines")
+    return parser.parse_args()
+
+
+def main() -> int:
+    given = arguments()
+    longest = prepare()
+    found: Counter[str] = Counter()
+    for mutant in mutants(given.rooms, given.seed):
+        told = outcome(mutant, longest)
+        found[told] += 1
+        if told == "missed":
+            print(mutant, flush=True)
+        done = found["noticed"] + found["missed"]
+        print(f"\r{found['noticed']} of {done} noticed", end=" ", file=sys.stderr, flush=True)
+        if done == given.count:
+            break
+    broken = found["does not compile"]
+    print(f"\n{found['noticed']} of {done} lines noticed; {broken} did not compile")
+    return 0 if found["noticed"] >= TO_NOTICE * done else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
