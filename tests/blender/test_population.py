@@ -321,6 +321,7 @@ MADE = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("made", MADE)
 @pytest.mark.parametrize("kept", [1, 5, 7])
 def test_a_bake_goes_on_from_its_frames_to_the_same_bytes(made, kept, tmp_path):
