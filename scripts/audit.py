@@ -2,8 +2,9 @@
 """Look into the wheels of a release: python scripts/audit.py WHEEL...
 
 A wheel holds its module, licenses and a bill of materials, and is at most 5 MB. The module is for
-the wheel's system, imports only what that system and Python have, shows nothing but its entry, and
-is hardened: a stack that is guarded and never executed, addresses that are fixed once it is loaded.
+the wheel's system, imports only what that system and Python have, starts no program and opens no
+connection, shows nothing but its entry, and is hardened: a stack that is guarded and never
+executed, addresses that are fixed once it is loaded.
 Prints a line for each wheel; ends with status 1 at the first that is otherwise.
 """
 
@@ -25,6 +26,12 @@ MACOS = re.compile(r"/usr/lib/libSystem\.B\.dylib")
 # Weak ones, of which the loader takes one for all (operators, exceptions' types); the file's head.
 MACOS_SHOWS_TOO = re.compile(r"_Zn[aw]m\w*|_Zd[al]Pv\w*|_ZT[IS]\w+|_mh_dylib_header|__dso_handle")
 PYTHON = re.compile(r"_?Py\w+")
+# What starts a program or opens a connection: nothing that ships does.
+OUTSIDE = re.compile(
+    r"_*(v?fork|f?exec[lv]\w*|posix_spawn\w*|w?system|w?popen|w?spawn[lv]\w*|CreateProcess\w*"
+    r"|ShellExecute\w*|WinExec|socket|connect|bind|listen|accept4?|getaddrinfo|gethostby\w+"
+    r"|send(to|msg)?|recv(from|msg)?|WSA\w+|InternetOpen\w*|URLDownload\w*)"
+)
 GLIBC = (2, 28)
 MACOS_LEAST = (11, 0)
 
@@ -80,6 +87,13 @@ def asked_for(module: Any) -> list[str]:
     ]
 
 
+def refuse_outside(imported: Iterable[str]) -> None:
+    """No process is started, no connection is opened."""
+    for name in sorted(imported):
+        if OUTSIDE.fullmatch(name):
+            raise RefusedError(f"calls {name}, which starts a program or opens a connection")
+
+
 def refuse_unguarded(imported: Iterable[str]) -> None:
     """A compiler that guards the stack has functions call what ends the program."""
     if not {"__stack_chk_fail", "___stack_chk_fail"} & set(imported):  # macOS adds one to each name
@@ -122,6 +136,7 @@ def audit_linux(module: Any, wheel: Wheel) -> str:
         raise RefusedError(f"needs glibc {least}, {wheel.platform} promises {GLIBC}")
     refuse_others("asks for", asked_for(module), PYTHON)
     refuse_exports(s.name for s in module.exported_symbols)
+    refuse_outside(symbol.name for symbol in module.imported_symbols)
     refuse_soft_elf(module)
     return f"glibc {'.'.join(map(str, least))}"
 
@@ -136,6 +151,7 @@ def audit_windows(module: Any, wheel: Wheel) -> str:
         raise RefusedError(f"does not import {python}")
     refuse_others("imports", libraries - {python}, WINDOWS)
     refuse_exports(entry.name for entry in module.get_export().entries)
+    refuse_outside(entry.name for library in module.imports for entry in library.entries)
     optional = module.optional_header
     refuse_soft_pe(optional.dll_characteristics_lists)
     return f"Windows {optional.major_subsystem_version}.{optional.minor_subsystem_version}"
@@ -163,7 +179,9 @@ def audit_macos(module: Any, wheel: Wheel) -> str:
     lookups = (s.name.removeprefix("_") for s in module.imported_symbols if not s.library_ordinal)
     refuse_others("asks for", lookups, PYTHON)
     refuse_exports(own_exports(symbol.name for symbol in module.exported_symbols))
-    refuse_unguarded(symbol.name for symbol in module.imported_symbols)
+    imported = [symbol.name for symbol in module.imported_symbols]
+    refuse_outside(imported)
+    refuse_unguarded(imported)
     return f"macOS {'.'.join(map(str, least))}"
 
 

@@ -97,6 +97,15 @@ def test_a_module_that_is_not_hardened_is_refused(root, tmp_path, flags, said):
         audit.audit(wheel(tmp_path, LINUX, module.read_bytes()))
 
 
+@pytest.mark.parametrize(
+    "name", ["execve", "_fork", "system", "_wsystem", "popen", "CreateProcessW", "socket", "_send"]
+)
+def test_a_module_that_starts_programs_or_connects_is_refused(name):
+    audit.refuse_outside(["executable", "bindtextdomain", "_execute_onexit_table", "sendfile64"])
+    with pytest.raises(audit.RefusedError, match=f"calls {name}, which starts"):
+        audit.refuse_outside(["memcpy", name])
+
+
 def test_a_module_of_windows_is_loaded_anywhere():
     kinds = audit.lief.PE.OptionalHeader.DLL_CHARACTERISTICS
     hard = [kinds.NX_COMPAT, kinds.DYNAMIC_BASE, kinds.HIGH_ENTROPY_VA]
