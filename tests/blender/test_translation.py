@@ -200,6 +200,19 @@ def test_the_panel_is_german(german):
     assert f"Veraltet: {reason}" in shown.replace("|", " ")
 
 
+def test_items_of_menus_are_told_from_blenders_own_words(german):
+    """Blender's Aspect is that of pictures, its Border that of a render."""
+    obj = scenes.scattered(scenes.sphere())
+    prop = obj.dapple.density.bl_rna.properties["shown_term"]
+    found = {item.name: german(item.name, prop.translation_context) for item in prop.enum_items}
+    assert (found["Aspect"], found["Border"], found["Attribute"]) == (
+        "Ausrichtung",
+        "Rand",
+        "Attribut",
+    )
+    assert [name for name, text in found.items() if name == text] == []
+
+
 def test_one_is_no_plural(german):
     counted = part().counted
     assert counted(1, "{count} instance", "{count:,} instances") == "1 Instanz"

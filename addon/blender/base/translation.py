@@ -55,6 +55,11 @@ def label_of(prop: bpy.types.Property, say: Say = told) -> str:
     return prop.name if say is english else pgettext_iface(prop.name, prop.translation_context)
 
 
+def item_label(prop: bpy.types.Property, identifier: str) -> str:
+    """The name of an item of a menu, as the panel shows it."""
+    return pgettext_iface(prop.enum_items[identifier].name, prop.translation_context)
+
+
 def operator_label(label: str) -> str:
     """The label of an operator, as its button shows it."""
     return pgettext_iface(label, "Operator")

@@ -17,6 +17,7 @@ from bpy.props import (
 
 from ...core.density_table import SHOWN_TERMS
 from ...core.tables import GROUPS
+from ..base.translation import OWN
 from .making import STILL, with_settings
 from .updates import weight_changed
 
@@ -118,6 +119,7 @@ class DAPPLE_PG_density(bpy.types.PropertyGroup):
         name="Show",
         description="What Show Density colors the surface by",
         items=SHOWN_TERMS,
+        translation_context=OWN,  # of the items too, some of which Blender translates otherwise
         options=STILL,
     )
 

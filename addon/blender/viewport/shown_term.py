@@ -8,7 +8,7 @@ import bpy
 from ...core.density_colors import Colored
 from ...core.density_table import ALL
 from ...core.settings import Settings
-from ..base.translation import told
+from ..base.translation import item_label, told
 from ..data.scatter import settings_of, surface_of
 from ..surface.beside import obstacles_of, targets_of
 from ..surface.surroundings import read_camera
@@ -55,14 +55,13 @@ def watched_by(obj: bpy.types.Object, asked: Asked) -> frozenset[int]:
 
 def legend_of(obj: bpy.types.Object, shown: Colored) -> tuple[str, str, str]:
     """What is shown, and what the darkest and the brightest color stand for."""
-    item = obj.dapple.density.bl_rna.properties["shown_term"].enum_items[
-        obj.dapple.density.shown_term
-    ]
+    prop = obj.dapple.density.bl_rna.properties["shown_term"]
+    label = item_label(prop, obj.dapple.density.shown_term)
     if not shown.points:
-        return told(item.name), "0", f"{shown.most:.3g}"
+        return label, "0", f"{shown.most:.3g}"
     unit, area = _unit(bpy.context.scene.unit_settings)
     return (
-        told(item.name),
+        label,
         "0",
         told("{most:.3g} points / {unit}", most=shown.most * shown.points * area, unit=unit),
     )
