@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 
 #include "base/vectors.hpp"
 #include "surface/ordered_surface.hpp"
@@ -12,12 +13,6 @@ namespace dapple {
 namespace {
 
 constexpr double kSmall = 0.05;  // no mirrored body comes so near
-
-double diagonal(std::span<const Vec3> points) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) box.extend(p);
-  return box.diagonal().norm();
-}
 
 bool same_bytes(const Vec3& a, const Vec3& b) {
   return std::ranges::equal(std::as_bytes(std::span(a.data(), 3)),
@@ -34,6 +29,16 @@ Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which) {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t v : which) sum += points[static_cast<std::size_t>(v)];
   return sum / static_cast<double>(which.size());
+}
+
+/// The diagonal of a solid box of the same spread: however the body is turned, unlike that of its
+/// bounding box.
+double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which) {
+  const Vec3 middle = mean(points, which);
+  double spread = 0.0;
+  for (const std::int32_t v : which)
+    spread += (points[static_cast<std::size_t>(v)] - middle).squaredNorm();
+  return std::sqrt(12.0 * spread / static_cast<double>(which.size()));
 }
 
 /// By least squares (Umeyama 1991). The sums are in the order of their terms: Eigen's products add
@@ -68,7 +73,7 @@ Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
   });
   for (std::size_t v = 0; v < before.size(); ++v)
     motion.extent = std::max(motion.extent, (motion.target[v] - before[v]).norm());
-  motion.extent /= diagonal(before);
+  motion.extent /= size_of(before, measured);
   return motion;
 }
 

@@ -15,7 +15,8 @@ namespace dapple {
 struct Motion {
   std::vector<Vec3>
       target;           ///< the next frame, moved, scaled and mirrored to where the last one is
-  double extent = 0.0;  ///< longest way of a vertex to its target, relative to the body's size
+  double extent = 0.0;  ///< longest way of a vertex to its target, relative to the diagonal of a
+                        ///< box of its spread
 };
 
 /// \param before, after vertices of the same body, as many

@@ -32,7 +32,21 @@ TEST(Motion, MeasuresTheFarthestVertexByTheSize) {
   Shape moved = shape;
   moved.vertices[10].z() += 0.1;
   const Motion motion = motion_of(shape.vertices, mapped(moved, turned).vertices);
-  EXPECT_NEAR(motion.extent, 0.1 / std::sqrt(3.0), 0.05 * 0.1);  // the fit takes its share
+  double spread = 0.0;
+  for (const Vec3& p : shape.vertices) spread += (p - Vec3::Constant(0.5)).squaredNorm();
+  const double size = std::sqrt(12.0 * spread / static_cast<double>(shape.vertices.size()));
+  EXPECT_NEAR(size, std::sqrt(5.0), 0.2);              // of a cube's surface
+  EXPECT_NEAR(motion.extent, 0.1 / size, 0.05 * 0.1);  // the fit takes its share
+}
+
+TEST(Motion, IsTheSameHoweverTheBodyIsTurned) {
+  const Shape shape =
+      mapped(blob(3), [](const Vec3& p) { return Vec3(3.0 * p.x(), p.y(), p.z()); });
+  const Shape after = mapped(shape, [](const Vec3& p) { return Vec3(p.x(), 1.3 * p.y(), p.z()); });
+  const double extent = motion_of(shape.vertices, after.vertices).extent;
+  EXPECT_GT(extent, 0.01);
+  EXPECT_NEAR(motion_of(mapped(shape, turned).vertices, mapped(after, turned).vertices).extent,
+              extent, 1e-14);
 }
 
 TEST(Motion, LeavesOutScalingAndMirroring) {
