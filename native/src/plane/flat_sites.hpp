@@ -9,6 +9,8 @@ namespace dapple {
 /// which of them are near. On the torus they are in the unit square, and every site is there nine
 /// times: in it and in the eight squares around it.
 class FlatSites {
+  static constexpr double kShifted = 1.0 + 1e-9;
+
  public:
   /// A site that lies where another one does.
   struct Twin {
@@ -33,12 +35,12 @@ class FlatSites {
   [[nodiscard]] std::size_t neighborhood(std::size_t k) const { return k / SiteBoxes::kFan; }
   [[nodiscard]] Box box_around(std::size_t k) const { return boxes_.leaf_of(k); }
 
-  /// Call visit(k, shift) for at least all places whose images, moved by the shift, are nearer to
-  /// the box than the root of `limit`, which visit() may lower.
+  /// Call visit(k, shift) for all places whose images, moved by the shift, are nearer to the box
+  /// than the root of `limit`, and perhaps for some that are hardly farther: shifts are rounded.
   template <typename Visit>
-  void for_each_near(const Box& query, const double& limit, const Visit& visit) const {
+  void for_each_near(const Box& query, double limit, const Visit& visit) const {
     for_each_shift([&](const Vec3& shift) {
-      boxes_.for_each_near({query.low - shift, query.high - shift}, limit,
+      boxes_.for_each_near({query.low - shift, query.high - shift}, kShifted * limit,
                            [&](std::size_t k) { visit(k, shift); });
     });
   }

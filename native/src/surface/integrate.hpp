@@ -3,25 +3,33 @@
 
 #include <dapple/moments.hpp>
 
+#include "base/triple.hpp"
+
 namespace dapple {
+
+/// Moments that are being added up.
+struct Integrals {
+  double area = 0.0, capacity = 0.0, mass = 0.0, second = 0.0;
+  Triple first = {0.0, 0.0, 0.0};
+};
 
 /// Add the integrals of a triangle (a, b, c relative to the reference point) with density 1, in
 /// closed form.
-inline void add_uniform_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b,
-                                 const Vec3& c) {
+inline void add_uniform_triangle(Integrals& sum, double area, const Triple& a, const Triple& b,
+                                 const Triple& c) {
   sum.area += area;
-  sum.first += (area / 3.0) * (a + b + c);
+  sum.first = sum.first + (area / 3.0) * (a + b + c);
   sum.second += (area / 6.0) * (a.dot(a) + b.dot(b) + c.dot(c) + a.dot(b) + b.dot(c) + c.dot(a));
 }
 
 /// With density 1 the capacity and the mass are the area.
-inline void finish_uniform(Moments& sum) { sum.capacity = sum.mass = sum.area; }
+inline void finish_uniform(Integrals& sum) { sum.capacity = sum.mass = sum.area; }
 
 /// Add the integrals of a triangle whose density is linear, with the values fa, fb, fc at its
 /// corners. The highest integrand, phi^2 |x|^2, has degree 4, for which the six-point rule is exact
 /// (Dunavant 1985).
-inline void add_linear_triangle(Moments& sum, double area, const Vec3& a, const Vec3& b,
-                                const Vec3& c, double fa, double fb, double fc) {
+inline void add_linear_triangle(Integrals& sum, double area, const Triple& a, const Triple& b,
+                                const Triple& c, double fa, double fb, double fc) {
   constexpr double kNear[2] = {0.44594849091596488632, 0.09157621350977074346};
   constexpr double kWeight[2] = {0.22338158967801146570, 0.10995174365532186764};
   sum.area += area;
@@ -31,11 +39,11 @@ inline void add_linear_triangle(Moments& sum, double area, const Vec3& a, const 
     const double v = 1.0 - 2.0 * u;
     const auto add = [&](double wa, double wb, double wc) {
       const double f = wa * fa + wb * fb + wc * fc;
-      const Vec3 x = wa * a + wb * b + wc * c;
+      const Triple x = wa * a + wb * b + wc * c;
       const double w = kWeight[k] * area * f * f;
       sum.mass += w;
-      sum.first += w * x;
-      sum.second += w * x.squaredNorm();
+      sum.first = sum.first + w * x;
+      sum.second += w * x.squared_norm();
     };
     add(v, u, u);
     add(u, v, u);
@@ -43,13 +51,23 @@ inline void add_linear_triangle(Moments& sum, double area, const Vec3& a, const 
   }
 }
 
-/// Add a region's integrals, known relative to a point at `offset` from the reference point.
-inline void add_shifted(Moments& sum, const Moments& part, const Vec3& offset) {
+/// Add a region's integrals, known relative to the same point.
+inline void add_integrals(Moments& sum, const Integrals& part) {
   sum.area += part.area;
   sum.capacity += part.capacity;
   sum.mass += part.mass;
-  sum.first += part.first + part.mass * offset;
-  sum.second += part.second + 2.0 * offset.dot(part.first) + part.mass * offset.squaredNorm();
+  part.first.add_to(sum.first);
+  sum.second += part.second;
+}
+
+/// Add a region's integrals, known relative to a point at `offset` from the reference point.
+inline void add_shifted(Moments& sum, const Moments& part, const Triple& offset) {
+  const Triple first(part.first);
+  sum.area += part.area;
+  sum.capacity += part.capacity;
+  sum.mass += part.mass;
+  (first + part.mass * offset).add_to(sum.first);
+  sum.second += part.second + 2.0 * offset.dot(first) + part.mass * offset.squared_norm();
 }
 
 }  // namespace dapple

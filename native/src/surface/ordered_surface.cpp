@@ -30,13 +30,16 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
   const double twice_area = cross.norm();
   if (std::isfinite(longest) && !(twice_area > kDegenerate * longest)) return face;
   face.normal = cross / twice_area;
-  const std::array<Vec3, 3> y = {x[0] - face.centroid, x[1] - face.centroid, x[2] - face.centroid};
+  const Triple a(x[0] - face.centroid), b(x[1] - face.centroid), c(x[2] - face.centroid);
+  Integrals sum;
   if (uniform) {
-    add_uniform_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2]);
-    finish_uniform(face.moments);
-    return face;
+    add_uniform_triangle(sum, 0.5 * twice_area, a, b, c);
+    finish_uniform(sum);
+  } else {
+    add_linear_triangle(sum, 0.5 * twice_area, a, b, c, f[0], f[1], f[2]);
   }
-  add_linear_triangle(face.moments, 0.5 * twice_area, y[0], y[1], y[2], f[0], f[1], f[2]);
+  add_integrals(face.moments, sum);
+  if (uniform) return face;
   for (std::size_t k = 0; k < 3;
        ++k)  // the gradient of a hat function is normal x opposite edge / (2 area)
     face.density_gradient += f[static_cast<Eigen::Index>(k)] / twice_area *

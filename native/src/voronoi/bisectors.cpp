@@ -58,7 +58,7 @@ void Bisectors::look_further() {
 /// Take what is within reach, but not more than `most_`. Which of several at the last distance are
 /// among these is decided by their order: they count only when all of them are.
 void Bisectors::take_near() {
-  const std::vector<Rival>& near = near_.all();
+  const std::span<const Rival> near = near_.all();
   const bool cut_off = near.size() >= most_ && index_->population() > most_ + 1;
   complete_ = !cut_off && near_.is_complete();
   most_needed_ =
@@ -173,7 +173,9 @@ void Bisectors::drop_twins() {
     for (std::size_t p = kept; p > 0 && bisectors_[p - 1].squared_distance == b.squared_distance;
          --p)
       twin = twin || (b.squared_distance > 0.0 && bisectors_[p - 1].normal == b.normal);
-    if (!twin) bisectors_[kept++] = b;
+    if (twin) continue;
+    if (kept != k) bisectors_[kept] = b;
+    ++kept;
   }
   bisectors_.resize(kept);
 }

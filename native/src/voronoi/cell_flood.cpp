@@ -44,13 +44,13 @@ bool CellFlood::clip(OrderedFace face) {
   tied_to_ = -1;
   whole_ = true;
   const auto [a, b, c] = surface_->ordered().corners(face);
-  const Vec3& x = position();
-  const std::array<Vec3, 3> triangle = {surface_->ordered().vertex(a) - x,
-                                        surface_->ordered().vertex(b) - x,
-                                        surface_->ordered().vertex(c) - x};
+  const Triple x(position());
+  const HalfSpaces::Triangle triangle = {Triple(surface_->ordered().vertex(a)) - x,
+                                         Triple(surface_->ordered().vertex(b)) - x,
+                                         Triple(surface_->ordered().vertex(c)) - x};
   polygon_.start(triangle[0], triangle[1], triangle[2]);
-  squared_radius_ = polygon_.squared_radius();
-  const double floor = -2.0 * kTie * squared_radius_;  // no |x_j - x_i| that counts is above 2 r
+  // No |x_j - x_i| that counts is above 2 r.
+  const double floor = -2.0 * kTie * polygon_.squared_radius();
   std::size_t k = 0;
   while (const Bisector* next = bisectors_.at(k)) {
     if (is_far(*next)) break;
@@ -62,7 +62,7 @@ bool CellFlood::clip(OrderedFace face) {
     if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) break;
     k = last;
   }
-  bisectors_.note_need(4.0 * squared_radius_);
+  bisectors_.note_need(4.0 * polygon_.squared_radius());
   return whole_;
 }
 
@@ -81,7 +81,7 @@ bool CellFlood::cut_by_those(unsigned reached, std::size_t first, std::size_t la
 
 bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   const auto [low, high] = polygon_.measure(bisector.normal, bisector.offset);
-  const double tie = kTie * std::sqrt(squared_radius_ * bisector.squared_distance);
+  const double tie = kTie * std::sqrt(polygon_.squared_radius() * bisector.squared_distance);
   if (low >= -tie && high <= tie) {
     if (sites_->original(site_) < sites_->original(bisector.site)) return true;
     tied_to_ = bisector.site;
@@ -92,7 +92,6 @@ bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   if (high <= 0.0) return true;
   polygon_.cut(static_cast<std::int32_t>(k));
   whole_ = false;
-  squared_radius_ = polygon_.squared_radius();
   return true;
 }
 

@@ -45,6 +45,7 @@ class CellFlood {
   void flood(std::span<const OrderedFace> seeds, const Visit& visit) {
     ++stamp_;
     pending_.clear();
+    const std::int32_t* const around = surface_->ordered().connectivity().next_around_edge.data();
     for (const OrderedFace face : seeds) push(face);
     for (std::size_t next = 0; next < pending_.size(); ++next) {
       const OrderedFace face = pending_[next];
@@ -52,7 +53,7 @@ class CellFlood {
       if (polygon_.empty()) continue;
       visit(face, whole);
       for (const Polygon::Corner& corner : polygon_.corners())
-        if (corner.edge < 0) cross(half_edge(face, -1 - corner.edge));
+        if (corner.edge < 0) cross(half_edge(face, -1 - corner.edge), around);
     }
   }
 
@@ -66,15 +67,13 @@ class CellFlood {
   }
 
   [[nodiscard]] bool is_far(const Bisector& bisector) const {
-    return !(bisector.squared_distance < 4.0 * squared_radius_);
+    return !(bisector.squared_distance < 4.0 * polygon_.squared_radius());
   }
   [[nodiscard]] bool cut_by_those(unsigned reached, std::size_t first, std::size_t last);
   [[nodiscard]] bool cut_by(const Bisector& bisector, std::size_t k);
 
-  void cross(std::int32_t half_edge) {
-    for (std::int32_t h = surface_->ordered().next_around(half_edge); h != half_edge;
-         h = surface_->ordered().next_around(h))
-      push(face_of(h));
+  void cross(std::int32_t half_edge, const std::int32_t* around) {
+    for (std::int32_t h = around[half_edge]; h != half_edge; h = around[h]) push(face_of(h));
   }
 
   const Surface* surface_;
@@ -84,7 +83,6 @@ class CellFlood {
   std::int32_t owner_ = 0;
   std::int32_t tied_to_ = -1;
   Polygon polygon_;
-  double squared_radius_ = 0.0;       // of the polygon, about the site
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;

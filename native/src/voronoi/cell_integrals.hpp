@@ -2,7 +2,9 @@
 #pragma once
 
 #include <dapple/cells.hpp>
+#include <limits>
 
+#include "base/triple.hpp"
 #include "surface/ordered_surface.hpp"
 #include "voronoi/cell_flood.hpp"
 
@@ -29,19 +31,27 @@ class CellIntegrals {
   void flush_boundary(const OrderedSites& sites, std::vector<CellBoundary>& out);
 
  private:
-  void set_density(const FaceGeometry& geometry, const Vec3& centroid);
-  [[nodiscard]] double density(const Vec3& x) const { return at_site_ + gradient_.dot(x); }
+  void set_density(const FaceGeometry& geometry, const Triple& centroid);
+  [[nodiscard]] double density(const Triple& x) const { return at_site_ + gradient_.dot(x); }
   void add_area(const FaceGeometry& geometry);
   void add_boundary(const FaceGeometry& geometry);
-  CellBoundary& boundary_with(std::int32_t bisector);
+  CellBoundary& boundary_with(std::int32_t bisector) {
+    const auto k = static_cast<std::size_t>(bisector);
+    if (k >= boundary_.size()) boundary_.resize(k + 1, kNoBoundary);
+    return boundary_[k];
+  }
+
+  static inline const CellBoundary kNoBoundary = {-1, Vec3::Zero(), Vec3::Zero(), 0.0,
+                                                  std::numeric_limits<double>::infinity()};
 
   const Surface* surface_;
   CellFlood* flood_;
   bool uniform_;  // whether the density is 1 everywhere
   Moments moments_;
-  std::vector<CellBoundary> boundary_;  // per bisector
-  Vec3 gradient_ = Vec3::Zero();        // of the density on the face
-  double at_site_ = 1.0;                // its value, extended to the site
+  // Per bisector; path_length is that of one half, squared.
+  std::vector<CellBoundary> boundary_;
+  Triple gradient_ = {0.0, 0.0, 0.0};  // of the density on the face
+  double at_site_ = 1.0;               // its value, extended to the site
 };
 
 }  // namespace dapple

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t kBlock = HalfSpaces::kBlock;
 constexpr std::size_t kY = kBlock, kZ = 2 * kBlock, kOffset = 3 * kBlock;
-using Triangle = std::array<Vec3, 3>;
+using Triangle = HalfSpaces::Triangle;
 
 // One function for each instruction set. All of them round each product and each sum by itself, in
-// the order of Vec3::dot(), so that their bits are those of single numbers.
+// the order of Triple::dot(), so that their bits are those of single numbers.
 
 #if defined(__x86_64__)
 
@@ -24,10 +24,10 @@ unsigned compare_sse2(const double* block, const Triangle& triangle, double floo
     const __m128d x = _mm_loadu_pd(lane), y = _mm_loadu_pd(lane + kY), z = _mm_loadu_pd(lane + kZ);
     const __m128d offset = _mm_loadu_pd(lane + kOffset);
     __m128d reached = _mm_setzero_pd();
-    for (const Vec3& p : triangle) {
+    for (const Triple& p : triangle) {
       const __m128d xy =
-          _mm_add_pd(_mm_mul_pd(_mm_set1_pd(p[0]), x), _mm_mul_pd(_mm_set1_pd(p[1]), y));
-      const __m128d side = _mm_sub_pd(_mm_add_pd(xy, _mm_mul_pd(_mm_set1_pd(p[2]), z)), offset);
+          _mm_add_pd(_mm_mul_pd(_mm_set1_pd(p.x), x), _mm_mul_pd(_mm_set1_pd(p.y), y));
+      const __m128d side = _mm_sub_pd(_mm_add_pd(xy, _mm_mul_pd(_mm_set1_pd(p.z), z)), offset);
       reached = _mm_or_pd(reached, _mm_cmpge_pd(side, _mm_set1_pd(floor)));
     }
     bits |= static_cast<unsigned>(_mm_movemask_pd(reached)) << k;
@@ -43,11 +43,11 @@ unsigned compare_sse2(const double* block, const Triangle& triangle, double floo
     const __m256d x = _mm256_loadu_pd(lane), y = _mm256_loadu_pd(lane + kY);
     const __m256d z = _mm256_loadu_pd(lane + kZ), offset = _mm256_loadu_pd(lane + kOffset);
     __m256d reached = _mm256_setzero_pd();
-    for (const Vec3& p : triangle) {
-      const __m256d xy = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(p[0]), x),
-                                       _mm256_mul_pd(_mm256_set1_pd(p[1]), y));
+    for (const Triple& p : triangle) {
+      const __m256d xy = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(p.x), x),
+                                       _mm256_mul_pd(_mm256_set1_pd(p.y), y));
       const __m256d side =
-          _mm256_sub_pd(_mm256_add_pd(xy, _mm256_mul_pd(_mm256_set1_pd(p[2]), z)), offset);
+          _mm256_sub_pd(_mm256_add_pd(xy, _mm256_mul_pd(_mm256_set1_pd(p.z), z)), offset);
       reached = _mm256_or_pd(reached, _mm256_cmp_pd(side, _mm256_set1_pd(floor), _CMP_GE_OQ));
     }
     bits |= static_cast<unsigned>(_mm256_movemask_pd(reached)) << k;
@@ -60,11 +60,11 @@ unsigned compare_sse2(const double* block, const Triangle& triangle, double floo
   const __m512d x = _mm512_loadu_pd(block), y = _mm512_loadu_pd(block + kY);
   const __m512d z = _mm512_loadu_pd(block + kZ), offset = _mm512_loadu_pd(block + kOffset);
   unsigned bits = 0;
-  for (const Vec3& p : triangle) {
-    const __m512d xy = _mm512_add_pd(_mm512_mul_pd(_mm512_set1_pd(p[0]), x),
-                                     _mm512_mul_pd(_mm512_set1_pd(p[1]), y));
+  for (const Triple& p : triangle) {
+    const __m512d xy =
+        _mm512_add_pd(_mm512_mul_pd(_mm512_set1_pd(p.x), x), _mm512_mul_pd(_mm512_set1_pd(p.y), y));
     const __m512d side =
-        _mm512_sub_pd(_mm512_add_pd(xy, _mm512_mul_pd(_mm512_set1_pd(p[2]), z)), offset);
+        _mm512_sub_pd(_mm512_add_pd(xy, _mm512_mul_pd(_mm512_set1_pd(p.z), z)), offset);
     bits |= _mm512_cmp_pd_mask(side, _mm512_set1_pd(floor), _CMP_GE_OQ);
   }
   return bits;
@@ -75,8 +75,8 @@ unsigned compare_sse2(const double* block, const Triangle& triangle, double floo
 unsigned compare_single(const double* block, const Triangle& triangle, double floor) {
   unsigned bits = 0;
   for (std::size_t k = 0; k < kBlock; ++k) {
-    const Vec3 normal(block[k], block[kY + k], block[kZ + k]);
-    for (const Vec3& p : triangle)
+    const Triple normal(block[k], block[kY + k], block[kZ + k]);
+    for (const Triple& p : triangle)
       bits |= static_cast<unsigned>(p.dot(normal) - block[kOffset + k] >= floor) << k;
   }
   return bits;

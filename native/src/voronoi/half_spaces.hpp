@@ -5,6 +5,8 @@
 #include <dapple/types.hpp>
 #include <vector>
 
+#include "base/triple.hpp"
+
 namespace dapple {
 
 /// Instructions that compare one, two, four or eight numbers at once.
@@ -20,6 +22,7 @@ enum class InstructionSet { kSingle, kSse2, kAvx2, kAvx512 };
 class HalfSpaces {
  public:
   static constexpr std::size_t kBlock = 8;  ///< compared at once
+  using Triangle = std::array<Triple, 3>;
 
   explicit HalfSpaces(InstructionSet set = instruction_sets().back());
 
@@ -29,7 +32,7 @@ class HalfSpaces {
   /// lowest for `first`: whether a corner of the triangle has x . normal - offset >= floor. Bits of
   /// half-spaces that were never assigned mean nothing. Every instruction set gives the same bits.
   /// \pre first was assigned
-  [[nodiscard]] unsigned reached_by(std::size_t first, const std::array<Vec3, 3>& triangle,
+  [[nodiscard]] unsigned reached_by(std::size_t first, const Triangle& triangle,
                                     double floor) const {
     return compare_(coordinates_.data() + kWidth * (first / kBlock), triangle, floor);
   }
@@ -39,7 +42,7 @@ class HalfSpaces {
   static constexpr std::size_t kWidth = 4 * kBlock;
 
   std::vector<double> coordinates_;
-  unsigned (*compare_)(const double* block, const std::array<Vec3, 3>& triangle, double floor);
+  unsigned (*compare_)(const double* block, const Triangle& triangle, double floor);
 };
 
 }  // namespace dapple

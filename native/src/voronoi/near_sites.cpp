@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voronoi/near_sites.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
+
+#include "base/triple.hpp"
 
 namespace dapple {
 namespace {
@@ -11,6 +15,7 @@ constexpr double kFirstReach = 1.8;  // spacings
 constexpr double kFurther = 2.25;    // squared
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
 constexpr std::size_t kNone = ~std::size_t{0};
+constexpr std::size_t kFew = 24;
 
 }  // namespace
 
@@ -22,7 +27,7 @@ NearSites::NearSites(const Surface& surface, const OrderedSites& sites, const Si
 void NearSites::restart() {
   const double reach = kFirstReach * surface_->spacing(sites_->size());
   squared_reach_around_ = reach * reach;
-  neighborhood_ = kNone;
+  neighborhood_ = block_ = kNone;
   needed_ = 0.0;
 }
 
@@ -35,13 +40,15 @@ void NearSites::turn_to(std::int32_t site) {
 }
 
 bool NearSites::is_complete() const {
-  return near_.size() + 1 >= index_->population() || !std::isfinite(squared_reach_);
+  return count_ + 1 >= index_->population() || !std::isfinite(squared_reach_);
 }
 
 void NearSites::extend() {
   squared_reach_ *= kFurther;
   const Vec3& position = sites_->position(site_);
-  find({position, position}, further_);
+  further_.clear();
+  index_->for_each_near({position, position}, squared_reach_,
+                        [&](std::int32_t site) { further_.add(site, sites_->position(site)); });
   choose(further_);
 }
 
@@ -49,29 +56,92 @@ void NearSites::look_around(const SiteIndex::Neighborhood& here) {
   neighborhood_ = here.number;
   if (needed_ > 0.0) squared_reach_around_ = kMargin * std::exchange(needed_, 0.0);
   squared_reach_ = squared_reach_around_;
-  find(here.box, around_);
+  const SiteIndex::Neighborhood block = index_->block(here);
+  if (block.number != block_ || squared_reach_ > squared_reach_block_) look_at(block);
+  around_.clear();
+  index_->for_each_near(groups_, here.box, squared_reach_,
+                        [&](std::int32_t site) { around_.add(site, sites_->position(site)); });
 }
 
-void NearSites::find(const Box& query, std::vector<Place>& found) const {
-  found.clear();
-  index_->for_each_near(query, squared_reach_, [&](std::int32_t other) {
-    found.push_back({sites_->position(other), other});
-  });
+/// A little further than this neighborhood needs: the other ones of the block may need more.
+void NearSites::look_at(const SiteIndex::Neighborhood& block) {
+  block_ = block.number;
+  squared_reach_block_ = kMargin * squared_reach_;
+  groups_.clear();
+  index_->for_each_group_near(block.box, squared_reach_block_,
+                              [&](std::size_t group) { groups_.push_back(group); });
 }
 
-/// Without a branch: whether a place is within reach is hard to foretell.
-void NearSites::choose(const std::vector<Place>& places) {
-  near_.resize(places.size());
-  const Vec3 position = sites_->position(site_);
-  std::size_t count = 0;
-  for (const Place& place : places) {
-    const double squared = (place.position - position).squaredNorm();
-    near_[count] = {squared, 0, place.site};
-    count += static_cast<std::size_t>((squared < squared_reach_) & (place.site != site_));
+void NearSites::Places::clear() {
+  sites.clear();
+  x.clear();
+  y.clear();
+  z.clear();
+}
+
+void NearSites::Places::add(std::int32_t site, const Vec3& position) {
+  sites.push_back(site);
+  x.push_back(position.x());
+  y.push_back(position.y());
+  z.push_back(position.z());
+}
+
+void NearSites::measure(const Places& places) {
+  const std::size_t size = places.sites.size();
+  if (squared_.size() < size) squared_.resize(2 * size);
+  const Triple from(sites_->position(site_));
+  const double *const x = places.x.data(), *const y = places.y.data(), *const z = places.z.data();
+  double* const squared = squared_.data();
+  for (std::size_t k = 0; k < size; ++k) {
+    const double dx = x[k] - from.x, dy = y[k] - from.y, dz = z[k] - from.z;
+    squared[k] = dx * dx + dy * dy + dz * dz;
   }
-  near_.resize(count);
-  for (Rival& near : near_) near.original = sites_->original(near.site);
-  std::sort(near_.begin(), near_.end());
+}
+
+// Without a branch, since a processor cannot foretell which places are within reach.
+void NearSites::choose(const Places& places) {
+  measure(places);
+  const std::size_t size = places.sites.size();
+  if (near_.size() < size) near_.resize(2 * size);
+  const double* const squared = squared_.data();
+  const std::int32_t* const sites = places.sites.data();
+  const double reach = squared_reach_;
+  const std::int32_t self = site_;
+  Rival* const near = near_.data();
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    near[count].squared_distance = squared[k];
+    near[count].site = sites[k];
+    count += static_cast<std::size_t>((squared[k] < reach) & (sites[k] != self));
+  }
+  count_ = count;
+  for (std::size_t k = 0; k < count; ++k) near[k].original = sites_->original(near[k].site);
+  sort();
+}
+
+void NearSites::sort() {
+  if (count_ > kFew || !sort_few())
+    std::sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count_));
+}
+
+/// By how many are nearer than each, since a processor cannot foretell how comparisons end. False,
+/// with nothing done, if there are equal distances.
+bool NearSites::sort_few() {
+  std::array<double, kFew> keys;
+  std::array<std::int64_t, kFew> places;
+  for (std::size_t k = 0; k < count_; ++k) keys[k] = near_[k].squared_distance;
+  std::int64_t sum = 0;
+  for (std::size_t k = 0; k < count_; ++k) {
+    std::int64_t nearer = 0;
+    for (std::size_t other = 0; other < count_; ++other) nearer += keys[other] < keys[k] ? 1 : 0;
+    places[k] = nearer;
+    sum += nearer;
+  }
+  if (2 * sum != static_cast<std::int64_t>(count_ * (count_ - (count_ > 0 ? 1 : 0)))) return false;
+  std::array<Rival, kFew> found;
+  std::copy_n(near_.begin(), count_, found.begin());
+  for (std::size_t k = 0; k < count_; ++k) near_[static_cast<std::size_t>(places[k])] = found[k];
+  return true;
 }
 
 }  // namespace dapple

@@ -33,7 +33,7 @@ class NearSites {
   void turn_to(std::int32_t site);
 
   /// All within reach of it but itself, the nearest first.
-  [[nodiscard]] const std::vector<Rival>& all() const { return near_; }
+  [[nodiscard]] std::span<const Rival> all() const { return std::span(near_).first(count_); }
 
   /// Whether these are all that there are.
   [[nodiscard]] bool is_complete() const;
@@ -45,25 +45,37 @@ class NearSites {
   void note_need(double squared_distance) { needed_ = std::max(needed_, squared_distance); }
 
  private:
-  struct Place {
-    Vec3 position;
-    std::int32_t site;
+  /// Sites by coordinate, so that several are measured at once.
+  struct Places {
+    std::vector<std::int32_t> sites;
+    std::vector<double> x, y, z;
+
+    void clear();
+    void add(std::int32_t site, const Vec3& position);
   };
 
   void look_around(const SiteIndex::Neighborhood& here);
-  void find(const Box& query, std::vector<Place>& found) const;
-  void choose(const std::vector<Place>& places);
+  void look_at(const SiteIndex::Neighborhood& block);
+  void measure(const Places& places);
+  void choose(const Places& places);
+  void sort();
+  [[nodiscard]] bool sort_few();
 
   const Surface* surface_;
   const OrderedSites* sites_;
   const SiteIndex* index_;
   std::int32_t site_ = 0;
   double squared_reach_ = 0.0;
-  std::vector<Rival> near_;
-  std::vector<Place> further_;
+  std::vector<double> squared_;  // distances of places
+  std::vector<Rival> near_;      // the first count_ are within reach
+  std::size_t count_ = 0;
+  Places further_;
   std::size_t neighborhood_ = 0;
-  std::vector<Place> around_;  // all within reach of the neighborhood
+  Places around_;  // all within reach of the neighborhood
   double squared_reach_around_ = 0.0;
+  std::size_t block_ = 0;
+  std::vector<std::size_t> groups_;  // that reach into what is around the block
+  double squared_reach_block_ = 0.0;
   double needed_ = 0.0;  // the largest squared distance that was needed there so far
 };
 

@@ -25,6 +25,10 @@ void extend(Box& box, const Box& other) {
 void SiteBoxes::assign(std::span<const Vec3> points) {
   points_ = points;
   std::size_t count = groups_of(points.size()), level = 0;
+  leaves_.resize(count);
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t leaf = begin; leaf < end; ++leaf) put_points(leaf);
+  });
   for (; count > 0; ++level) {
     if (level == levels_.size()) levels_.emplace_back();
     levels_[level].resize(groups_of(count));
@@ -35,6 +39,14 @@ void SiteBoxes::assign(std::span<const Vec3> points) {
     count = count > 1 ? groups_of(count) : 0;
   }
   levels_.resize(level);
+}
+
+void SiteBoxes::put_points(std::size_t leaf) {
+  const std::size_t count = last_point(leaf) - kFan * leaf;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t k = 0; k < kFan; ++k)
+      leaves_[leaf][axis][k] =
+          k < count ? points_[kFan * leaf + k][static_cast<Eigen::Index>(axis)] : kInfinity;
 }
 
 /// What box k of a level holds: points, or boxes of the level below.
@@ -65,20 +77,6 @@ void SiteBoxes::put(std::size_t level, std::size_t k, const Box& box) {
     group.low[axis][k % kFan] = box.low[static_cast<Eigen::Index>(axis)];
     group.high[axis][k % kFan] = box.high[static_cast<Eigen::Index>(axis)];
   }
-}
-
-SiteBoxes::Distances SiteBoxes::squared_distances(const Group& group, const Box& query) {
-  Distances sum{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double low = query.low[static_cast<Eigen::Index>(axis)];
-    const double high = query.high[static_cast<Eigen::Index>(axis)];
-    for (std::size_t k = 0; k < kFan; ++k) {
-      const double gap =
-          std::max(std::max(group.low[axis][k] - high, low - group.high[axis][k]), 0.0);
-      sum[k] += gap * gap;
-    }
-  }
-  return sum;
 }
 
 }  // namespace dapple

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <dapple/types.hpp>
 #include <span>
 #include <vector>
 
-namespace dapple {
+#include "voronoi/eight_boxes.hpp"
 
-/// A box in space; a point is a box too.
-struct Box {
-  Vec3 low, high;
-};
+namespace dapple {
 
 /// Boxes around runs of points that are sorted in space: eight points a leaf, eight boxes a box. No
 /// links are kept, so that building it is one pass.
@@ -31,30 +29,64 @@ class SiteBoxes {
 
   [[nodiscard]] Box leaf_of(std::size_t point) const { return box(0, point / kFan); }
 
-  /// Call visit(point) for at least all points whose squared distance from `query` is below
-  /// `limit`, which visit() may lower.
+  /// Call visit(point) for all points whose squared distance from `query` is below `limit`.
   template <typename Visit>
-  void for_each_near(const Box& query, const double& limit, const Visit& visit) const {
+  void for_each_near(const Box& query, double limit, const Visit& visit) const {
+    if (!points_.empty())
+      descend(levels_.size() - 1, 0, query, limit,
+              [&](std::size_t group) { visit_group(group, query, limit, visit); });
+  }
+
+  /// What surrounds several queries: the eight leaves of a parent.
+  [[nodiscard]] Box parent_of(std::size_t leaf) const {
+    return levels_.size() > 1 ? box(1, leaf / kFan) : around_all();
+  }
+
+  /// Call visit(group) for the groups of eight leaves that have points nearer than that, or may.
+  template <typename Visit>
+  void for_each_group_near(const Box& query, double limit, const Visit& visit) const {
     if (!points_.empty()) descend(levels_.size() - 1, 0, query, limit, visit);
   }
 
-  /// The same, near boxes first: for a limit that sinks on the way.
+  /// As for_each_near, in one group alone.
+  template <typename Visit>
+  void visit_group(std::size_t group, const Box& query, double limit, const Visit& visit) const {
+    for_each_bit(near_bits(levels_[0][group], query, limit), [&](std::size_t k) {
+      const std::size_t leaf = kFan * group + k;
+      for_each_bit(near_bits(leaves_[leaf], query, limit),
+                   [&](std::size_t p) { visit(kFan * leaf + p); });
+    });
+  }
+
+  /// Call visit(point) for at least all points whose squared distance from `query` is below
+  /// `limit`, which visit() may lower, near boxes first.
   template <typename Visit>
   void for_each_nearest(const Box& query, const double& limit, const Visit& visit) const {
     if (!points_.empty()) descend_nearest(levels_.size() - 1, 0, query, limit, visit);
   }
 
  private:
-  /// Eight boxes that have one parent: the bounds of each, by axis.
+  /// Eight boxes that have one parent.
   struct Group {
-    std::array<std::array<double, kFan>, 3> low, high;
+    Eight low, high;
   };
-  using Distances = std::array<double, kFan>;
 
   [[nodiscard]] Box box(std::size_t level, std::size_t k) const;
   [[nodiscard]] Box around(std::size_t level, std::size_t k) const;
+  [[nodiscard]] Box around_all() const { return around(1, 0); }
+  void put_points(std::size_t leaf);
   void put(std::size_t level, std::size_t k, const Box& box);
-  [[nodiscard]] static Distances squared_distances(const Group& group, const Box& query);
+  /// Bits of those of eight whose squared distance is below a limit.
+  [[nodiscard]] unsigned near_bits(const Group& group, const Box& query, double limit) const {
+    return compare_(group.low, group.high, query, limit);
+  }
+  [[nodiscard]] unsigned near_bits(const Eight& points, const Box& query, double limit) const {
+    return compare_(points, points, query, limit);
+  }
+  template <typename Visit>
+  static void for_each_bit(unsigned bits, const Visit& visit) {
+    for (; bits != 0; bits &= bits - 1) visit(static_cast<std::size_t>(std::countr_zero(bits)));
+  }
   [[nodiscard]] std::size_t last_point(std::size_t leaf) const {
     return std::min(kFan * (leaf + 1), points_.size());
   }
@@ -65,22 +97,18 @@ class SiteBoxes {
   }
 
   template <typename Visit>
-  void descend(std::size_t level, std::size_t group, const Box& query, const double& limit,
+  void descend(std::size_t level, std::size_t group, const Box& query, double limit,
                const Visit& visit) const {
-    const Distances distances = squared_distances(levels_[level][group], query);
-    for (std::size_t k = 0; k < kFan; ++k) {
-      if (!(distances[k] < limit)) continue;
-      if (level > 0)
-        descend(level - 1, kFan * group + k, query, limit, visit);
-      else
-        visit_leaf(kFan * group + k, visit);
-    }
+    if (level == 0) return visit(group);
+    for_each_bit(near_bits(levels_[level][group], query, limit),
+                 [&](std::size_t k) { descend(level - 1, kFan * group + k, query, limit, visit); });
   }
 
   template <typename Visit>
   void descend_nearest(std::size_t level, std::size_t group, const Box& query, const double& limit,
                        const Visit& visit) const {
-    const Distances distances = squared_distances(levels_[level][group], query);
+    const Group& boxes = levels_[level][group];
+    const std::array<double, kFan> distances = squared_distances(boxes.low, boxes.high, query);
     std::array<std::size_t, kFan> order = {0, 1, 2, 3, 4, 5, 6, 7};
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
@@ -94,7 +122,9 @@ class SiteBoxes {
     }
   }
 
+  CompareBoxes compare_ = compare_boxes();
   std::span<const Vec3> points_;
+  std::vector<Eight> leaves_;               // the points; what is missing in one is far away
   std::vector<std::vector<Group>> levels_;  // the leaves first; what is missing in a group is empty
 };
 

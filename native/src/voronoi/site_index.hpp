@@ -52,12 +52,23 @@ class SiteIndex {
   void update(const SiteGraph* graph);
 
   [[nodiscard]] bool has_graph() const { return graph_ != nullptr; }
-  /// Only without a graph, as what follows: call visit(site) for at least all sites whose squared
-  /// distance from a box is below `limit`. Of a crowd of sites at one place on one face only the
-  /// first (of the caller's order) is there.
+  /// Only without a graph, as what follows: call visit(site) for all sites whose squared distance
+  /// from a box is below `limit`. Of a crowd of sites at one place on one face only the first (of
+  /// the caller's order) is there.
   template <typename Visit>
   void for_each_near(const Box& query, double limit, const Visit& visit) const {
     boxes_.for_each_near(query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
+  }
+  /// The same for several boxes in one, if asked first which groups of sites are near that one.
+  template <typename Visit>
+  void for_each_near(std::span<const std::size_t> groups, const Box& query, double limit,
+                     const Visit& visit) const {
+    for (const std::size_t group : groups)
+      boxes_.visit_group(group, query, limit, [&](std::size_t k) { visit(site_in_boxes(k)); });
+  }
+  template <typename Visit>
+  void for_each_group_near(const Box& query, double limit, const Visit& visit) const {
+    boxes_.for_each_group_near(query, limit, visit);
   }
   /// A box around a few sites, of which this is one, that are near each other. The same box, the
   /// same number.
@@ -65,6 +76,10 @@ class SiteIndex {
     std::size_t number;
     Box box;
   };
+  /// Eight neighborhoods that follow each other.
+  [[nodiscard]] Neighborhood block(const Neighborhood& part) const {
+    return {part.number / SiteBoxes::kFan, boxes_.parent_of(part.number)};
+  }
   [[nodiscard]] Neighborhood neighborhood(std::int32_t site) const;
   /// All sites in an order in which those of one neighborhood follow each other, as far as there is
   /// one; empty if their own is such an order.

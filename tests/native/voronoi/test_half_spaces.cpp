@@ -15,14 +15,16 @@ TEST(HalfSpaces, AreComparedAlikeByEveryInstructionSet) {
   constexpr std::size_t kCount = 3 * HalfSpaces::kBlock;
   Random random(1);
   for (int round = 0; round < 2000; ++round) {
-    std::array<Vec3, 3> triangle;
-    for (Vec3& corner : triangle) corner = random_vector(random);
+    const std::array<Vec3, 3> corners = {random_vector(random), random_vector(random),
+                                         random_vector(random)};
+    const HalfSpaces::Triangle triangle = {Triple(corners[0]), Triple(corners[1]),
+                                           Triple(corners[2])};
     std::vector<Vec3> normals(kCount);
     std::vector<double> offsets(kCount);
     for (std::size_t k = 0; k < kCount; ++k) {
       normals[k] = random_vector(random);
       // Through a corner: the last bit of a sum decides.
-      offsets[k] = triangle[k % 3].dot(normals[k]);
+      offsets[k] = corners[k % 3].dot(normals[k]);
     }
     const double floor = round % 2 == 0 ? 0.0 : -1e-17;
     for (const InstructionSet set : instruction_sets()) {
@@ -30,7 +32,7 @@ TEST(HalfSpaces, AreComparedAlikeByEveryInstructionSet) {
       for (std::size_t k = 0; k < kCount; ++k) half_spaces.assign(k, normals[k], offsets[k]);
       for (std::size_t k = 0; k < kCount; ++k) {
         bool reached = false;
-        for (const Vec3& corner : triangle)
+        for (const Vec3& corner : corners)
           reached = reached || corner.dot(normals[k]) - offsets[k] >= floor;
         const std::size_t lane = k % HalfSpaces::kBlock;
         const unsigned bits = half_spaces.reached_by(k - lane, triangle, floor);

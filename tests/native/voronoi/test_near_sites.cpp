@@ -21,7 +21,7 @@ std::vector<Rival> others(const OrderedSites& sites, std::int32_t site) {
 }
 
 /// What is found is the beginning of all others, as far as it goes.
-void expect_nearest(const std::vector<Rival>& found, const std::vector<Rival>& all) {
+void expect_nearest(std::span<const Rival> found, const std::vector<Rival>& all) {
   ASSERT_LE(found.size(), all.size());
   for (std::size_t k = 0; k < found.size(); ++k) EXPECT_EQ(found[k].site, all[k].site);
 }
@@ -33,6 +33,22 @@ INSTANTIATE_TEST_SUITE_P(Shapes, NearSitesOn,
                                          with_face_density(icosphere(4), [](const Vec3& x) {
                                            return std::exp(8.0 * x.z());
                                          })));
+
+TEST(NearSites, AreInTheCallersOrderAtEqualDistances) {
+  const Surface surface = grid(16).surface();
+  Sites sites;
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f) {
+    sites.faces.push_back(f);
+    sites.positions.push_back(surface.point(f, Vec3(0.5, 0.25, 0.25)));
+  }
+  const OrderedSites ordered(surface, sites);
+  const SiteIndex index(ordered, nullptr);
+  NearSites near(surface, ordered, index);
+  for (std::int32_t site = 0; site < static_cast<std::int32_t>(ordered.size()); ++site) {
+    near.turn_to(site);
+    expect_nearest(near.all(), others(ordered, site));
+  }
+}
 
 TEST_P(NearSitesOn, AreTheNearestHoweverFarOneReaches) {
   const Surface surface = GetParam().surface();

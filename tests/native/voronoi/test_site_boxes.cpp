@@ -42,8 +42,30 @@ TEST_P(SiteBoxesOf, FindAllThatAreNear) {
       EXPECT_TRUE(found.insert(k).second) << "point " << k << " is found twice";
     });
     for (std::size_t k = 0; k < points.size(); ++k)
-      EXPECT_TRUE(found.contains(k) || squared_distance(query, points[k]) >= limit)
+      EXPECT_EQ(found.contains(k), squared_distance(query, points[k]) < limit)
           << "point " << k << ", limit " << limit;
+  }
+}
+
+TEST_P(SiteBoxesOf, FindTheSameInTheGroupsAroundAParent) {
+  const std::vector<Vec3> points = sorted_points(GetParam());
+  const SiteBoxes boxes(points);
+  const auto ordered = [](auto&& find) {
+    std::vector<std::size_t> found;
+    find([&](std::size_t k) { found.push_back(k); });
+    return found;
+  };
+  for (std::size_t point = 0; point < points.size(); point += SiteBoxes::kFan) {
+    const Box parent = boxes.parent_of(point / SiteBoxes::kFan);
+    for (const double limit : {1e-4, 0.01, 0.3}) {
+      const std::vector<std::size_t> groups =
+          ordered([&](auto&& add) { boxes.for_each_group_near(parent, 1.5 * limit, add); });
+      const Box leaf = boxes.leaf_of(point);
+      EXPECT_EQ(ordered([&](auto&& add) {
+                  for (const std::size_t group : groups) boxes.visit_group(group, leaf, limit, add);
+                }),
+                ordered([&](auto&& add) { boxes.for_each_near(leaf, limit, add); }));
+    }
   }
 }
 

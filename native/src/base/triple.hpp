@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+#include <dapple/types.hpp>
+
+namespace dapple {
+
+/// Three numbers that stay in registers. Eigen takes two numbers of a Vec3 at once and the third
+/// alone, and they go through memory where the two ways meet: too slow for what is done once for
+/// each corner of each piece of a cell. Sums have the same order, so results are the same bytes.
+struct Triple {
+  double x, y, z;
+
+  Triple(double x_, double y_, double z_) : x(x_), y(y_), z(z_) {}
+  explicit Triple(const Vec3& v) : x(v[0]), y(v[1]), z(v[2]) {}
+
+  void store(Vec3& v) const {
+    v[0] = x;
+    v[1] = y;
+    v[2] = z;
+  }
+  void add_to(Vec3& v) const {
+    v[0] += x;
+    v[1] += y;
+    v[2] += z;
+  }
+  [[nodiscard]] double dot(const Triple& b) const { return x * b.x + y * b.y + z * b.z; }
+  [[nodiscard]] double squared_norm() const { return dot(*this); }
+  [[nodiscard]] double norm() const { return std::sqrt(squared_norm()); }
+  [[nodiscard]] Triple cross(const Triple& b) const {
+    return {y * b.z - z * b.y, z * b.x - x * b.z, x * b.y - y * b.x};
+  }
+};
+
+inline Triple operator+(const Triple& a, const Triple& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Triple operator-(const Triple& a, const Triple& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Triple operator*(double s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
+
+}  // namespace dapple

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "base/random.hpp"
+#include "voronoi/eight_boxes.hpp"
+
+namespace dapple::test {
+namespace {
+
+TEST(EightBoxes, AreComparedAlikeByEveryInstructionSet) {
+  Random random(3);
+  const auto draw = [&] { return random.uniform() - 0.5; };
+  for (int round = 0; round < 2000; ++round) {
+    Eight low, high;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < 8; ++k) {
+        low[axis][k] = draw();
+        high[axis][k] = low[axis][k] + (round % 3 == 0 ? 0.0 : 0.2 * random.uniform());
+      }
+    const Vec3 corner(draw(), draw(), draw());
+    const Box query = {corner, corner + Vec3::Constant(0.1 * (round % 2))};
+    const std::array<double, 8> distances = squared_distances(low, high, query);
+    const double limit = distances[static_cast<std::size_t>(round) % 8];  // the last bit decides
+    for (const InstructionSet set : instruction_sets()) {
+      const unsigned bits = compare_boxes(set)(low, high, query, limit);
+      for (std::size_t k = 0; k < 8; ++k)
+        EXPECT_EQ(((bits >> k) & 1U) != 0, distances[k] < limit) << name_of(set) << ", box " << k;
+    }
+  }
+}
+
+TEST(EightBoxes, ThatAreMissingAreFar) {
+  Eight low, high;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis].fill(std::numeric_limits<double>::infinity());
+    high[axis].fill(-std::numeric_limits<double>::infinity());
+  }
+  const Box query = {Vec3::Zero(), Vec3::Ones()};
+  for (const InstructionSet set : instruction_sets()) {
+    EXPECT_EQ(compare_boxes(set)(low, high, query, 1e300), 0U) << name_of(set);
+    EXPECT_EQ(compare_boxes(set)(low, low, query, 1e300), 0U) << name_of(set);
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
