@@ -97,17 +97,17 @@ void FlatCells::find(const Box& query, std::vector<Place>& found) const {
 
 /// Without a branch: whether a place is within reach is hard to foretell.
 void FlatCells::choose(const std::vector<Place>& places) {
-  near_.resize(places.size());
+  if (found_.size() < places.size()) found_.resize(2 * places.size());
   const Vec2 x = sites_->place(place_).head<2>();
   const std::int32_t own = sites_->site(place_);
   std::size_t count = 0;
   for (const Place& place : places) {
     const Vec2 offset = place.position - x;
     const double squared = offset.squaredNorm();
-    near_[count] = {squared, place.site, offset};
+    found_[count] = {squared, place.site, offset};
     count += static_cast<std::size_t>((squared < squared_reach_) & (place.site != own));
   }
-  near_.resize(count);
+  near_ = std::span(found_).first(count);
   std::sort(near_.begin(), near_.end());
 }
 

@@ -58,7 +58,8 @@ class FlatCells {
   std::vector<Rival> cutting_;  // what has cut the cell; edges are labeled by their numbers
   std::vector<SiteGraph::Link> links_;
   double squared_reach_ = 0.0;
-  std::vector<Rival> near_;  // within reach, the nearest first
+  std::vector<Rival> found_;  // the first ones are near_
+  std::span<Rival> near_;     // within reach, the nearest first
   std::size_t next_ = 0;     // in near_, that has not cut yet
   std::size_t neighborhood_;
   double squared_reach_around_;
