@@ -65,8 +65,8 @@ class Layout:
         assert 0.0 <= factor <= 1.0
         self.shown.append(text)
 
-    def separator(self):
-        pass
+    def separator(self, factor=1.0):
+        assert factor >= 0.0
 
     def popover(self, panel, text="", icon="NONE"):
         assert icon in ICONS
@@ -220,3 +220,25 @@ def test_a_body_with_other_faces_in_the_render_is_told_in_one_sentence():
     )
     assert "dapple.match_subdivision" in shown
     assert "Viewport and renders differ" not in shown
+
+
+def test_what_is_said_leaves_room_for_its_cross():
+    obj = scenes.scattered(scenes.sphere())
+    labels, work = addon_host.part("blender.base.labels"), addon_host.part("blender.base.under_way")
+    work._state.notes[obj.session_uid] = [("INFO", "points are attached to what is there " * 9)]
+    shown = drawn()
+    work._state.notes.clear()
+    said = shown[: shown.index("dapple.dismiss")]
+    assert len(said) > 3
+    assert max(map(labels.width_of, said)) <= labels.room("INFO") - labels.BUTTON
+
+
+def test_no_label_comes_first_where_a_bar_may_have_been():
+    """The mouse was over the bar, and what was said after it looked like a bar."""
+
+    class Marked(Layout):
+        def separator(self, factor=1.0):
+            self.shown.append(f"separator {factor}")
+
+    scenes.scattered(scenes.sphere())
+    assert drawn(Marked)[0] == "separator 0.0"

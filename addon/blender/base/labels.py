@@ -6,13 +6,16 @@ import bpy
 
 _FONT, _SIZE = 0, 11  # that of the interface, in points
 _MARGIN, _ICON = 56.0, 25.0  # pixels of the sidebar beside a label, and of its icon
+BUTTON = 28.0  # pixels of a button that is an icon, and of the gap before it
 _LEAST, _WITHOUT_REGION = 140.0, 250.0  # pixels of a line
 
 
-def lines_of(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None:
-    """A text as labels, as wide as the sidebar is."""
+def lines_of(
+    layout: bpy.types.UILayout, text: str, icon: str = "NONE", beside: float = 0.0
+) -> None:
+    """A text as labels, as wide as the sidebar is, less the pixels of what is beside them."""
     column = layout.column(align=True)
-    for number, line in enumerate(wrapped(text, room(icon))):
+    for number, line in enumerate(wrapped(text, room(icon) - beside)):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
