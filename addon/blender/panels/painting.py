@@ -17,6 +17,8 @@ def draw_painting(layout: bpy.types.UILayout, context: bpy.types.Context) -> boo
     if obj is None:
         return False
     lines_of(layout, *_what(context, obj))
+    if lacks_brush(_tool_name(context), context.tool_settings.weight_paint.brush):
+        lines_of(layout, told("No brush is chosen: strokes paint nothing"), "ERROR")
     _draw_weight(layout, context.tool_settings)
     row = layout.row()
     row.scale_y = 1.5
@@ -37,6 +39,17 @@ def _what(context: bpy.types.Context, obj: bpy.types.Object) -> tuple[str, str]:
         return text, "WPAINT_HLT"
     text = told("Painting the density of '{name}': '{group}'", name=obj.name, group=group)
     return text, "WPAINT_HLT"
+
+
+def _tool_name(context: bpy.types.Context) -> str:
+    space = context.workspace  # a background Blender may have none
+    tool = space.tools.from_space_view3d_mode("PAINT_WEIGHT") if space else None
+    return tool.idname if tool else ""
+
+
+def lacks_brush(tool: str, brush: bpy.types.Brush | None) -> bool:
+    """Whether a tool paints with a brush and has none, as in a Blender that comes without them."""
+    return brush is None and tool.startswith("builtin.brush")
 
 
 def _draw_weight(layout: bpy.types.UILayout, tools: bpy.types.ToolSettings) -> None:
