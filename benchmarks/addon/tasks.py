@@ -185,9 +185,20 @@ def asset_browser() -> Story:
     for _ in range(100):
         yield
     area.spaces.active.params.asset_library_reference = "ALL"
-    for _ in range(100):
+    yield from hand_of.waited(lambda: bool(listed(area)))
+    for _ in range(100):  # until its picture is there, too
         yield
     return area
+
+
+def listed(browser: bpy.types.Area) -> list[Any]:
+    """The assets of a browser, which reads libraries in the background."""
+    region = next(one for one in browser.regions if one.type == "WINDOW")
+    with bpy.context.temp_override(window=hand_of.window(), area=browser, region=region):
+        bpy.ops.file.select_all(action="SELECT")
+        found = list(bpy.context.selected_assets or ())
+        bpy.ops.file.select_all(action="DESELECT")
+    return found
 
 
 ONLY = os.environ.get("DAPPLE_TASKS", "")  # beginnings of names, by commas
