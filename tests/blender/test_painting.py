@@ -174,7 +174,9 @@ def test_what_is_blocked_stays_free_whatever_the_density_is(obj):
 def test_the_panel_goes_on_showing_the_scatter(obj):
     paint("paint_density")
     shown = test_panels.drawn()
-    assert {"dapple.paint_done", "count", "auto_update", "weight"} <= set(shown)
+    assert {"dapple.paint_done", "count", "auto_update"} <= set(shown)
+    if bpy.context.tool_settings.weight_paint.brush is not None:  # some Blenders have none
+        assert "weight" in shown
     assert "dapple.add" not in shown
     assert f"Painting the density of '{obj.name}'" in " ".join(shown)
     obj.dapple.surface.vertex_groups.new(name="Else")
