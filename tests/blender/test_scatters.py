@@ -36,6 +36,25 @@ def test_a_surface_lists_its_scatters_alone(pair):
     assert "30" not in shown
 
 
+def test_what_tells_scatters_apart_is_not_cut_off_in_the_list(pair):
+    """In the default sidebar, both were 'Sphere Scatter...'."""
+
+    class Buttons(test_panels.Layout):
+        def operator(self, name, text="", **options):
+            if name == "dapple.select_scatter":
+                listed.append(text)
+            return super().operator(name, text, **options)
+
+    _, first, second = pair
+    listed = []
+    test_panels.drawn(Buttons)
+    assert listed == ["Scatter", "Scatter.001"]
+    first.name, second.name = "Moss", "Stones"
+    listed.clear()
+    test_panels.drawn(Buttons)
+    assert listed == ["Moss", "Stones"]
+
+
 def test_from_a_surface_to_a_scatter_and_back(pair):
     surface, _, second = pair
     assert bpy.ops.dapple.select_scatter(name=second.name) == {"FINISHED"}

@@ -20,9 +20,10 @@ from .preset_operators import draw_presets
 def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> None:
     """The scatters of the active object, and what adds another one."""
     listed = shown.SCATTERS.of(obj) if is_surface(obj) else ()
+    name = obj.name if obj is not None else ""
     column = layout.column(align=True)
     for one in listed:
-        _draw_listed(column.row(align=True), one, len(listed) > 1)
+        _draw_listed(column.row(align=True), one, _short(one.name, name), len(listed) > 1)
     row = layout.row()
     row.scale_y = 1.0 if listed else 1.5
     row.operator(DAPPLE_OT_add.bl_idname, icon="ADD")
@@ -31,13 +32,19 @@ def draw_surface(layout: bpy.types.UILayout, obj: bpy.types.Object | None) -> No
     draw_presets(row)
 
 
-def _draw_listed(row: bpy.types.UILayout, one: shown.Listed, several: bool) -> None:
+def _short(name: str, surface: str) -> str:
+    """A scatter's name as its surface lists it: most begin with the name of the surface, and what
+    tells them apart would be cut off."""
+    return name.removeprefix(f"{surface} ") or name
+
+
+def _draw_listed(row: bpy.types.UILayout, one: shown.Listed, text: str, several: bool) -> None:
     obj = bpy.context.view_layer.objects.get(one.name)
     if obj is None:  # it was renamed or removed since it was listed
         return
     select = row.operator(
         DAPPLE_OT_select_scatter.bl_idname,
-        text=one.name,
+        text=text,
         translate=False,
         icon="OUTLINER_OB_POINTCLOUD",
     )
