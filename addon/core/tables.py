@@ -168,6 +168,7 @@ _BAKE = (
         low=1,
         soft_high=100,
         subtype="TIME",
+        own_words=True,
         field="fade",
     ),
     Setting(

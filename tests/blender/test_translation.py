@@ -172,6 +172,19 @@ def test_names_of_settings_fit_beside_their_values(locale):
     assert not wide
 
 
+@pytest.mark.skipif(not INTERNATIONAL, reason="this Blender is built without translations")
+def test_names_that_blender_translates_otherwise_fit_too(german):
+    """Blender's words go before those of a catalog, unless a setting has its own."""
+    width_of = addon_host.part("blender.base.labels").width_of
+    tables = addon_host.part("core.tables")
+    settings = [one for group in tables.GROUPS.values() for one in group]
+    said = {}
+    for setting in settings:
+        if setting.kind.name != "SWITCH" and setting.name not in ELSEWHERE:
+            said[setting.name] = german(setting.label, part().OWN if setting.own_words else "*")
+    assert {name: text for name, text in said.items() if width_of(text) > 84.0} == {}
+
+
 def test_a_long_text_has_lines_that_fit():
     labels, text = addon_host.part("blender.base.labels"), "Added points come down on the surface"
     lines = labels.wrapped(text, 120.0)
