@@ -166,39 +166,10 @@ def reuse(hand: Any) -> Story:
     yield from shown(bpy.context.object)
     yield READY
     begin = time.monotonic()
-    browser = yield from asset_browser()
+    browser = yield from hand_of.asset_browser()
     hand.searched += time.monotonic() - begin  # a script did it, and waited for long
     hand.clicks += 2  # the menu of editors, and in it the Asset Browser
-    region = next(one for one in browser.regions if one.type == "WINDOW")
-    view = hand_of.viewport()
-    first = region.x + 60, region.y + region.height - 60
-    last = view.x + 0.4 * view.width, view.y + 0.5 * view.height
-    way = [(1 - k / 40) * first[0] + k / 40 * last[0] for k in range(41)]
-    rise = [(1 - k / 40) * first[1] + k / 40 * last[1] for k in range(41)]
-    yield from hand.drag(list(zip(way, rise, strict=True)))
-
-
-def asset_browser() -> Story:
-    """In place of the properties; the timeline is too low for a picture."""
-    area = next(one for one in hand_of.window().screen.areas if one.type == "PROPERTIES")
-    area.ui_type = "ASSETS"
-    for _ in range(100):
-        yield
-    area.spaces.active.params.asset_library_reference = "ALL"
-    yield from hand_of.waited(lambda: bool(listed(area)))
-    for _ in range(100):  # until its picture is there, too
-        yield
-    return area
-
-
-def listed(browser: bpy.types.Area) -> list[Any]:
-    """The assets of a browser, which reads libraries in the background."""
-    region = next(one for one in browser.regions if one.type == "WINDOW")
-    with bpy.context.temp_override(window=hand_of.window(), area=browser, region=region):
-        bpy.ops.file.select_all(action="SELECT")
-        found = list(bpy.context.selected_assets or ())
-        bpy.ops.file.select_all(action="DESELECT")
-    return found
+    yield from hand.drag_asset(browser)
 
 
 ONLY = os.environ.get("DAPPLE_TASKS", "")  # beginnings of names, by commas

@@ -57,6 +57,14 @@ class Hand:
         yield
         self.clicks += 1
 
+    def drag_asset(self, browser: bpy.types.Area) -> Story:
+        """Drag the first asset of a browser near to the middle of the 3D View."""
+        region, goal = part_of(browser, "WINDOW"), viewport()
+        x, y = region.x + 60, region.y + region.height - 60
+        right = goal.x + 0.4 * goal.width - x
+        up = goal.y + 0.5 * goal.height - y
+        yield from self.drag([(x + k / 40 * right, y + k / 40 * up) for k in range(41)])
+
     def _mouse(self, value: str, place: tuple[float, float]) -> None:
         window().event_simulate("LEFTMOUSE", value, x=int(place[0]), y=int(place[1]))
 
@@ -169,16 +177,45 @@ def view() -> bpy.types.Area:
     return next(one for one in window().screen.areas if one.type == "VIEW_3D")
 
 
+def part_of(area: bpy.types.Area, kind: str) -> bpy.types.Region:
+    return next(one for one in area.regions if one.type == kind)
+
+
 def sidebar() -> bpy.types.Region:
-    return next(one for one in view().regions if one.type == "UI")
+    return part_of(view(), "UI")
 
 
 def toolbar() -> bpy.types.Region:
-    return next(one for one in view().regions if one.type == "TOOLS")
+    return part_of(view(), "TOOLS")
 
 
 def viewport() -> bpy.types.Region:
-    return next(one for one in view().regions if one.type == "WINDOW")
+    return part_of(view(), "WINDOW")
+
+
+def asset_browser() -> Story:
+    """Have one with all assets in place of the properties; the timeline is too low for a picture.
+
+    It reads libraries in the background, and then their pictures.
+    """
+    area = next(one for one in window().screen.areas if one.type == "PROPERTIES")
+    area.ui_type = "ASSETS"
+    for _ in range(100):
+        yield
+    area.spaces.active.params.asset_library_reference = "ALL"
+    yield from waited(lambda: bool(_assets_of(area)))
+    for _ in range(100):
+        yield
+    return area
+
+
+def _assets_of(browser: bpy.types.Area) -> list[Any]:
+    region = part_of(browser, "WINDOW")
+    with bpy.context.temp_override(window=window(), area=browser, region=region):
+        bpy.ops.file.select_all(action="SELECT")
+        found = list(bpy.context.selected_assets or ())
+        bpy.ops.file.select_all(action="DESELECT")
+    return found
 
 
 def waited(done: Callable[[], bool]) -> Story:

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scatter marked as an asset, dragged from the Asset Browser onto a surface of another file.
+
+test_window.py runs this; exit status 0 is success. Each step of `events` yields until Blender's
+event loop has gone on. DAPPLE_SHOTS may name a folder for screenshots.
+"""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import addon_host
+import hand as hand_of
+import scenes
+import story
+
+TICK = 0.02
+SHOTS = os.environ.get("DAPPLE_SHOTS")
+RADIUS = 2.0
+
+
+def events():
+    bpy.context.preferences.edit.use_global_undo = True
+    yield from library_with_an_asset()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=RADIUS)
+    view = bpy.context.temp_override(
+        window=hand_of.window(), area=hand_of.view(), region=hand_of.viewport()
+    )
+    with view:
+        bpy.ops.view3d.view_selected()
+    browser = yield from hand_of.asset_browser()
+    yield from hand_of.Hand().drag_asset(browser)
+    yield from hand_of.waited(placed)
+    if SHOTS:
+        yield from hand_of.shot(Path(SHOTS) / "assets-dropped.png")
+    away = np.linalg.norm(scenes.positions(dropped()), axis=1)
+    assert np.abs(away - RADIUS).max() < 0.01 * RADIUS
+
+
+def library_with_an_asset():
+    """All assets that there are; a new file is open then."""
+    folder = Path(tempfile.mkdtemp())
+    scenes.scattered(scenes.sphere(), count=90)
+    assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
+    for _ in range(100):  # Blender draws its picture meanwhile, and must not lose the file
+        yield
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
+    bpy.ops.preferences.asset_library_add(directory=str(folder))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    yield
+    yield
+
+
+def placed():
+    """Whether it has its points, and nothing goes on any more."""
+    live = addon_host.part("blender.live.watcher")
+    return dropped() is not None and len(dropped().data.vertices) == 90 and not live.is_active()
+
+
+def dropped():
+    return next((obj for obj in bpy.data.objects if obj.dapple.surface is not None), None)
+
+
+story.begin(events, TICK)
