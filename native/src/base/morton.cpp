@@ -26,11 +26,10 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 std::uint64_t code(const Vec3& unit) {
-  const Vec3 cell =
-      (unit * double((1 << kBits) - 1)).cwiseMax(0.0).cwiseMin(double((1 << kBits) - 1));
-  return spread(static_cast<std::uint64_t>(cell.x())) |
-         spread(static_cast<std::uint64_t>(cell.y())) << 1 |
-         spread(static_cast<std::uint64_t>(cell.z())) << 2;
+  constexpr double most = (1 << kBits) - 1;
+  const Vec3 along = most * unit;
+  return spread(cell_along(along.x(), most)) | spread(cell_along(along.y(), most)) << 1 |
+         spread(cell_along(along.z(), most)) << 2;
 }
 
 using Key = std::pair<std::uint64_t, std::int32_t>;

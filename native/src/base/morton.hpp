@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <span>
 
 namespace dapple {
+
+/// The number of a cell, at most so large; 0 for what is no number, as of points that are all at
+/// one place or too far apart for their distance to be one.
+inline std::uint64_t cell_along(double along, double most) {
+  return static_cast<std::uint64_t>(std::max(0.0, std::min(along, most)));
+}
 
 /// Indices of the points along a Morton (Z-order) curve through their bounding box, ties by index:
 /// points near in space come near in memory, which halves the time of the restricted Voronoi

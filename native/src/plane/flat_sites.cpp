@@ -5,6 +5,7 @@
 
 #include <tuple>
 
+#include "base/morton.hpp"
 #include "base/vectors.hpp"
 
 namespace dapple {
@@ -35,9 +36,8 @@ std::vector<Key> along_curve(std::span<const Vec3> x) {
   const double scale = x.empty() ? 0.0 : most / std::max(box.sizes().maxCoeff(), 1e-300);
   std::vector<Key> keys(x.size());
   for_each_vector(x.size(), [&](std::size_t k) {
-    const Vec2 cell = (scale * (x[k].head<2>() - box.min())).cwiseMax(0.0).cwiseMin(most);
-    keys[k] = {spread(static_cast<std::uint64_t>(cell.x())) |
-                   spread(static_cast<std::uint64_t>(cell.y())) << 1,
+    const Vec2 along = scale * (x[k].head<2>() - box.min());
+    keys[k] = {spread(cell_along(along.x(), most)) | spread(cell_along(along.y(), most)) << 1,
                static_cast<std::int32_t>(k)};
   });
   tbb::parallel_sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
