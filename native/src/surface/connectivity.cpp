@@ -2,7 +2,6 @@
 #include "surface/connectivity.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <unordered_map>
 
@@ -16,6 +15,9 @@ namespace {
 
 // Of the progress: what is done after each step.
 constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0.65, kWelded = 0.94;
+
+constexpr double kFarthest = 1e300;  // a coordinate to which the size of a cell can be added
+constexpr double kAll = 2.0;         // of the diagonal: no vertices are farther apart
 
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
@@ -91,13 +93,16 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
   return inverse;
 }
 
-double diagonal_of(std::span<const Vec3> vertices) {
+/// How far vertices of one place may be apart; none where cells of that size have no numbers: the
+/// area of faces of such vertices is 0 or not finite either.
+std::optional<double> tolerance_of(std::span<const Vec3> vertices, double weld) {
   Vec3 low = vertices[0], high = vertices[0];
   for (const Vec3& v : vertices) {
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
-  return (high - low).stableNorm();
+  if (low.minCoeff() < -kFarthest || high.maxCoeff() > kFarthest) return std::nullopt;
+  return std::min(weld, kAll) * (high - low).stableNorm();
 }
 
 /// Link the edges, those at the same place too where `weld` asks for it.
@@ -108,10 +113,10 @@ void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivi
   mesh.next_around_edge = link_edges(mesh.faces, linking.context());
   mesh.welded_vertex.resize(vertices.size());
   std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
-  const double tolerance = weld ? *weld * diagonal_of(vertices) : 0.0;
-  if (weld && std::isfinite(tolerance))  // if not, the area is not finite either
-    mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), tolerance, mesh.faces,
-                                      mesh.next_around_edge, welding.context());
+  const auto tolerance = weld ? tolerance_of(vertices, *weld) : std::nullopt;
+  if (tolerance)
+    mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), *tolerance,
+                                      mesh.faces, mesh.next_around_edge, welding.context());
 }
 
 /// Link the edges that the caller knows to be one.

@@ -48,6 +48,19 @@ std::vector<Split> split_shapes() {
   return result;
 }
 
+TEST(Weld, EndsNearTheLargestNumber) {
+  constexpr double most = std::numeric_limits<double>::max();
+  const Shape far{"Far", {{-most, 0, 0}, {-most, 1, 0}, {-most + 1e300, 0, 1}}, {{0, 1, 2}}};
+  EXPECT_THROW((void)far.surface(), SurfaceError);
+}
+
+TEST(Weld, TakesAllForOnePlaceWithinAnyLargeNumber) {
+  for (const double weld : {2.0, 1e300, std::numeric_limits<double>::max()})
+    EXPECT_EQ(within(soup(grid(2)), weld).welded_faces(),
+              within(soup(grid(2)), 10.0).welded_faces())
+        << weld;
+}
+
 TEST(Weld, SplitVerticesAreNoBorders) {
   for (const auto& [whole, split] : split_shapes()) {
     const Topology expected = topology(whole.surface());
