@@ -54,6 +54,7 @@ class CellBuilder {
       sites = {};
       boundaries.clear();
       pieces.clear();
+      first_boundary = first_piece = 0;  // those of another result may lie beyond the next one
     }
   };
 
