@@ -46,14 +46,24 @@ double largest(const Vectors& v) {
   return most;
 }
 
+/// The mean of a term's diagonal, of the first that weighs anything.
+double unit_of(const Objective& objective, const State& state) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
+    const double unit = 2.0 * objective.scale(t, diagram.cells.size()) * mean_mass(diagram);
+    if (unit > 0.0) return unit;
+  }
+  return 1.0;
+}
+
 }  // namespace
 
-// Divided by the mean of the first term's diagonal, all is of the order of 1 in whatever units.
+// Divided by the mean of a diagonal, all is of the order of 1 in whatever units.
 void GaussNewton::update(const Objective& objective, const State& state, int steps,
                          const Context* context) {
   steps_ = steps;
   context_ = context;
-  unit_ = 2.0 * objective.scale(0, state.sites.size()) * mean_mass(state.diagram());
+  unit_ = unit_of(objective, state);
   locked_ = objective.locked;
   bases_.resize(state.normals.size());
   for_each_vector(bases_.size(),

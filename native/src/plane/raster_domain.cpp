@@ -158,6 +158,7 @@ void RasterDomain::update_cells(const Sites& sites, Context* context,
 
 Sites RasterDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>,
                             const Context* context) const {
+  check_finite("points", points);
   Sites sites;
   sites.positions.resize(points.size());
   sites.faces.resize(points.size());

@@ -261,6 +261,20 @@ TEST(Stipple, KeepsInksEvenEachAndTogether) {
   for (const Quality& one : dots.report.classes) EXPECT_LT(one.evenness.capacity_variation, 0.06);
 }
 
+TEST(Stipple, InksNeedNotBeEvenTogether) {
+  StippleOptions options;
+  options.union_weight = 0.0;
+  const std::vector<Image> inks = {waves(8, 8), noise(8, 8, 3)};
+  const Stipples dots = stipple(inks, 20, options);
+  EXPECT_EQ(dots.positions.size(), 20u);
+}
+
+TEST(StippleCells, ProjectionNamesWhatIsNotFinite) {
+  const RasterDomain domain(noise(4, 4, 1));
+  const std::vector<Vec3> points = {{1, 1, 0}, {std::nan(""), 1, 0}};
+  expect_message<ArgumentError>([&] { (void)domain.project(points, {}); }, {"points[1]"});
+}
+
 TEST(Stipple, StopsWhenCancelled) {
   const Image image = waves(40, 60);
   Context context;

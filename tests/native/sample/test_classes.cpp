@@ -128,6 +128,14 @@ TEST(Classes, DoNotDependOnTheThreads) {
   EXPECT_TRUE(same_bytes(one.positions, sample_classes(surface, classes, options).positions));
 }
 
+TEST(Classes, NeedNotBeEvenTogether) {
+  ClassOptions options;
+  options.union_weight = 0.0;
+  const std::vector<SampleClass> classes = {{.count = 20}, {.count = 10}};
+  const Surface surface = icosphere(2).surface();
+  check(surface, sample_classes(surface, classes, options));
+}
+
 TEST(Classes, InTwoStagesAreThePapersWay) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
