@@ -27,6 +27,10 @@ constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes 
 constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
 constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
 
+bool has_density(const Surface& surface, OrderedFace face) {
+  return surface.ordered().geometry(face).moments.capacity > 0.0;
+}
+
 class Walk {
  public:
   using Hit = LocalProjection::Hit;
@@ -49,7 +53,7 @@ class Walk {
         if (squared_distance_to_edge(h) > ball) continue;
         for (std::int32_t g = surface_.ordered().next_around(h); g != h;
              g = surface_.ordered().next_around(g))
-          if (visit(face_of(g)) && surface_.ordered().geometry(face_of(g)).moments.capacity > 0.0)
+          if (visit(face_of(g)) && has_density(surface_, face_of(g)))
             best = better(best, closest(face_of(g)));
       }
     }
@@ -157,7 +161,7 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
     for (std::size_t k = begin; k < end; ++k) {
       const OrderedFace start = surface_->ordered().ordered_face(from[k]);
       const OrderedFace hit = surface_->ordered().ordered_face(hits.faces[k]);
-      if (start == hit) continue;
+      if (start == hit || !has_density(*surface_, start)) continue;  // nobody is to stay there
       if (on_another_sheet(*surface_, start, hit))
         walk_to(points[k], start, k, hits);
       else if (!leads_to(*surface_, start, hit, hits.positions[k]))

@@ -189,6 +189,14 @@ TEST(Resample, TakesAwayWhatLiesWhereNothingShallBe) {
   expect_as_even(after, half);
 }
 
+TEST(Resample, MovesASampleRoundACreaseToWhereTheDensityIs) {
+  const Shape fold{"Fold", {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}}};
+  const Samples before =
+      bind_samples(fold.surface(), std::vector<std::int32_t>{0}, std::vector{Vec3(0.2, 0.6, 0.2)});
+  const Surface half = fold.surface().with_density({DensityAt::kFaces, std::vector{0.0, 1.0}});
+  EXPECT_EQ(resample(half, before, 1).faces[0], 1);
+}
+
 TEST(Resample, DoesNotMoveWhatIsWanted) {
   const Surface surface = blob(3).surface();
   const Samples before = sample(surface, 300);
