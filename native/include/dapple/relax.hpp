@@ -20,8 +20,9 @@ namespace dapple {
 /// \param changed the caller's indices of the faces where something has changed, see
 ///                changed_faces(); none: nothing moves
 /// \throw ArgumentError if the samples are not of the surface, or of several classes; naming the
-///        first face or locked index out of range; for options out of range, or a count that the
-///        region cannot reach; Cancelled
+///        first face or locked index out of range; for options out of range, a count that the
+///        region cannot reach, or a surface that has grown so much that it asks for more samples
+///        than there can be; Cancelled
 [[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,
                             std::span<const std::int32_t> changed, const RelaxOptions& options = {},
                             Context* context = nullptr);

@@ -28,6 +28,20 @@ constexpr double kFound = 0.1, kBalanced = 0.25, kFirst = 0.7, kGrown = 0.5;
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
+/// \param members per cell: a fixed one gets no others beside it
+/// \throw ArgumentError if samples of that capacity are more than there can be
+template <typename Member>
+void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diagram,
+                  double capacity) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < members.size(); ++k)
+    if (!members[k].fixed) sum += diagram.cells[k].capacity;
+  if (!(sum <= capacity * static_cast<double>(kMostSamples)))
+    throw ArgumentError("what has changed asks for " + number(sum / capacity) +
+                        " samples to be as dense as around it: at most " +
+                        std::to_string(kMostSamples) + " are possible");
+}
+
 }  // namespace
 
 /// The sites of one round: a part of the surface and what lies on it.
@@ -134,6 +148,7 @@ void Relaxation::balance(Region& region, Context* context) {
   if (capacity_ == 0.0) capacity_ = capacity_elsewhere() * domain.density_unit();
   const double wanted = wanted_capacity(region, diagram);
   if (wanted == 0.0) return;
+  check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
   const Thinned found =
       thin_out(region.part.surface(), domain, region.sites,
                {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);

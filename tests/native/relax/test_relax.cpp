@@ -193,6 +193,19 @@ TEST(Relax, FollowsMovedVertices) {
   EXPECT_LT(analyze(after, relaxed).evenness.capacity_variation, 0.01);
 }
 
+TEST(Relax, RefusesASurfaceThatAsksForMoreSamplesThanThereCanBe) {
+  const Surface before = grid(20).surface();
+  const Samples samples = sample(before, 1000);
+  for (const double far : {1e9, 1e12}) {
+    std::vector<Vec3> vertices = before.vertices();
+    vertices[0].z() = far;
+    const Surface after = before.deformed(vertices);
+    expect_message<ArgumentError>(
+        [&] { (void)relax(after, samples, changed_faces(before, after)); },
+        {"samples", "100000000"});
+  }
+}
+
 TEST(Relax, GivesTheCount) {
   const Surface surface = blob(4).surface();
   const Samples before = sample(surface, 1000);
