@@ -17,8 +17,9 @@ namespace {
 double smoothstep(double t) { return t * t * (3.0 - 2.0 * t); }
 
 bool same_places(const Samples& a, const Samples& b) {
-  return a.faces == b.faces && std::memcmp(a.barycentric.data(), b.barycentric.data(),
-                                           a.barycentric.size() * sizeof(Vec3)) == 0;
+  return a.faces == b.faces &&
+         (a.faces.empty() || std::memcmp(a.barycentric.data(), b.barycentric.data(),
+                                         a.barycentric.size() * sizeof(Vec3)) == 0);
 }
 
 bool all_zero(const Vectors& moves) {

@@ -200,6 +200,13 @@ TEST(TrackWindow, GivesTheSameBytesForAnyNumberOfThreads) {
     EXPECT_TRUE(same_bytes(one[t].positions, four[t].positions));
 }
 
+TEST(TrackWindow, TakesNoSampleAtAll) {
+  const Surface surface = icosphere(1).surface();
+  const std::vector<std::vector<Vec3>> frames = {deformed(surface.vertices(), 0.2)};
+  for (const Samples& samples : track_window(surface, frames, Samples{}, {}))
+    EXPECT_EQ(samples.size(), 0u);
+}
+
 TEST(TrackWindow, StopsWhenCancelled) {
   const Shape shape = blob(3);
   const Surface surface = shape.surface();
