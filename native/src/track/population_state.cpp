@@ -88,7 +88,7 @@ void Population::resume(const Surface& frame, const Samples& samples,
   check_neighbors(state, staying);
   check_ids(samples, state.next_id);
   check_same_length("state.densities", state.densities.size(), "the classes", kinds_.size());
-  for (const double density : state.densities) check_positive("state.densities", density);
+  for (const double density : state.densities) check_at_least("state.densities", density, 0.0);
   const Surface there = with_kinds(frame);
   const Samples all =
       bind_samples(there, samples.faces, samples.barycentric, samples.ids, samples.classes);

@@ -107,6 +107,16 @@ TEST(PopulationState, IsAllThatAPopulationKnows) {
   EXPECT_EQ(a.settled, b.settled);
 }
 
+TEST(PopulationState, MayHaveNoSampleOfAClass) {
+  const Surface surface = growing(0).surface();
+  const auto begin = [&] { return Population(surface, sample(surface, 40), {}, {{}, {}}); };
+  Population whole = begin(), resumed = begin();
+  whole.advance(growing(1).surface());
+  EXPECT_EQ(whole.state().densities[1], 0.0);
+  resumed.resume(whole.surface(), whole.samples(), whole.state());
+  EXPECT_TRUE(same_places(resumed.samples(), whole.samples()));
+}
+
 TEST(PopulationState, IsRefusedIfItDoesNotFit) {
   const Surface surface = growing(0).surface();
   Population population = one_class(surface);
