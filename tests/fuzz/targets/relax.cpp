@@ -16,6 +16,8 @@ std::optional<Samples> take_solved(Bytes& bytes, const Surface& surface) {
   return answer([&] { return sample(surface, count, {.optimizer = {.max_evaluations = 5}}); });
 }
 
+constexpr double kMostGrowth = 4.0;  // or it asks for so many samples that it takes long
+
 /// Another density or place for a few values or vertices.
 Surface take_changed(Bytes& bytes, const Surface& surface) {
   const auto changed = answer([&] {
@@ -25,7 +27,8 @@ Surface take_changed(Bytes& bytes, const Surface& surface) {
       values[bytes.whole() % values.size()] = bytes.between(0.0, 3.0);
     return surface.with_density({DensityAt::kFaces, values});
   });
-  return changed.value_or(surface);
+  const bool grows = changed && changed->mass() > kMostGrowth * surface.mass();
+  return changed && !grows ? *changed : surface;
 }
 
 std::vector<std::int32_t> take_changed_faces(Bytes& bytes, const Surface& before,
