@@ -152,8 +152,11 @@ void expect_an_answer(Bytes& bytes, Population population) {
                      }).has_value();
   EXPECT_TRUE(taken || same_bytes(population.samples(), before)) << "refused, and changed";
   if (!taken || state.densities != densities) return;  // others may ask for millions of samples
-  const std::vector<Vec3> next = test::deformed(population.surface().vertices(), 0.3);
-  (void)answer([&] { return population.advance(next); });
+  const auto next = answer([&] {
+    return population.surface().deformed(test::deformed(population.surface().vertices(), 0.3));
+  });
+  if (next && !grows_too_much(*next, population.surface()))
+    (void)answer([&] { return population.advance(next->vertices()); });
 }
 
 std::vector<Samples> run(Population& population, std::span<const Frame> frames, bool resumes) {
