@@ -57,7 +57,7 @@ fuzz() {
   local dictionary=tests/fuzz/$1.dict
   mkdir -p "$corpus/$1" "$kept/$1"
   [ ! -f "$dictionary" ] || set -- "$1" -dict="$dictionary"
-  "$build/tests/fuzz/fuzz_$1" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -print_final_stats=1 \
+  "$build/tests/fuzz/fuzz_$1" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 -print_final_stats=1 \
     -artifact_prefix="$build/findings/$1-" "${@:2}" "$corpus/$1" "$kept/$1"
 }
 

@@ -284,7 +284,7 @@ std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
       if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
     };
     if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
-    if (flood.tied_to() >= 0) add(flood.tied_to());
+    if (flood.lost_to() >= 0) add(flood.lost_to());
     for (const Polygon::Corner& corner : flood.polygon().corners())
       if (corner.edge >= 0) add(flood.bisector(corner.edge).site);
   }

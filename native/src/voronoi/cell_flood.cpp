@@ -41,7 +41,7 @@ void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 }
 
 bool CellFlood::clip(OrderedFace face) {
-  tied_to_ = -1;
+  lost_to_ = -1;
   whole_ = true;
   const auto [a, b, c] = surface_->ordered().corners(face);
   const Triple x(position());
@@ -84,7 +84,7 @@ bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   const double tie = kTie * std::sqrt(polygon_.squared_radius() * bisector.squared_distance);
   if (low >= -tie && high <= tie) {
     if (sites_->original(site_) < sites_->original(bisector.site)) return true;
-    tied_to_ = bisector.site;
+    lost_to_ = bisector.site;
     polygon_.clear();
     whole_ = false;
     return false;
@@ -92,6 +92,7 @@ bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   if (high <= 0.0) return true;
   polygon_.cut(static_cast<std::int32_t>(k));
   whole_ = false;
+  if (polygon_.empty()) lost_to_ = bisector.site;  // no corner names it
   return true;
 }
 

@@ -351,6 +351,25 @@ TEST(RestrictedVoronoi, SharesOutANeedleAmongSitesThatAllButTouch) {
   for (const Moments& cell : restricted_voronoi(surface, sites).cells) EXPECT_GT(cell.area, 0.0);
 }
 
+/// To rounding one plane parts the first site from all others, which part the far face among them.
+TEST(RestrictedVoronoi, SharesOutAFarFaceAmongSitesThatAllButTouch) {
+  const Shape strips{"Strips",
+                     {{0.49991061251485119, 0.0078799890410303618, -0.0052235301989706391},
+                      {0.24315485459186401, 0.43689314884895042, -0.00030524950177540297},
+                      {0.24315485461526307, 0.43689314883748009, -0.00030524727970597998},
+                      {-0.24315485456846511, -0.43689314886042063, 0.00030525172384482813},
+                      {0.25675575796978545, -0.42901315983086069, -0.004918276253056391},
+                      {-0.24315485454506608, -0.43689314887189096, 0.00030525394591425113}},
+                     {{0, 1, 2}, {3, 4, 5}}};
+  const Surface surface = strips.surface();
+  const Sites sites =
+      at_points({{0.34791010699227543, 0.26185761253709777, -0.0023118714844381988},
+                 {0.49991061268791248, 0.0078799889561949332, -0.0052235137643709059},
+                 {0.49991061258504832, 0.0078799890066193843, -0.0052235235327623697},
+                 {0.49991061251485119, 0.0078799890410303618, -0.0052235301989706391}});
+  check_cells(surface, sites, 1e-8 * surface.area());
+}
+
 TEST(RestrictedVoronoi, ReachesThroughWalls) {
   const Shape shape = two_sheets(4, 0.01);
   Random random(21);
