@@ -139,7 +139,7 @@ std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
     least = squared;
     best = site;
   });
-  return best;
+  return best >= 0 ? best : from;  // so far away that no squared distance is a number
 }
 
 // In a Delaunay triangulation every site but the nearest has a neighbor that is nearer.

@@ -370,6 +370,11 @@ TEST(RestrictedVoronoi, SharesOutAFarFaceAmongSitesThatAllButTouch) {
   check_cells(surface, sites, 1e-8 * surface.area());
 }
 
+TEST(RestrictedVoronoi, GivesAFaceTooFarForSquaresOfDistancesToASite) {
+  const Shape far{"Far", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e155, 0, 0}}, {{0, 1, 2}, {0, 1, 3}}};
+  check_cells(far.surface(), at_points({{0.1, 0.1, 0}, {0.5, 0.2, 0}, {0.2, 0.5, 0}}));
+}
+
 TEST(RestrictedVoronoi, ReachesThroughWalls) {
   const Shape shape = two_sheets(4, 0.01);
   Random random(21);
