@@ -9,6 +9,7 @@
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
 #include "sample/timed_call.hpp"
+#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -29,6 +30,18 @@ Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t se
   return {bind_samples(surface, {}, {}), poisson_start(surface, count, seed, context)};
 }
 
+/// Those on faces without density go to the nearest with some: there may be no step that does it.
+void lead_to_density(const Surface& surface, const Domain& domain, Sites& sites) {
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
+    if (surface.ordered().geometry(face).moments.capacity > 0.0) continue;
+    const Sites found = domain.project(std::span(sites.positions).subspan(k, 1), {});
+    sites.positions[k] = found.positions[0];
+    sites.faces[k] = found.faces[0];
+    sites.barycentric[k] = found.barycentric[0];
+  }
+}
+
 Beginning begin(const Surface& surface, const Domain& domain, const Samples& samples,
                 std::size_t count, std::uint64_t seed, Context* context) {
   const Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
@@ -47,6 +60,7 @@ Beginning begin(const Surface& surface, const Domain& domain, const Samples& sam
     ids.push_back(all.ids[k]);
   }
   const Samples kept = bind_samples(surface, sites.faces, sites.barycentric, ids);
+  lead_to_density(surface, domain, sites);
   for (std::size_t k = 0; k < found.fresh.size(); ++k) add(found.fresh, k);
   return {kept, std::move(sites), found.evaluations};
 }

@@ -195,6 +195,8 @@ TEST(Resample, MovesASampleRoundACreaseToWhereTheDensityIs) {
       bind_samples(fold.surface(), std::vector<std::int32_t>{0}, std::vector{Vec3(0.2, 0.6, 0.2)});
   const Surface half = fold.surface().with_density({DensityAt::kFaces, std::vector{0.0, 1.0}});
   EXPECT_EQ(resample(half, before, 1).faces[0], 1);
+  // Also where no step is left for it.
+  EXPECT_EQ(resample(half, before, 1, {.optimizer = {.max_evaluations = 1}}).faces[0], 1);
 }
 
 TEST(Resample, DoesNotMoveWhatIsWanted) {
