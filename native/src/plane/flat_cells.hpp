@@ -60,7 +60,7 @@ class FlatCells {
   double squared_reach_ = 0.0;
   std::vector<Rival> found_;  // the first ones are near_
   std::span<Rival> near_;     // within reach, the nearest first
-  std::size_t next_ = 0;     // in near_, that has not cut yet
+  std::size_t next_ = 0;      // in near_, that has not cut yet
   std::size_t neighborhood_;
   double squared_reach_around_;
   std::vector<Place> around_;  // all within reach of the neighborhood
