@@ -224,6 +224,10 @@ void Relaxation::put_in(std::size_t count, double capacity, Region& region,
   const Sites fresh =
       widest_gaps(region.part.surface(), {region.sites, region.which(/*fixed=*/false), capacity},
                   count, options_.seed, context);
+  if (options_.count && fresh.size() < count)
+    throw ArgumentError("count is " + std::to_string(*options_.count) + ", but where samples may " +
+                        "go there are places for " + std::to_string(fresh.size()) + " of " +
+                        std::to_string(count) + " new ones only");
   for (std::size_t k = 0; k < fresh.size(); ++k) {
     region.add({static_cast<std::int32_t>(sites_.size()), false, true}, fresh, k, fresh.faces[k]);
     sites_.positions.push_back(fresh.positions[k]);

@@ -14,7 +14,9 @@
 namespace dapple {
 namespace {
 
-constexpr double kDraws = 12.0;      // random points per site
+constexpr double kDraws = 12.0;   // random points per site
+constexpr std::size_t kMore = 8;  // times as many where these are too few
+constexpr std::size_t kMost = 1 << 21;
 constexpr std::size_t kAsked = 4;    // sites nearest to a point, until one is on its side of a wall
 constexpr double kReach = 1.5;       // of the gap: how far it is felt that a site has come into it
 constexpr std::size_t kGrain = 256;  // points
@@ -35,10 +37,9 @@ std::vector<Vec3> positions_of(const std::vector<Place>& places) {
 }
 
 /// Random points in the cells of free sites.
-std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::uint64_t seed,
-                               const Context* context) {
+std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::size_t draws,
+                               std::uint64_t seed, const Context* context) {
   Random random(seed);
-  const auto draws = static_cast<std::size_t>(std::ceil(kDraws * surface.mass() / gaps.capacity));
   const DartBoard board(surface, draws);
   std::vector<Dart> darts(draws), sites(gaps.sites.size());
   std::vector<DartBoard::Draw> drawn(draws);
@@ -123,7 +124,13 @@ class Filling {
 Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, std::uint64_t seed,
                   const Context* context) {
   Sites result;
-  std::vector<Place> places = draw_places(surface, gaps, seed, context);
+  if (std::none_of(gaps.free.begin(), gaps.free.end(), [](bool free) { return free; }))
+    return result;
+  auto draws = static_cast<std::size_t>(std::ceil(kDraws * surface.mass() / gaps.capacity));
+  std::vector<Place> places = draw_places(surface, gaps, draws, seed, context);
+  // The cells of free sites may be a small part of the surface.
+  while (places.size() < count && kMore * draws <= kMost)
+    places = draw_places(surface, gaps, draws *= kMore, seed, context);
   if (places.empty()) return result;
   Filling filling(std::move(places));
   while (result.size() < count) {

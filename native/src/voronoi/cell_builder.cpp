@@ -283,8 +283,13 @@ std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
     const auto add = [&](std::int32_t j) {
       if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);
     };
-    if (!flood.polygon().empty()) result.push_back({flood.owner(), face});
-    if (flood.lost_to() >= 0) add(flood.lost_to());
+    if (flood.polygon().empty()) {
+      // Of two sites that all but touch an edge may name the one that has nothing of the face; it
+      // is the other that cut it off.
+      for (const std::int32_t cut : flood.cuts()) add(flood.bisector(cut).site);
+      continue;
+    }
+    result.push_back({flood.owner(), face});
     for (const Polygon::Corner& corner : flood.polygon().corners())
       if (corner.edge >= 0) add(flood.bisector(corner.edge).site);
   }

@@ -41,7 +41,7 @@ void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 }
 
 bool CellFlood::clip(OrderedFace face) {
-  lost_to_ = -1;
+  cuts_.clear();
   whole_ = true;
   const auto [a, b, c] = surface_->ordered().corners(face);
   const Triple x(position());
@@ -84,15 +84,15 @@ bool CellFlood::cut_by(const Bisector& bisector, std::size_t k) {
   const double tie = kTie * std::sqrt(polygon_.squared_radius() * bisector.squared_distance);
   if (low >= -tie && high <= tie) {
     if (sites_->original(site_) < sites_->original(bisector.site)) return true;
-    lost_to_ = bisector.site;
+    cuts_.push_back(static_cast<std::int32_t>(k));
     polygon_.clear();
     whole_ = false;
     return false;
   }
   if (high <= 0.0) return true;
   polygon_.cut(static_cast<std::int32_t>(k));
+  cuts_.push_back(static_cast<std::int32_t>(k));
   whole_ = false;
-  if (polygon_.empty()) lost_to_ = bisector.site;  // no corner names it
   return true;
 }
 

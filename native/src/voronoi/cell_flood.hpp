@@ -31,9 +31,8 @@ class CellFlood {
   /// Time spent looking for the sites around.
   [[nodiscard]] Laps& laps() { return bisectors_.laps(); }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }
-  /// The site that took what was left of the face clipped last, or whose it is because it lies in
-  /// the bisector; -1 if something is left.
-  [[nodiscard]] std::int32_t lost_to() const { return lost_to_; }
+  /// The bisectors that cut the face clipped last, or whose site has it because it lies in them.
+  [[nodiscard]] std::span<const std::int32_t> cuts() const { return cuts_; }
 
   /// Clip a face to the site's cell; true if nothing was cut off.
   ///
@@ -82,8 +81,8 @@ class CellFlood {
   Bisectors bisectors_;
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
-  std::int32_t lost_to_ = -1;
   Polygon polygon_;
+  std::vector<std::int32_t> cuts_;
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;

@@ -55,5 +55,15 @@ TEST(WidestGaps, AreInCellsOfFreeSites) {
   }
 }
 
+TEST(WidestGaps, AreAsManyAsAskedWhereFreeCellsAreASmallPart) {
+  const Surface surface = icosphere(4).surface();
+  const Samples samples = sample(surface, 400);
+  Gaps gaps{{samples.positions, samples.faces, samples.barycentric},
+            std::vector<bool>(400, false),
+            surface.mass() / 400.0};
+  gaps.free[100] = true;
+  EXPECT_EQ(widest_gaps(surface, gaps, 40, 1, nullptr).size(), 40u);
+}
+
 }  // namespace
 }  // namespace dapple::test
