@@ -12,7 +12,7 @@ namespace dapple {
 struct Triple {
   double x, y, z;
 
-  Triple(double x_, double y_, double z_) : x(x_), y(y_), z(z_) {}
+  Triple(double first, double second, double third) : x(first), y(second), z(third) {}
   explicit Triple(const Vec3& v) : x(v[0]), y(v[1]), z(v[2]) {}
 
   void store(Vec3& v) const {
