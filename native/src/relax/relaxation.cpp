@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/progress.hpp"
@@ -149,12 +150,32 @@ void Relaxation::balance(Region& region, Context* context) {
   const double wanted = wanted_capacity(region, diagram);
   if (wanted == 0.0) return;
   check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
-  const Thinned found =
-      thin_out(region.part.surface(), domain, region.sites,
-               {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);
+  Thinned found = thin_out(region.part.surface(), domain, region.sites,
+                           {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
+  if (options_.count) keep_to_count(region, found);
   take_out(found.stay, region);
   if (found.lacking > 0) put_in(found.lacking, wanted / domain.density_unit(), region, context);
+}
+
+/// What is thinned out in several rounds can miss the count by the rounding of each: the smallest
+/// cells go, or more are put in.
+void Relaxation::keep_to_count(const Region& region, Thinned& found) {
+  const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
+  const std::size_t others = alive - region.members.size(), count = *options_.count;
+  found.lacking = count - std::min(count, others + found.stay.size());
+  const auto room = [&](std::size_t k) {
+    const Region::Member& member = region.members[k];
+    return member.fixed ? std::numeric_limits<double>::infinity()
+                        : first_capacities_.at(member.site);
+  };
+  while (others + found.stay.size() > count) {
+    const auto least =
+        std::min_element(found.stay.begin(), found.stay.end(),
+                         [&](std::size_t a, std::size_t b) { return room(a) < room(b); });
+    if (std::isinf(room(*least))) return;
+    found.stay.erase(least);
+  }
 }
 
 /// The mean of the whole cells where nothing has changed; 0 if there are none.
