@@ -153,16 +153,16 @@ void Relaxation::balance(Region& region, Context* context) {
   Thinned found = thin_out(region.part.surface(), domain, region.sites,
                            {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
-  if (options_.count) keep_to_count(region, found);
+  if (options_.count) keep_to_count(*options_.count, region, found);
   take_out(found.stay, region);
   if (found.lacking > 0) put_in(found.lacking, wanted / domain.density_unit(), region, context);
 }
 
 /// What is thinned out in several rounds can miss the count by the rounding of each: the smallest
 /// cells go, or more are put in.
-void Relaxation::keep_to_count(const Region& region, Thinned& found) {
+void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned& found) {
   const auto alive = static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
-  const std::size_t others = alive - region.members.size(), count = *options_.count;
+  const std::size_t others = alive - region.members.size();
   found.lacking = count - std::min(count, others + found.stay.size());
   const auto room = [&](std::size_t k) {
     const Region::Member& member = region.members[k];

@@ -47,7 +47,7 @@ class Relaxation {
   [[nodiscard]] double capacity_elsewhere() const;
   [[nodiscard]] double wanted_capacity(const Region& region,
                                        const RestrictedVoronoi& diagram) const;
-  void keep_to_count(const Region& region, Thinned& found);
+  void keep_to_count(std::size_t count, const Region& region, Thinned& found);
   void take_out(const std::vector<std::size_t>& stay, Region& region);
   void put_in(std::size_t count, double capacity, Region& region, const Context* context);
   [[nodiscard]] Indices even_out(const Region& region, Context* context);
