@@ -137,7 +137,8 @@ bool NearSites::sort_few() {
     places[k] = nearer;
     sum += nearer;
   }
-  if (2 * sum != static_cast<std::int64_t>(count_ * (count_ - (count_ > 0 ? 1 : 0)))) return false;
+  const auto count = static_cast<std::int64_t>(count_);
+  if (2 * sum != count * (count - 1)) return false;
   std::array<Rival, kFew> found;
   std::copy_n(near_.begin(), count_, found.begin());
   for (std::size_t k = 0; k < count_; ++k) near_[static_cast<std::size_t>(places[k])] = found[k];
