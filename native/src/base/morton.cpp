@@ -26,10 +26,10 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 std::uint64_t code(const Vec3& unit) {
-  constexpr double most = (1 << kBits) - 1;
-  const Vec3 along = most * unit;
-  return spread(cell_along(along.x(), most)) | spread(cell_along(along.y(), most)) << 1 |
-         spread(cell_along(along.z(), most)) << 2;
+  constexpr double kMost = (1 << kBits) - 1;
+  const Vec3 along = kMost * unit;
+  return spread(cell_along(along.x(), kMost)) | spread(cell_along(along.y(), kMost)) << 1 |
+         spread(cell_along(along.z(), kMost)) << 2;
 }
 
 using Key = std::pair<std::uint64_t, std::int32_t>;
