@@ -32,6 +32,13 @@ void make_room(std::vector<T>& values, std::size_t first, std::size_t needed, do
   values.resize(needed);
 }
 
+/// A cell without area, or where the density falls to 0, may have rounding of either sign.
+Moments not_negative(Moments cell) {
+  for (double* value : {&cell.area, &cell.capacity, &cell.mass, &cell.second})
+    *value = std::max(*value, 0.0);
+  return cell;
+}
+
 }  // namespace
 
 CellBuilder::CellBuilder(const Surface& surface)
@@ -193,7 +200,7 @@ void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
         [&] { integrals.flush_boundary(sites_, boundary); });
     row(s) = {chunk.boundaries.size(), boundary.size()};
     chunk.boundaries.insert(chunk.boundaries.end(), boundary.begin(), boundary.end());
-    result_->cells[original(s)] = integrals.moments();
+    result_->cells[original(s)] = not_negative(integrals.moments());
   }
 }
 

@@ -370,6 +370,20 @@ TEST(RestrictedVoronoi, SharesOutAFarFaceAmongSitesThatAllButTouch) {
   check_cells(surface, sites, 1e-8 * surface.area());
 }
 
+// There, rounding is larger than the density itself, and of either sign.
+TEST(RestrictedVoronoi, HasNoNegativeCapacityWhereTheDensityFallsTo0) {
+  const Shape shape = {
+      "Ramp", {{0, 0, 0}, {1.3, 0.1, 0.4}, {0.2, 1.1, 0.7}}, {{0, 1, 2}}, {0.0, 0.7, 1.3}};
+  Random random(1);
+  Sites sites;
+  for (int k = 0; k < 200; ++k) {
+    const double u = 1e-16 * random.uniform(), v = 1e-16 * random.uniform();
+    sites.positions.emplace_back(u * shape.vertices[1] + v * shape.vertices[2]);
+    sites.faces.push_back(0);
+  }
+  check_cells(shape.surface(), sites);
+}
+
 TEST(RestrictedVoronoi, GivesAFaceTooFarForSquaresOfDistancesToASite) {
   const Shape far{"Far", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e155, 0, 0}}, {{0, 1, 2}, {0, 1, 3}}};
   check_cells(far.surface(), at_points({{0.1, 0.1, 0}, {0.5, 0.2, 0}, {0.2, 0.5, 0}}));
