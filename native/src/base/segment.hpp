@@ -2,16 +2,16 @@
 #pragma once
 
 #include <algorithm>
-#include <dapple/types.hpp>
 
 namespace dapple {
 
-/// Of the segment p q from the origin.
-/// \pre the points are not the same
-template <typename Point>
-[[nodiscard]] double distance_to_segment(const Point& p, const Point& q) {
-  const Point d = q - p;
-  return (p + std::clamp(-p.dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm();
+/// Squared, of the segment from p to p + along from the origin.
+/// \param p, along vectors of any kind that have dot()
+/// \pre along is not 0
+template <typename Vector>
+[[nodiscard]] double squared_distance_to_segment(const Vector& p, const Vector& along) {
+  const Vector nearest = p + std::clamp(-p.dot(along) / along.dot(along), 0.0, 1.0) * along;
+  return nearest.dot(nearest);
 }
 
 }  // namespace dapple

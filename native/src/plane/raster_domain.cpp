@@ -65,8 +65,9 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
     const SiteGraph::Link& link = links[static_cast<std::size_t>(corner.edge)];
     const Vec2 flux = edge.flux / link.offset.norm();
     const Vec2& end = cell.corners[k + 1 < cell.corners.size() ? k + 1 : 0].x;
+    const Vec2 along = end - corner.x;
     out.push_back({link.site, Vec3(flux.x(), flux.y(), 0.0), link.offset, edge.length,
-                   2.0 * distance_to_segment(corner.x, end)});
+                   2.0 * std::sqrt(squared_distance_to_segment(corner.x, along))});
   }
 }
 

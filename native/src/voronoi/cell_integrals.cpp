@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/segment.hpp"
 #include "base/triple.hpp"
 #include "surface/integrate.hpp"
 #include "surface/ordered_surface.hpp"
@@ -19,12 +20,6 @@ Triple centroid_of(const Surface& surface, OrderedFace face, const Triple& from)
                      (Triple(surface.ordered().vertex(b)) - from) +
                      (Triple(surface.ordered().vertex(c)) - from);
   return {sum.x / 3.0, sum.y / 3.0, sum.z / 3.0};
-}
-
-/// Squared, of the segment from p to p + d from the origin.
-double squared_distance_to_segment(const Triple& p, const Triple& d) {
-  const double along = std::clamp(-p.dot(d) / d.squared_norm(), 0.0, 1.0);
-  return (p + along * d).squared_norm();
 }
 
 }  // namespace
