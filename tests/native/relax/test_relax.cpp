@@ -8,6 +8,7 @@
 #include <dapple/sampler.hpp>
 #include <iostream>
 #include <map>
+#include <numeric>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -212,6 +213,29 @@ TEST(Relax, GivesTheCount) {
   const Indices faces = {before.faces[0], before.faces[1]};
   for (const std::size_t count : {990u, 1000u, 1001u, 1020u})
     EXPECT_EQ(relax(surface, before, faces, {.count = count}).size(), count);
+}
+
+/// What goes is thinned out in several rounds, each of which rounds.
+TEST(Relax, GivesTheCountWhereADensityChangesOnRandomMeshes) {
+  constexpr int kMeshes = 300;
+  Random random(1);
+  int refused = 0;  // too few samples are free to go
+  for (int k = 0; k < kMeshes; ++k) {
+    const Shape shape = random_shape(random);
+    const Surface surface = shape.surface();
+    const Samples before = sample(surface, static_cast<std::size_t>(10 + random.below(50)));
+    const Surface after =
+        surface.with_density({DensityAt::kVertices, random.densities(shape.vertices.size())});
+    Indices half(surface.face_count() / 2);
+    std::iota(half.begin(), half.end(), 0);
+    const std::size_t count = before.size() - static_cast<std::size_t>(random.below(9));
+    try {
+      EXPECT_EQ(relax(after, before, half, {.count = count}).size(), count) << "mesh " << k;
+    } catch (const ArgumentError&) {
+      ++refused;
+    }
+  }
+  EXPECT_LT(refused, kMeshes / 4);
 }
 
 /// With another count than fits the region grows, until its border is even.
