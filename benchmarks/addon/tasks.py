@@ -10,7 +10,6 @@ import importlib
 import json
 import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Generator
 from dataclasses import asdict, dataclass
@@ -152,16 +151,8 @@ def bake(hand: Any) -> Story:
 
 def reuse(hand: Any) -> Story:
     """Dragged from the Asset Browser, in which one file is the library, onto a sphere."""
-    folder = Path(tempfile.mkdtemp())
     yield from on_ground()
-    bpy.ops.dapple.mark_asset()
-    for _ in range(200):  # Blender draws its picture meanwhile, and must not lose the file
-        yield
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
-    bpy.ops.preferences.asset_library_add(directory=str(folder))
-    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
-    yield
-    yield
+    yield from hand_of.asset_library()
     bpy.ops.mesh.primitive_uv_sphere_add(radius=2.0)
     yield from shown(bpy.context.object)
     yield READY

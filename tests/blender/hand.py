@@ -7,6 +7,7 @@ until the wanted one is found.
 """
 
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Generator
 from pathlib import Path
@@ -191,6 +192,19 @@ def toolbar() -> bpy.types.Region:
 
 def viewport() -> bpy.types.Region:
     return part_of(view(), "WINDOW")
+
+
+def asset_library() -> Story:
+    """The current scatter, marked as an asset, is the library; a new file is open then."""
+    assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
+    for _ in range(200):  # Blender draws its picture meanwhile, and must not lose the file
+        yield
+    folder = Path(tempfile.mkdtemp())
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
+    bpy.ops.preferences.asset_library_add(directory=str(folder))
+    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
+    yield
+    yield
 
 
 def asset_browser() -> Story:

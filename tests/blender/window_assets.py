@@ -7,7 +7,6 @@ event loop has gone on. DAPPLE_SHOTS may name a folder for screenshots.
 
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 import bpy
@@ -26,7 +25,8 @@ RADIUS = 2.0
 
 def events():
     bpy.context.preferences.edit.use_global_undo = True
-    yield from library_with_an_asset()
+    scenes.scattered(scenes.sphere(), count=90)
+    yield from hand_of.asset_library()
     bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=RADIUS)
     view = bpy.context.temp_override(
         window=hand_of.window(), area=hand_of.view(), region=hand_of.viewport()
@@ -40,20 +40,6 @@ def events():
         yield from hand_of.shot(Path(SHOTS) / "assets-dropped.png")
     away = np.linalg.norm(scenes.positions(dropped()), axis=1)
     assert np.abs(away - RADIUS).max() < 0.01 * RADIUS
-
-
-def library_with_an_asset():
-    """All assets that there are; a new file is open then."""
-    folder = Path(tempfile.mkdtemp())
-    scenes.scattered(scenes.sphere(), count=90)
-    assert bpy.ops.dapple.mark_asset() == {"FINISHED"}
-    for _ in range(100):  # Blender draws its picture meanwhile, and must not lose the file
-        yield
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "library.blend"), copy=True)
-    bpy.ops.preferences.asset_library_add(directory=str(folder))
-    bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
-    yield
-    yield
 
 
 def placed():
