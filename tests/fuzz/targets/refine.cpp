@@ -65,7 +65,7 @@ Refined take_refined(Bytes& bytes, const Surface& surface) {
 /// The same faces in the same place, cut into smaller ones.
 void expect_refined(const Refined& refined) {
   const Surface& fine = refined.surface;
-  const double rounding = 1e-9 * refined.original.area();
+  const double rounding = 1e-9 * refined.original.area() + area_rounding(refined.original);
   EXPECT_NEAR(fine.area(), refined.original.area(), rounding);
   ASSERT_EQ(refined.parents.size(), fine.face_count());
   ASSERT_EQ(refined.barycentric.size(), fine.face_count());
