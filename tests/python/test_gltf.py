@@ -264,6 +264,7 @@ def test_broken_files_are_named(tmp_path, content):
         (("nodes", 0), 5),
         (("nodes", 0, "extensions"), 5),
         (("nodes", 0, "extensions", EXTENSION), "x"),
+        (("nodes", 0, "extensions", EXTENSION, "attributes"), {}),
         (("buffers", 0), 5),
     ],
 )

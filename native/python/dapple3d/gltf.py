@@ -477,6 +477,8 @@ def _is_first(node: dict[str, Any]) -> bool:
 def _read_node(document: _Document, node: dict[str, Any], number: int) -> dict[str, NDArray]:
     attributes = node["extensions"][EXTENSION]["attributes"]
     found = {name: document.array(accessor) for name, accessor in attributes.items()}
+    if not found:
+        raise ValueError(f"{EXTENSION} of instances {number} has no attributes")
     count = len(next(iter(found.values())))
     turns = found.get("ROTATION", np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
     arrays = {
