@@ -209,6 +209,33 @@ def test_a_field_that_is_no_grid_is_refused():
         HeightField(np.zeros((5, 5)), density=np.ones((4, 5)))
     with pytest.raises(ValueError, match="step is"):
         HeightField(np.zeros((5, 5)), step=(1.0, 0.0))
+    with pytest.raises(ValueError, match="origin is"):
+        HeightField(np.zeros((5, 5)), origin=(np.nan, 0.0))
+    with pytest.raises(ValueError, match="heights holds complex128: real numbers are needed"):
+        HeightField(np.zeros((5, 5), complex))
+    with pytest.raises(ValueError, match="density holds str32: real numbers are needed"):
+        HeightField(np.zeros((5, 5)), density=np.full((5, 5), "a"))
+
+
+@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf])
+def test_a_density_that_cannot_be_is_named_by_its_row_and_column(tmp_path, value):
+    density = np.ones((100, 100))
+    density[70, 80] = value
+    wrong = rf"density\[70, 80\] is {value:g}: it must be finite and >= 0"
+    with pytest.raises(ValueError, match=wrong):
+        sample_tiles(hills(density=density), tmp_path, 8_000, tile=TILE)
+
+
+def test_a_tile_that_cannot_be_solved_is_named_by_its_file(tmp_path):
+    needles = HeightField(hills().heights, step=(1e-30, 1e-30))
+    with pytest.raises(ValueError, match=r"^tile-0000-0000: faces have no area"):
+        sample_tiles(needles, tmp_path, 8_000, tile=TILE)
+
+
+def test_a_count_that_is_not_whole_is_refused(tmp_path):
+    for count in (8_000.5, "8000", None):
+        with pytest.raises(TypeError, match=r"count is .*: a whole number is needed"):
+            sample_tiles(hills(), tmp_path, count, tile=TILE)
 
 
 def test_a_surface_without_density_is_refused(tmp_path):

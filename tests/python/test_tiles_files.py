@@ -45,6 +45,12 @@ def test_heights_of_npy_are_those_of_the_array(tmp_path):
     assert same(found, HeightField(HEIGHTS, (0.5, 2.0), density=WEIGHTS))
 
 
+def test_heights_that_are_no_real_numbers_are_refused(tmp_path):
+    np.save(tmp_path / "heights.npy", np.zeros((9, 9), complex))
+    with pytest.raises(ValueError, match=r"heights\.npy: holds complex128: real numbers"):
+        open_surface(tmp_path / "heights.npy", tmp_path / "work")
+
+
 def test_heights_of_zarr_are_those_of_the_array(tmp_path):
     zarr = pytest.importorskip("zarr")
     zarr.save_array(tmp_path / "hills.zarr", HEIGHTS)

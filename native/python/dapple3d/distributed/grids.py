@@ -30,6 +30,11 @@ class StoredGrid:
         """Rows and columns."""
         return tuple(self._open().shape)
 
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """What is stored."""
+        return np.dtype(self._open().dtype)
+
     def __getitem__(self, key: tuple[slice, slice]) -> Floats:
         return np.asarray(self._open()[key], np.float64)
 
@@ -44,6 +49,8 @@ class _Raster:
     def __init__(self, path: Path) -> None:
         self.file = _rasterio().open(path)
         self.shape = self.file.shape
+        # GDAL has complex numbers that NumPy has none of.
+        self.dtype = complex if "complex" in self.file.dtypes[0] else self.file.dtypes[0]
 
     def __getitem__(self, key: tuple[slice, slice]) -> Floats:
         window = ((key[0].start, key[0].stop), (key[1].start, key[1].stop))
@@ -66,6 +73,8 @@ def open_grid(path: Path, name: str = "") -> StoredGrid:
         raise ValueError(f"{path}: could not be read: {error}") from error
     if len(shape) != 2:
         raise ValueError(f"{path}: has the shape {shape}: (rows, columns) is needed")
+    if grid.dtype.kind not in "biuf":
+        raise ValueError(f"{path}: holds {grid.dtype.name}: real numbers are needed")
     return grid
 
 

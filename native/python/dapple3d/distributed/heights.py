@@ -45,8 +45,13 @@ class HeightField:
             raise ValueError(f"heights has the shape {shape}: (rows, columns) of 2 at least")
         if self.density is not None and tuple(self.density.shape) != shape:
             raise ValueError(f"density has the shape {self.density.shape}, but heights {shape}")
-        if not all(math.isfinite(s) and s != 0.0 for s in self.step):
+        _check_real("heights", self.heights)
+        if self.density is not None:
+            _check_real("density", self.density)
+        if len(self.step) != 2 or not all(math.isfinite(s) and s != 0.0 for s in self.step):
             raise ValueError(f"step is {self.step}: two finite numbers that are not 0 are needed")
+        if len(self.origin) != 2 or not all(map(math.isfinite, self.origin)):
+            raise ValueError(f"origin is {self.origin}: two finite numbers are needed")
 
     @property
     def face_count(self) -> int:
@@ -71,14 +76,15 @@ class HeightField:
         x = self.origin[0] + np.arange(c.start, c.stop) * self.step[0]
         y = self.origin[1] + np.arange(r.start, r.stop) * self.step[1]
         places = np.broadcast_arrays(x[None, :], y[:, None], heights)
+        there = np.isfinite(heights)
         faces = _grid_faces(*heights.shape, turned=self.step[0] * self.step[1] < 0.0)
         patch = Patch(
             np.stack([p.ravel() for p in places], axis=1),
             faces,
             self._ids(r, c),
-            self._density(r, c),
+            self._density(r, c, there),
         )
-        return patch.only(np.isfinite(heights.ravel())[faces].all(axis=1))
+        return patch.only(there.ravel()[faces].all(axis=1))
 
     def _nodes(self, axis: int, side: int, border: tuple[float, float]) -> slice:
         """Rows or columns of heights that reach over both borders."""
@@ -94,10 +100,19 @@ class HeightField:
         cells = (cells + np.arange(c.start, c.stop - 1)).ravel()
         return (2 * cells[:, None] + np.arange(2)).ravel().astype(np.int64)
 
-    def _density(self, r: slice, c: slice) -> Floats | None:
+    def _density(self, r: slice, c: slice, there: NDArray[np.bool_]) -> Floats | None:
+        """Where there are heights it is checked."""
         if self.density is None:
             return None
-        return np.asarray(self.density[r, c], np.float64).ravel()
+        density = np.asarray(self.density[r, c], np.float64)
+        wrong = np.argwhere(there & ~(np.isfinite(density) & (density >= 0.0)))
+        if len(wrong):
+            row, column = wrong[0]
+            raise ValueError(
+                f"density[{r.start + row}, {c.start + column}] is {density[row, column]:g}: it "
+                "must be finite and >= 0"
+            )
+        return density.ravel()
 
     def describe(self) -> dict[str, Any]:
         """What tells it from another terrain."""
@@ -109,6 +124,13 @@ class HeightField:
             "origin": [float(o) for o in self.origin],
             "density": self.density is not None,
         }
+
+
+def _check_real(name: str, grid: Grid) -> None:
+    """A grid that does not say what it holds is taken for one of numbers."""
+    kind = np.dtype(getattr(grid, "dtype", np.float64))
+    if kind.kind not in "biuf":
+        raise ValueError(f"{name} holds {kind.name}: real numbers are needed")
 
 
 def _grid_faces(rows: int, columns: int, *, turned: bool) -> NDArray[np.int32]:

@@ -28,6 +28,11 @@ NARROWEST = 2.0 * (AROUND + LOCKED)  # a tile, so that the squares at its corner
 
 Kind = Literal["first", "across", "along", "corner", "tile"]
 KINDS: tuple[Kind, ...] = ("first", "across", "along", "corner", "tile")
+BESIDE: dict[Kind, str] = {  # the tile of a job, in messages
+    "across": "the seam to the column after",
+    "along": "the seam to the row after",
+    "corner": "the corner after",
+}
 INFINITE = float("inf")
 Span = tuple[float, float]
 
@@ -46,8 +51,14 @@ class Job(NamedTuple):
 
     @property
     def name(self) -> str:
-        """For files and messages."""
+        """For files and tasks."""
         return f"{self.kind}-{self.row:04d}-{self.column:04d}"
+
+    @property
+    def place(self) -> str:
+        """For messages: the tile by the name of its file."""
+        tile = self._replace(kind="tile").name
+        return f"{BESIDE[self.kind]} {tile}" if self.kind in BESIDE else tile
 
 
 @dataclass(frozen=True)

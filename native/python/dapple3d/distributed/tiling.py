@@ -3,6 +3,7 @@
 
 import os
 from collections.abc import Iterator, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,6 +94,10 @@ def _check_options(count: int, tile: int, options: dict[str, Any]) -> None:
     for name in options:
         if name not in known:
             raise TypeError(f"sample_tiles() takes no option '{name}': {', '.join(sorted(known))}")
+    numbers: dict[str, Any] = {"count": count, "tile": tile}
+    for name, number in numbers.items():
+        if not isinstance(number, Integral):
+            raise TypeError(f"{name} is {number!r}: a whole number is needed")
     if count < 1:
         raise ValueError(f"count is {count}: 1 at least is needed")
     if tile < SMALLEST:

@@ -24,14 +24,14 @@ class Workplace:
         """Have the result of a job in the folder; what it needs is there.
 
         Raises:
-            Cancelled, or ValueError that names the job.
+            Cancelled, or ValueError that names the tile.
         """
         if self.folder.has(job):
             return
         try:
             self.folder.write(job, self._result(job, context))
         except ValueError as error:
-            raise ValueError(f"{job.name}: {error}") from error
+            raise ValueError(f"{job.place}: {error}") from error
 
     def _result(self, job: Job, context: native.Context) -> Bound | TilePoints:
         layout = self.plan.layout
