@@ -223,6 +223,9 @@ def test_a_body_is_cut_into_tiles_too(tmp_path):
         ({"vertices": np.full((4, 3), np.nan)}, r"vertices\[0\] is not finite"),
         ({"faces": np.array([[0, 1, 2], [0, 1, 9]])}, r"faces\[1\] is \[0, 1, 9\]: there are 4"),
         ({"density": np.ones(5)}, "'density' has 5 numbers, but there are 4 vertices and 2 faces"),
+        ({"density": np.array([1.0, np.inf])}, r"density\[1\] is inf: it must be finite and >= 0"),
+        ({"density": np.array([1.0, 1, 1, -2])}, r"density\[3\] is -2: it must be finite and >= 0"),
+        ({"vertices": np.zeros((4, 3), complex)}, "'vertices' holds complex128: real numbers"),
         ({"faces": None}, "has no array 'faces', only vertices"),
     ],
 )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .heights import HeightField
-from .patches import Floats
+from .patches import Floats, check_real
 
 GRIDS = (".npy", ".zarr", ".tif", ".tiff", ".vrt")
 
@@ -49,7 +49,7 @@ class _Raster:
     def __init__(self, path: Path) -> None:
         self.file = _rasterio().open(path)
         self.shape = self.file.shape
-        # GDAL has complex numbers that NumPy has none of.
+        # GDAL has complex integers, which NumPy lacks.
         self.dtype = complex if "complex" in self.file.dtypes[0] else self.file.dtypes[0]
 
     def __getitem__(self, key: tuple[slice, slice]) -> Floats:
@@ -73,8 +73,7 @@ def open_grid(path: Path, name: str = "") -> StoredGrid:
         raise ValueError(f"{path}: could not be read: {error}") from error
     if len(shape) != 2:
         raise ValueError(f"{path}: has the shape {shape}: (rows, columns) is needed")
-    if grid.dtype.kind not in "biuf":
-        raise ValueError(f"{path}: holds {grid.dtype.name}: real numbers are needed")
+    check_real(f"{path}:", grid.dtype)
     return grid
 
 

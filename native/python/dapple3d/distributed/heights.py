@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .patches import Floats, Patch
+from .patches import Floats, Patch, check_density, check_real
 
 
 class Grid(Protocol):
@@ -45,9 +45,9 @@ class HeightField:
             raise ValueError(f"heights has the shape {shape}: (rows, columns) of 2 at least")
         if self.density is not None and tuple(self.density.shape) != shape:
             raise ValueError(f"density has the shape {self.density.shape}, but heights {shape}")
-        _check_real("heights", self.heights)
-        if self.density is not None:
-            _check_real("density", self.density)
+        for name, grid in (("heights", self.heights), ("density", self.density)):
+            if grid is not None:
+                check_real(name, getattr(grid, "dtype", np.float64))
         if len(self.step) != 2 or not all(math.isfinite(s) and s != 0.0 for s in self.step):
             raise ValueError(f"step is {self.step}: two finite numbers that are not 0 are needed")
         if len(self.origin) != 2 or not all(map(math.isfinite, self.origin)):
@@ -101,17 +101,15 @@ class HeightField:
         return (2 * cells[:, None] + np.arange(2)).ravel().astype(np.int64)
 
     def _density(self, r: slice, c: slice, there: NDArray[np.bool_]) -> Floats | None:
-        """Where there are heights it is checked."""
+        """Checked where there are heights.
+
+        Args:
+            there: of which heights.
+        """
         if self.density is None:
             return None
         density = np.asarray(self.density[r, c], np.float64)
-        wrong = np.argwhere(there & ~(np.isfinite(density) & (density >= 0.0)))
-        if len(wrong):
-            row, column = wrong[0]
-            raise ValueError(
-                f"density[{r.start + row}, {c.start + column}] is {density[row, column]:g}: it "
-                "must be finite and >= 0"
-            )
+        check_density(density, (r.start, c.start), there)
         return density.ravel()
 
     def describe(self) -> dict[str, Any]:
@@ -124,13 +122,6 @@ class HeightField:
             "origin": [float(o) for o in self.origin],
             "density": self.density is not None,
         }
-
-
-def _check_real(name: str, grid: Grid) -> None:
-    """A grid that does not say what it holds is taken for one of numbers."""
-    kind = np.dtype(getattr(grid, "dtype", np.float64))
-    if kind.kind not in "biuf":
-        raise ValueError(f"{name} holds {kind.name}: real numbers are needed")
 
 
 def _grid_faces(rows: int, columns: int, *, turned: bool) -> NDArray[np.int32]:

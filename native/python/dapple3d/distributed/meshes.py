@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..reading import BROKEN
-from .patches import Floats, Patch, Place
+from .patches import Floats, Patch, Place, check_density
 from .streams import Column, Stream, open_stream
 
 BUCKET = 20_000  # faces: what is read at once
@@ -133,7 +133,7 @@ def _sort(name: str, mesh: Stream, folder: Path) -> None:
     at = None
     if mesh.density:
         at = _place_of(mesh)
-        _stored(mesh.density, folder / "density.npy", np.float64, 0)
+        check_density(_stored(mesh.density, folder / "density.npy", np.float64, 0))
     buckets = _stored(_bucketed(mesh.faces, vertices, axes, bounds, shape),
                       folder / "buckets.npy", np.int32, 0)  # fmt: skip
     _place(mesh.faces, buckets, shape[0] * shape[1], folder)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 Place = Literal["vertices", "faces"]
 Floats = NDArray[np.float64]
@@ -120,6 +120,35 @@ class Tileable(Protocol):
 
     def describe(self) -> dict[str, Any]:
         """What tells it from another surface, for JSON."""
+
+
+def check_real(name: str, kind: DTypeLike) -> None:
+    """What an array holds.
+
+    Raises:
+        ValueError: no real numbers.
+    """
+    kind = np.dtype(kind)
+    if kind.kind not in "biuf":
+        raise ValueError(f"{name} holds {kind.name}: real numbers are needed")
+
+
+def check_density(
+    values: NDArray, first: tuple[int, ...] = (0,), counted: NDArray[np.bool_] | bool = True
+) -> None:
+    """A part of a density that begins at an index.
+
+    Args:
+        counted: those that are looked at.
+
+    Raises:
+        ValueError: naming the first that is not finite or below 0 by its index in the whole.
+    """
+    wrong = np.argwhere(counted & ~(np.isfinite(values) & (values >= 0.0)))
+    if len(wrong):
+        index = ", ".join(str(a + b) for a, b in zip(first, wrong[0], strict=True))
+        value = values[tuple(wrong[0])]
+        raise ValueError(f"density[{index}] is {value:g}: it must be finite and >= 0")
 
 
 def middles(patch: Patch, axis: int) -> Floats:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _native as native
 from ..reading import check_archive, entry_header, npy_header
+from .patches import check_real
 
 ROWS = 1 << 19  # of a chunk
 # PLY's names of types, old and new, as numpy has them.
@@ -79,7 +80,8 @@ def _open_npz(path: Path) -> Stream:
 
 def _npz_column(path: Path, name: str, dimensions: int) -> Column:
     with zipfile.ZipFile(path) as archive:
-        shape, fortran, _ = entry_header(archive, f"{name}.npy")
+        shape, fortran, kind = entry_header(archive, f"{name}.npy")
+    check_real(f"'{name}'", kind)
     wanted = (shape[0], 3)[:dimensions] if shape else None
     if shape != wanted or fortran:
         raise ValueError(
