@@ -10,6 +10,15 @@ import bpy
 _PATIENCE = 120.0  # seconds after which an update must have come to its end
 
 
+def long(obj):
+    """Settings with which it takes far longer than a test."""
+    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
+
+
+def short(obj, count=80):
+    obj.dapple.count, obj.dapple.max_evaluations = count, 30
+
+
 class Clock:
     """Time that goes on when it is told to."""
 

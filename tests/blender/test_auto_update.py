@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from contents import reason
+from following import long, short
 
 
 @pytest.fixture
@@ -163,11 +164,11 @@ def test_a_painted_picture_is_followed(live, obj):
 def test_a_change_meanwhile_begins_again_and_the_old_points_stay(live, obj):
     live.settle()
     before = scenes.positions(obj)
-    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
+    long(obj)
     assert live.begin()
     assert live.watcher.progress(obj) is not None
     assert np.array_equal(scenes.positions(obj), before)
-    obj.dapple.max_evaluations, obj.dapple.count = 30, 80
+    short(obj)
     assert live.watcher._state.job is None
     followed(live, obj)
     assert len(scenes.positions(obj)) == 80
@@ -176,7 +177,7 @@ def test_a_change_meanwhile_begins_again_and_the_old_points_stay(live, obj):
 def test_cancel_leaves_the_points_and_says_that_they_are_out_of_date(live, obj):
     live.settle()
     assert not bpy.ops.dapple.cancel_update.poll()
-    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
+    long(obj)
     assert live.begin()
     assert bpy.ops.dapple.cancel_update() == {"FINISHED"}
     assert live.settle() == 0
@@ -269,7 +270,7 @@ def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterwards(
     live, obj, interruption, monkeypatch
 ):
     live.settle()
-    obj.dapple.count = 70
+    short(obj, 20_000)
     assert live.begin()
     if interruption == "render":
         live.watcher._render_begins()
@@ -333,7 +334,7 @@ def test_a_trouble_is_said_until_it_is_gone(live, obj):
 
 def test_a_scatter_that_is_removed_meanwhile_is_forgotten(live, obj):
     live.settle()
-    obj.dapple.count = 70
+    long(obj)
     assert live.begin()
     bpy.data.objects.remove(obj)
     assert live.settle() == 0

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scenes
 from contents import reason
+from following import long, short
 
 
 @pytest.fixture
@@ -16,15 +17,6 @@ def obj():
     made = scenes.scattered(scenes.sphere(), count=60)
     made.dapple.auto_update_choice = "OFF"
     return made
-
-
-def long(obj):
-    """Settings with which it takes far longer than a test."""
-    obj.dapple.count, obj.dapple.tolerance, obj.dapple.max_evaluations = 20_000, 1e-9, 100_000
-
-
-def short(obj, count=80):
-    obj.dapple.count, obj.dapple.max_evaluations = count, 30
 
 
 def test_it_is_what_a_script_gets(live, obj):
@@ -152,7 +144,7 @@ def test_an_error_is_said_and_the_scene_stays(live, obj):
 @pytest.mark.parametrize("begun", [True, False])
 def test_a_scatter_or_file_that_is_gone_is_forgotten(live, obj, begun):
     live.settle()
-    short(obj)
+    long(obj)
     live.watcher.ask(obj)
     if begun:
         assert live.begin()
