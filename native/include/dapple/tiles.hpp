@@ -13,7 +13,7 @@ namespace dapple {
 /// to the grout, which adds parts; a cell that it fills has no part at all.
 struct Tile {
   double cell_area = 0.0;  ///< of the cell
-  double area = 0.0;  ///< of what the grout leaves of it, where vertices are welded as the tile is
+  double area = 0.0;       ///< of what the grout leaves of it, its vertices being welded
   std::int32_t parts = 0;  ///< pieces connected over edges
   std::int32_t loops = 0;  ///< closed borders, over all parts
 };
