@@ -59,11 +59,16 @@ def kept(
     """The points relaxed where something has changed.
 
     They may be more or fewer than the exact count asks for: see is_whole. They are not measured.
+
+    Raises:
+        ScatterError: more points are locked than there shall be.
     """
     arrays = _cut_alike(before.solved, arrays)
     with named(arrays.name):
         like = before.solved.ground if before.solved else None
         ground = Ground(arrays, settings, context, like)
+        if locked is not None:
+            locked.of_classes([_wanted(ground, settings)])  # an error if they are more
         given, changed = _given(before, arrays, ground)
         touched = _touched(before, arrays, ground)
         if len(touched) and not len(changed):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shapes import torus
 
+from addon.core.errors import ScatterError
 from addon.core.keep import Before, as_placed, evened, is_whole, keeps, kept, measured
 from addon.core.locked import Locked
 from addon.core.records import Binding
@@ -204,6 +205,31 @@ def test_locked_points_stay() -> None:
         assert there.sum() == len(ids)
         alike = same(solved, found)[1]
         assert alike[np.isin(solved.columns["id"][rows_of(solved, found)[0]], ids)].all()
+
+
+def all_locked(solved: Scattered) -> Locked:
+    count = solved.report.count
+    return Locked(solved.positions, solved.columns["id"], np.zeros(count, np.int32))
+
+
+def test_others_come_between_points_that_are_all_locked() -> None:
+    surface, settings = arrays(), Settings(count=200)
+    solved = scatter(surface, settings, dapple.Context())
+    more = replace(settings, count=500)
+    found = updated(solved, surface, more, locked=all_locked(solved))
+    assert found.report.count == 500
+    old, alike = rows_of(solved, found)[0], same(solved, found)[1]
+    assert len(old) == 200
+    assert alike.all()
+    assert found.report.alpha_min > 0.4
+
+
+@pytest.mark.parametrize("settings", [Settings(count=99), Settings(per_area=1.0)])
+def test_more_locked_points_than_there_shall_be_are_said(settings) -> None:
+    surface = arrays()
+    solved = scatter(surface, Settings(count=100), dapple.Context())
+    with pytest.raises(ScatterError, match=r"100 points are locked, the count is \d+: increase"):
+        updated(solved, surface, settings, locked=all_locked(solved))
 
 
 def test_nothing_changed_changes_nothing() -> None:

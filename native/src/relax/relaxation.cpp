@@ -36,7 +36,7 @@ void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diag
                   double capacity) {
   double sum = 0.0;
   for (std::size_t k = 0; k < members.size(); ++k)
-    if (!members[k].fixed) sum += diagram.cells[k].capacity;
+    if (members[k].open) sum += diagram.cells[k].capacity;
   if (!(sum <= capacity * static_cast<double>(kMostSamples)))
     throw ArgumentError("what has changed asks for " + number(sum / capacity) +
                         " samples to be as dense as around it: at most " +
@@ -50,6 +50,7 @@ struct Relaxation::Region {
   struct Member {
     std::int32_t site;
     bool fixed;
+    bool open;      // others may come into its cell, even if it is locked
     bool measured;  // it may move, or is beside one that may
   };
 
@@ -65,10 +66,21 @@ struct Relaxation::Region {
     sites.barycentric.push_back(from.barycentric[k]);
   }
 
-  [[nodiscard]] std::vector<bool> which(bool fixed) const {
+  [[nodiscard]] std::vector<bool> fixed() const {
+    return which([](const Member& member) { return member.fixed; });
+  }
+  [[nodiscard]] std::vector<bool> free() const {
+    return which([](const Member& member) { return !member.fixed; });
+  }
+  [[nodiscard]] std::vector<bool> open() const {
+    return which([](const Member& member) { return member.open; });
+  }
+
+ private:
+  [[nodiscard]] std::vector<bool> which(const auto& is) const {
     std::vector<bool> result;
     result.reserve(members.size());
-    for (const Member& member : members) result.push_back(member.fixed == fixed);
+    for (const Member& member : members) result.push_back(is(member));
     return result;
   }
 };
@@ -131,8 +143,10 @@ Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Co
     const std::int32_t face = region.part.inside(sites_.faces[s]);
     if (face < 0 || !alive_[s]) continue;
     const auto site = static_cast<std::int32_t>(s);
-    const bool measured = s >= given_ || std::binary_search(border_.begin(), border_.end(), site);
-    region.add({site, !free_[s], measured}, sites_, s, face);
+    const auto is_in = [&](const Indices& sites) {
+      return s >= given_ || std::binary_search(sites.begin(), sites.end(), site);
+    };
+    region.add({site, !free_[s], is_in(region_), is_in(border_)}, sites_, s, face);
   }
   return region;
 }
@@ -150,12 +164,24 @@ void Relaxation::balance(Region& region, Context* context) {
   const double wanted = wanted_capacity(region, diagram);
   if (wanted == 0.0) return;
   check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
+  const std::size_t beside_locked = lacking_beside_locked(region, diagram, wanted);
   Thinned found = thin_out(region.part.surface(), domain, region.sites,
-                           {region.which(/*fixed=*/false), wanted, std::move(diagram)}, context);
+                           {region.free(), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
+  found.lacking += beside_locked;
   if (options_.count) keep_to_count(*options_.count, region, found);
   take_out(found.stay, region);
   if (found.lacking > 0) put_in(found.lacking, wanted / domain.density_unit(), region, context);
+}
+
+/// How many more the cells of locked sites have room for.
+std::size_t Relaxation::lacking_beside_locked(const Region& region,
+                                              const RestrictedVoronoi& diagram, double capacity) {
+  double room = 0.0;
+  for (std::size_t k = 0; k < region.members.size(); ++k)
+    if (region.members[k].open && region.members[k].fixed)
+      room += diagram.cells[k].capacity / capacity - 1.0;
+  return static_cast<std::size_t>(std::llround(std::max(room, 0.0)));
 }
 
 /// What is thinned out in several rounds can miss the count by the rounding of each: the smallest
@@ -182,8 +208,9 @@ void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned&
 double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi& diagram) const {
   double sum = 0.0, count = 0.0;
   for (std::size_t k = 0; k < region.members.size(); ++k) {
-    const auto& [site, fixed, measured] = region.members[k];
-    if (!measured || std::binary_search(owners_.begin(), owners_.end(), site)) continue;
+    const Region::Member& member = region.members[k];
+    if (!member.measured || std::binary_search(owners_.begin(), owners_.end(), member.site))
+      continue;
     sum += diagram.cells[k].capacity;
     ++count;
   }
@@ -207,25 +234,30 @@ double Relaxation::capacity_elsewhere() const {
                                           : surface_.mass() / static_cast<double>(given_);
 }
 
-/// Of each of the sites that may move, so that there become as many as are wanted; 0: they are as
-/// many.
+/// Of each of the sites where samples come and go, so that there become as many as are wanted; 0:
+/// they are as many.
 double Relaxation::wanted_capacity(const Region& region, const RestrictedVoronoi& diagram) const {
   if (!options_.count) return capacity_;
   double sum = 0.0;
-  std::int64_t free = 0;
+  std::int64_t open = 0, free = 0;
   for (std::size_t k = 0; k < region.members.size(); ++k) {
-    if (region.members[k].fixed) continue;
+    if (!region.members[k].open) continue;
     sum += diagram.cells[k].capacity;
-    ++free;
+    ++open;
+    free += region.members[k].fixed ? 0 : 1;
   }
-  const auto more = static_cast<std::int64_t>(*options_.count) - static_cast<std::int64_t>(given_);
+  const auto given = static_cast<std::int64_t>(given_);
+  const std::int64_t more = static_cast<std::int64_t>(*options_.count) - given;
   if (more == 0) return 0.0;
-  if (free == 0 || free + more < 1 || !(sum > 0.0))
+  const auto refuse = [&](std::int64_t some, const char* why) {
     throw ArgumentError("count is " + std::to_string(*options_.count) + " and there are " +
-                        std::to_string(given_) + " samples, " + std::to_string(free) +
-                        " of which are where something has changed and may go: one of these has "
-                        "to stay");
-  return sum / static_cast<double>(free + more);
+                        std::to_string(given) + " samples, " + std::to_string(some) + why);
+  };
+  if (free + more < 0)
+    refuse(given - free, " of which stay: they are locked, or nothing has changed around them");
+  if (open + more < 1 || !(sum > 0.0))
+    refuse(free, " of which are where something has changed and may go: one of these has to stay");
+  return sum / static_cast<double>(open + more);
 }
 
 void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) {
@@ -242,15 +274,15 @@ void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) 
 /// \param capacity that each is to have, in the surface's own unit
 void Relaxation::put_in(std::size_t count, double capacity, Region& region,
                         const Context* context) {
-  const Sites fresh =
-      widest_gaps(region.part.surface(), {region.sites, region.which(/*fixed=*/false), capacity},
-                  count, options_.seed, context);
+  const Sites fresh = widest_gaps(region.part.surface(), {region.sites, region.open(), capacity},
+                                  count, options_.seed, context);
   if (options_.count && fresh.size() < count)
     throw ArgumentError("count is " + std::to_string(*options_.count) + ", but where samples may " +
                         "go there are places for " + std::to_string(fresh.size()) + " of " +
                         std::to_string(count) + " new ones only");
   for (std::size_t k = 0; k < fresh.size(); ++k) {
-    region.add({static_cast<std::int32_t>(sites_.size()), false, true}, fresh, k, fresh.faces[k]);
+    region.add({static_cast<std::int32_t>(sites_.size()), false, true, true}, fresh, k,
+               fresh.faces[k]);
     sites_.positions.push_back(fresh.positions[k]);
     sites_.faces.push_back(region.part.outside(fresh.faces[k]));
     sites_.barycentric.push_back(fresh.barycentric[k]);
@@ -270,7 +302,7 @@ Relaxation::Indices Relaxation::even_out(const Region& region, Context* context)
                             .terms = {{.domain = &share,
                                        .repulsion_radius = optimizer.repulsion_radius,
                                        .repulsion_weight = optimizer.repulsion_weight}},
-                            .locked = region.which(/*fixed=*/true)};
+                            .locked = region.fixed()};
   const Minimum found = minimize(objective, region.sites, optimizer, context);
   store(region, found.state.sites);
   note(region, found);

@@ -47,6 +47,9 @@ class Relaxation {
   [[nodiscard]] double capacity_elsewhere() const;
   [[nodiscard]] double wanted_capacity(const Region& region,
                                        const RestrictedVoronoi& diagram) const;
+  [[nodiscard]] static std::size_t lacking_beside_locked(const Region& region,
+                                                         const RestrictedVoronoi& diagram,
+                                                         double capacity);
   void keep_to_count(std::size_t count, const Region& region, Thinned& found);
   void take_out(const std::vector<std::size_t>& stay, Region& region);
   void put_in(std::size_t count, double capacity, Region& region, const Context* context);

@@ -36,7 +36,7 @@ std::vector<Vec3> positions_of(const std::vector<Place>& places) {
   return result;
 }
 
-/// Random points in the cells of free sites.
+/// Random points in the cells of open sites.
 std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::size_t draws,
                                std::uint64_t seed, const Context* context) {
   Random random(seed);
@@ -62,7 +62,7 @@ std::vector<Place> draw_places(const Surface& surface, const Gaps& gaps, std::si
       const auto first = std::find_if(near.begin(), near.end(), sees);
       // If it sees none of them, those that it sees are farther.
       const Neighbor& nearest = first != near.end() ? *first : near.back();
-      if (gaps.free[static_cast<std::size_t>(nearest.index)])
+      if (gaps.open[static_cast<std::size_t>(nearest.index)])
         distances[k] = nearest.squared_distance;
     }
   });
@@ -124,11 +124,11 @@ class Filling {
 Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, std::uint64_t seed,
                   const Context* context) {
   Sites result;
-  if (std::none_of(gaps.free.begin(), gaps.free.end(), [](bool free) { return free; }))
+  if (std::none_of(gaps.open.begin(), gaps.open.end(), [](bool open) { return open; }))
     return result;
   auto draws = static_cast<std::size_t>(std::ceil(kDraws * surface.mass() / gaps.capacity));
   std::vector<Place> places = draw_places(surface, gaps, draws, seed, context);
-  // The cells of free sites may be a small part of the surface.
+  // The cells of open sites may be a small part of the surface.
   while (places.size() < count && kMore * draws <= kMost)
     places = draw_places(surface, gaps, draws *= kMore, seed, context);
   if (places.empty()) return result;

@@ -9,13 +9,13 @@ namespace dapple {
 /// What new sites are put among.
 struct Gaps {
   Sites sites;             ///< that are there, at least one, with barycentric coordinates
-  std::vector<bool> free;  ///< per site: whether there may be new ones in its cell
+  std::vector<bool> open;  ///< per site: whether there may be new ones in its cell
   double capacity = 0.0;   ///< of a site, in the surface's own unit: > 0
 };
 
 /// Places for new sites: each in the widest gap that those before it leave, in spacings at the
 /// place, so that they fill a void evenly (farthest point strategy, Eldar et al. 1997). They are
-/// chosen among random points; fewer than `count` if no more lie in cells of free sites.
+/// chosen among random points; fewer than `count` if no more lie in cells of open sites.
 /// \throw Cancelled
 [[nodiscard]] Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count,
                                 std::uint64_t seed, const Context* context);

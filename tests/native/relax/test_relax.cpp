@@ -265,6 +265,53 @@ TEST(Relax, LockedSamplesStay) {
   EXPECT_EQ(there, locked.size());
 }
 
+/// The first so many samples.
+Indices first_ones(std::size_t count) {
+  Indices result(count);
+  std::iota(result.begin(), result.end(), 0);
+  return result;
+}
+
+TEST(Relax, GivesTheCountWhereAllOrAllButOneAreLocked) {
+  const Surface surface = blob(3).surface();
+  const Samples before = sample(surface, 80);
+  const Indices everything = first_ones(surface.face_count());
+  for (const std::size_t locked : {80u, 79u})
+    for (const std::size_t count : {79u, 81u, 100u, 320u}) {
+      if (count < locked) continue;
+      const RelaxOptions options{.count = count, .locked = first_ones(locked)};
+      const Samples relaxed = relax(surface, before, everything, options);
+      ASSERT_EQ(relaxed.size(), count) << locked << " are locked";
+      for (std::size_t k = 0; k < locked; ++k) EXPECT_TRUE(same_place(before, k, relaxed, k));
+    }
+}
+
+/// In proportion to the cells of the locked samples, and not all into the one that may move.
+TEST(Relax, PutsSamplesBetweenLockedOnes) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 100);
+  const Indices everything = first_ones(surface.face_count());
+  for (const std::size_t locked : {100u, 99u}) {
+    const RelaxOptions options{.count = 400, .locked = first_ones(locked)};
+    const Report report = relax(surface, before, everything, options).report;
+    EXPECT_GT(report.evenness.alpha_min, 0.4) << locked << " are locked";
+    EXPECT_LT(report.evenness.capacity_variation, 0.2) << locked << " are locked";
+  }
+}
+
+TEST(Relax, PutsSamplesBetweenLockedOnesWhereTheDensityRises) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 300);
+  const Surface after = surface.with_density(
+      {DensityAt::kVertices, ball_density(surface, before.positions[0], 0.8, 4.0)});
+  const auto count = [&](const Indices& locked) {
+    return relax(after, before, changed_faces(surface, after), {.locked = locked}).size();
+  };
+  const auto all = static_cast<double>(count(first_ones(300)));
+  EXPECT_GT(all, 330.0);
+  EXPECT_NEAR(all, static_cast<double>(count({})), 0.05 * all);
+}
+
 TEST(Relax, KeepsWhatSamplesCarry) {
   const Surface surface = blob(3).surface();
   Samples before = sample(surface, 200);
@@ -299,7 +346,13 @@ TEST(Relax, NamesWhatIsWrong) {
     expect_message<ArgumentError>([&] { (void)relax(surface, before, faces, options); }, parts);
   };
   refuses({.locked = {3, 20}}, {"locked[1] is 20", "0..19"});
-  refuses({.count = 1}, {"count is 1", "20 samples"});
+  refuses({.count = 1}, {"count is 1", "20 samples", " of which stay"});
+  expect_message<ArgumentError>(
+      [&] {
+        (void)relax(surface, before, first_ones(surface.face_count()),
+                    {.count = 9, .locked = first_ones(10)});
+      },
+      {"count is 9", "20 samples", "10 of which stay", "locked"});
   expect_message<ArgumentError>([&] { (void)relax(surface, before, Indices{1, -1}); },
                                 {"changed[1] is -1"});
   expect_message<ArgumentError>([&] { (void)relax(surface, before, {}, {.count = 21}); },

@@ -21,7 +21,7 @@ TEST(WidestGaps, FillTheEmptyHalfApart) {
     gaps.sites.positions.push_back(samples.positions[k]);
     gaps.sites.faces.push_back(samples.faces[k]);
     gaps.sites.barycentric.push_back(samples.barycentric[k]);
-    gaps.free.push_back(true);
+    gaps.open.push_back(true);
   }
   const std::size_t missing = 400 - gaps.sites.size();
   const Sites found = widest_gaps(surface, gaps, missing, 1, nullptr);
@@ -37,14 +37,14 @@ TEST(WidestGaps, FillTheEmptyHalfApart) {
   EXPECT_LT(elsewhere, 20) << "the last ones go where gaps are hardly wider";
 }
 
-TEST(WidestGaps, AreInCellsOfFreeSites) {
+TEST(WidestGaps, AreInOpenCells) {
   const Surface surface = icosphere(3).surface();
   const Samples samples = sample(surface, 60);
   Gaps gaps{{samples.positions, samples.faces, samples.barycentric},
             std::vector<bool>(60, false),
             surface.mass() / 60.0};
   EXPECT_EQ(widest_gaps(surface, gaps, 5, 1, nullptr).size(), 0u);
-  gaps.free[7] = true;
+  gaps.open[7] = true;
   const Sites found = widest_gaps(surface, gaps, 3, 1, nullptr);
   EXPECT_GT(found.size(), 0u);
   const Neighbors tree(samples.positions);
@@ -55,13 +55,13 @@ TEST(WidestGaps, AreInCellsOfFreeSites) {
   }
 }
 
-TEST(WidestGaps, AreAsManyAsAskedWhereFreeCellsAreASmallPart) {
+TEST(WidestGaps, AreAsManyAsAskedWhereOpenCellsAreASmallPart) {
   const Surface surface = icosphere(4).surface();
   const Samples samples = sample(surface, 400);
   Gaps gaps{{samples.positions, samples.faces, samples.barycentric},
             std::vector<bool>(400, false),
             surface.mass() / 400.0};
-  gaps.free[100] = true;
+  gaps.open[100] = true;
   EXPECT_EQ(widest_gaps(surface, gaps, 40, 1, nullptr).size(), 40u);
 }
 
