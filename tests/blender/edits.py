@@ -5,6 +5,7 @@ import bpy
 import scenes
 
 NAME = "Sphere Scatter"
+MORE_LOCKED = "are locked, the count is"
 
 
 def scatter():
@@ -96,9 +97,21 @@ def redo(_chance):
         bpy.ops.ed.redo()
 
 
-def optimize(_chance):
+def done(operator):
+    """Call an operator; whether it did not refuse because more points are locked than there can
+    be, which is for the artist to settle.
+    """
     scenes._activate(scatter())
-    assert bpy.ops.dapple.optimize("EXEC_DEFAULT", True) == {"FINISHED"}
+    try:
+        assert operator("EXEC_DEFAULT", True) == {"FINISHED"}
+    except RuntimeError as error:
+        assert MORE_LOCKED in str(error)
+        return False
+    return True
+
+
+def optimize(_chance):
+    done(bpy.ops.dapple.optimize)
 
 
 def render(_chance):
@@ -133,8 +146,7 @@ def bake(chance):
     """And back to points that follow what is changed."""
     scenes._activate(scatter())
     bpy.context.scene.frame_end = 2
-    if bpy.ops.dapple.bake.poll():
-        assert bpy.ops.dapple.bake("EXEC_DEFAULT", True) == {"FINISHED"}
+    if bpy.ops.dapple.bake.poll() and done(bpy.ops.dapple.bake):
         frame(chance)
         assert bpy.ops.dapple.clear_bake("EXEC_DEFAULT", True) == {"FINISHED"}
 
