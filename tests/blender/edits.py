@@ -129,13 +129,7 @@ def classes(chance):
 
 def lock(chance):
     scenes._activate(scatter())
-    if chance.random() < 0.5:
-        assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
-    else:
-        scatter().data.attributes["dapple_locked"].data.foreach_set(
-            "value", [False] * len(scatter().data.vertices)
-        )
-        scatter().data.update()
+    assert bpy.ops.dapple.lock(lock=chance.random() < 0.5, every=True) == {"FINISHED"}
 
 
 def frame(chance):

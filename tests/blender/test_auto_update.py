@@ -332,6 +332,29 @@ def test_a_trouble_is_said_until_it_is_gone(live, obj):
     assert not live.watcher.trouble(obj)
 
 
+@pytest.mark.parametrize("reloaded", [False, True])
+def test_unlocking_is_followed_where_more_points_were_locked_than_there_shall_be(
+    live, obj, reloaded, tmp_path
+):
+    live.settle()
+    scenes._activate(obj)
+    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert live.settle() == 0
+    obj.dapple.count = 40
+    assert live.settle() == 0
+    assert "60 points are locked, the count is 40" in live.watcher.trouble(obj)
+    if reloaded:
+        path = str(tmp_path / "locked.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        obj = bpy.data.objects["Sphere Scatter"]
+        scenes._activate(obj)
+    assert bpy.ops.dapple.lock(lock=False, every=True) == {"FINISHED"}
+    followed(live, obj)
+    assert not live.watcher.trouble(obj)
+    assert len(obj.data.vertices) == 40
+
+
 def test_a_scatter_that_is_removed_meanwhile_is_forgotten(live, obj):
     live.settle()
     long(obj)

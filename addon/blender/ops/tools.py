@@ -73,6 +73,7 @@ class DAPPLE_OT_lock(bpy.types.Operator):
         except ScatterError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        settings_changed(context.object.dapple, context)  # an update may have waited for it
         if self.lock:
             self.report({"INFO"}, reported("Points locked: {count:,}", count=count))
         else:
