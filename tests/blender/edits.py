@@ -166,10 +166,13 @@ def copy(chance):
     """A second scatter, which goes again."""
     before = set(bpy.data.objects.keys())
     assert bpy.ops.dapple.copy_scatter(name=NAME) == {"FINISHED"}
-    (added,) = set(bpy.data.objects.keys()) - before
+    added = set(bpy.data.objects.keys()) - before
+    (name,) = [one for one in added if bpy.data.objects[one].dapple.surface]
+    assert len(added) == 1 or scatter().dapple.baked_keys  # with what holds its bake
     if chance.random() < 0.5:
-        bpy.data.objects[added].dapple.seed = 7  # it is under way when it goes
-    assert bpy.ops.dapple.remove_scatter(name=added) == {"FINISHED"}
+        bpy.data.objects[name].dapple.seed = 7  # it is under way when it goes
+    assert bpy.ops.dapple.remove_scatter(name=name) == {"FINISHED"}
+    assert set(bpy.data.objects.keys()) == before
 
 
 EDITS = (

@@ -51,7 +51,7 @@ def check(live):
         assert len(found) == obj.dapple.count
     assert np.isfinite(found).all()
     assert obj.dapple.report.measured
-    assert not scenes.node_warnings(obj)
+    assert waits or not scenes.node_warnings(obj)
 
 
 @pytest.mark.parametrize("seed", range(SEEDS))
