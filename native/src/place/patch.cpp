@@ -181,16 +181,20 @@ void add_simple_loops(std::span<const std::int32_t> corners, std::int32_t face,
   if (open.size() >= 3) result.push_back({std::move(open), face});
 }
 
+void keep_simple_loops(Patch& patch) {
+  std::vector<PatchPolygon> polygons;
+  for (const PatchPolygon& polygon : patch.polygons)
+    add_simple_loops(polygon.corners, polygon.face, polygons);
+  patch.polygons = std::move(polygons);
+}
+
 void remove_short_edges(Patch& patch, std::span<const On> kinds, double tolerance) {
   for (std::vector<ShortEdge> edges = short_edges(patch, tolerance); !edges.empty();
        edges = short_edges(patch, tolerance)) {
     const std::vector<std::int32_t> goal = goals(patch, kinds, edges);
-    std::vector<PatchPolygon> polygons;
-    for (PatchPolygon& polygon : patch.polygons) {
+    for (PatchPolygon& polygon : patch.polygons)
       for (std::int32_t& corner : polygon.corners) corner = goal[static_cast<std::size_t>(corner)];
-      add_simple_loops(polygon.corners, polygon.face, polygons);
-    }
-    patch.polygons = std::move(polygons);
+    keep_simple_loops(patch);
   }
 }
 
@@ -199,6 +203,7 @@ void remove_short_edges(Patch& patch, std::span<const On> kinds, double toleranc
 Patch PatchBuilder::build(std::span<const CellPolygon> pieces, double tolerance) const {
   Joiner joiner(vertices_, faces_);
   Patch patch = joiner.join(pieces);
+  keep_simple_loops(patch);  // two crossings of one plane and one edge are one vertex
   remove_short_edges(patch, joiner.kinds(), tolerance);
   return patch;
 }
