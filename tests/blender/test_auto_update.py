@@ -244,6 +244,23 @@ def test_what_was_not_there_is_followed_once_it_is(live, obj):
     followed(live, obj)
 
 
+def test_a_shape_that_is_edited_at_another_frame_is_followed_where_the_points_were_solved(
+    live, obj
+):
+    live.settle()
+    scene, mesh = bpy.context.scene, obj.dapple.surface.data
+    scene.frame_set(scene.frame_current + 1)
+    mesh.vertices[3].co *= 1.2
+    mesh.update()
+    assert live.settle() == 0  # it may move
+    assert reason(obj) == ""
+    scene.frame_set(scene.frame_current - 1)
+    followed(live, obj)
+    scene.frame_set(scene.frame_current + 1)
+    scene.frame_set(scene.frame_current - 1)
+    assert live.settle() == 0
+
+
 def test_playing_a_frame_is_no_change(live):
     obj = scenes.scattered(scenes.tail(frames=6))
     obj.dapple.auto_update_choice = "ON"

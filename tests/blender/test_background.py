@@ -95,11 +95,6 @@ def moved(obj):
     obj.data.update()
 
 
-def locked(obj):
-    scenes._activate(obj)
-    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
-
-
 def in_edit_mode(obj):
     scenes._activate(obj)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -114,7 +109,7 @@ def hidden(obj):
         collection.objects.unlink(obj)
 
 
-@pytest.mark.parametrize("meanwhile", [moved, locked, in_edit_mode, baked, hidden])
+@pytest.mark.parametrize("meanwhile", [moved, in_edit_mode, baked, hidden])
 def test_what_is_done_to_the_points_meanwhile_is_not_lost(live, obj, meanwhile):
     live.settle()
     short(obj, 20_000)
@@ -125,6 +120,19 @@ def test_what_is_done_to_the_points_meanwhile_is_not_lost(live, obj, meanwhile):
     assert len(obj.data.vertices) == 60
     assert f"'{obj.name}'" in live.watcher.trouble(obj)
     assert not live.watcher.is_asked(obj)
+
+
+def test_points_that_are_locked_meanwhile_stay(live, obj):
+    live.settle()
+    before = scenes.positions(obj)
+    short(obj, 20_000)
+    live.watcher.ask(obj)
+    assert live.begin()
+    scenes._activate(obj)
+    assert bpy.ops.dapple.lock(every=True) == {"FINISHED"}
+    assert live.settle() == 1
+    assert obj.dapple.locked_count == 60
+    assert np.allclose(scenes.positions(obj)[:60], before, atol=1e-6)
 
 
 def test_an_error_is_said_and_the_scene_stays(live, obj):

@@ -31,6 +31,7 @@ class Changes:
     _doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
     _all_doubtful: bool = False
     _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
+    _waiting: dict[int, float] = field(default_factory=dict)  # scatters, and for which times
     _wrote: dict[int, Cause] = field(default_factory=dict)  # what was written, and because of which
     used_tool: bool = False  # at the last look
     _last_operator: int = 0  # when something was noted last
@@ -83,6 +84,18 @@ class Changes:
     def turn_to(self, uid: int) -> None:
         """A scatter is to be updated."""
         self._passed_over.discard(uid)
+        self._waiting.pop(uid, None)
+
+    def wait_for(self, time: float, uid: int) -> None:
+        """A scatter was solved at this time: shapes and places are compared when it is shown."""
+        self._waiting[uid] = time
+
+    def note_time(self, time: float) -> bool:
+        """Note which time is shown; whether a scatter has waited for it."""
+        shown = {uid for uid, one in self._waiting.items() if one == time}
+        self._passed_over |= shown
+        self._touched |= shown
+        return bool(shown)
 
     def wrote(self, written: Mapping[int, Cause]) -> None:
         """An update has written this."""

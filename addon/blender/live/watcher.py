@@ -27,6 +27,8 @@ from ..base.job import is_under_way
 from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
+from ..base.times import time_of
+from ..status.contents import solved_time
 from ..steps.asking import steps_of
 from . import pictures
 from .changes import NOBODY, Cause, Changes
@@ -238,6 +240,8 @@ def _done(job: _Job) -> None:
     if job.stepper.result:
         _state.changes.wrote(job.writes())
         follow_up(job.scatter.get(), job.wish.step if job.wish else "")
+    else:
+        _state.changes.wait_for(solved_time(job.scatter.get()), job.scatter.uid)
 
 
 def _fail(job: _Job) -> None:
@@ -276,6 +280,12 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         _wake()
 
 
+def _moved_on(scene: bpy.types.Scene, _depsgraph: bpy.types.Depsgraph) -> None:
+    """What was edited at another time may make a difference now."""
+    if enabled and not is_quiet() and _state.changes.note_time(time_of(scene)):
+        _wake()
+
+
 def _undone(*_arguments: Any) -> None:
     """An undo may have brought back anything."""
     if enabled:
@@ -305,6 +315,7 @@ def _step_aside() -> None:
 
 _HANDLERS: Handlers = {
     "depsgraph_update_post": _updated,
+    "frame_change_post": _moved_on,
     "undo_post": _undone,
     "redo_post": _undone,
     "load_pre": _leaving,
