@@ -195,6 +195,13 @@ def test_what_cannot_be_is_refused_before_the_work(tmp_path, given, message):
     assert not (tmp_path / "none").exists()
 
 
+@pytest.mark.parametrize("surface", [None, np.zeros((9, 9)), 3])
+def test_what_is_no_surface_is_refused(tmp_path, surface):
+    with pytest.raises(TypeError, match=r"surface is a \w+: a HeightField, a file or another"):
+        sample_tiles(surface, tmp_path / "none", 8_000)
+    assert not (tmp_path / "none").exists()
+
+
 def test_an_unknown_option_is_refused(tmp_path):
     with pytest.raises(TypeError, match="no option 'tolerence'"):
         sample_tiles(hills(), tmp_path, 8_000, tolerence=1e-4)

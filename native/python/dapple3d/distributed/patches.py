@@ -4,7 +4,7 @@
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -97,6 +97,7 @@ class Census:
     extent: float
 
 
+@runtime_checkable
 class Tileable(Protocol):
     """A surface that is read in pieces. Workers get a copy by pickle."""
 

@@ -69,11 +69,13 @@ def sample_tiles(
     Raises:
         ValueError: the folder holds tiles of something else, or the surface has a fault: named by
             the tile.
+        TypeError: the surface is nothing of that, an option is unknown, or a count not whole.
         ImportError: for several processes, Dask distributed is missing.
         Cancelled
     """
     place = Folder(Path(folder).absolute())
     context = context or native.Context()
+    _check_surface(surface)
     _check_options(count, tile, options)
     wanted = {"count": count, "tile": tile, "seed": seed, "options": options}
     with chosen_runner(scheduler, workers) as run:
@@ -87,6 +89,14 @@ def sample_tiles(
         _make_tiles(work, run, progress, context.part(PLANNED, 1.0))
     context.advance(1.0)
     return Tiles(place.path)
+
+
+def _check_surface(surface: Any) -> None:
+    if not isinstance(surface, str | os.PathLike | Tileable):
+        raise TypeError(
+            f"surface is a {type(surface).__name__}: a HeightField, a file or another Tileable "
+            "is needed"
+        )
 
 
 def _check_options(count: int, tile: int, options: dict[str, Any]) -> None:
