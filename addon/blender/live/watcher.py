@@ -240,7 +240,7 @@ def _done(job: _Job) -> None:
     if job.stepper.result:
         _state.changes.wrote(job.writes())
         follow_up(job.scatter.get(), job.wish.step if job.wish else "")
-    else:
+    elif solved_time(job.scatter.get()) != time_of(bpy.context.scene):
         _state.changes.wait_for(solved_time(job.scatter.get()), job.scatter.uid)
 
 
