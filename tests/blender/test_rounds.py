@@ -46,7 +46,8 @@ def check(live):
     assert not reason or waits, reason
     ids = addon_host.part("blender.data.points").point_columns_of(obj)["id"]
     found = scenes.positions(obj)
-    assert len(ids) == len(np.unique(ids)) == len(found) == obj.dapple.report.count
+    assert len(ids) == len(np.unique(ids)) == obj.dapple.report.count
+    assert len(found) == len(ids) or waits  # points of a removed object type are not shown
     if obj.dapple.amount == "COUNT" and not reason:
         assert len(found) == obj.dapple.count
     assert np.isfinite(found).all()
