@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..base.artist import is_using_tool, last_operator
+from ..base.times import time_of
 from ..data.scatter import is_scatter
+from ..status.contents import solved_time
 from . import pictures
 from .watched import dependencies, follows, scatters
 
@@ -86,13 +88,15 @@ class Changes:
         self._passed_over.discard(uid)
         self._waiting.pop(uid, None)
 
-    def wait_for(self, time: float, uid: int) -> None:
-        """A scatter was solved at this time: shapes and places are compared when it is shown."""
-        self._waiting[uid] = time
+    def wait_for_frame(self, obj: bpy.types.Object) -> None:
+        """A scatter was solved at another frame: only there are shapes and places compared."""
+        time = solved_time(obj)
+        if time != time_of(bpy.context.scene):
+            self._waiting[obj.session_uid] = time
 
-    def note_time(self, time: float) -> bool:
-        """Note which time is shown; whether a scatter has waited for it."""
-        shown = {uid for uid, one in self._waiting.items() if one == time}
+    def note_frame(self, scene: bpy.types.Scene) -> bool:
+        """Note which frame is shown; whether a scatter has waited for it."""
+        shown = {uid for uid, time in self._waiting.items() if time == time_of(scene)}
         self._passed_over |= shown
         self._touched |= shown
         return bool(shown)

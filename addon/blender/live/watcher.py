@@ -27,8 +27,6 @@ from ..base.job import is_under_way
 from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
-from ..base.times import time_of
-from ..status.contents import solved_time
 from ..steps.asking import steps_of
 from . import pictures
 from .changes import NOBODY, Cause, Changes
@@ -240,8 +238,8 @@ def _done(job: _Job) -> None:
     if job.stepper.result:
         _state.changes.wrote(job.writes())
         follow_up(job.scatter.get(), job.wish.step if job.wish else "")
-    elif solved_time(job.scatter.get()) != time_of(bpy.context.scene):
-        _state.changes.wait_for(solved_time(job.scatter.get()), job.scatter.uid)
+    else:
+        _state.changes.wait_for_frame(job.scatter.get())
 
 
 def _fail(job: _Job) -> None:
@@ -282,7 +280,7 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 def _moved_on(scene: bpy.types.Scene, _depsgraph: bpy.types.Depsgraph) -> None:
     """What was edited at another time may make a difference now."""
-    if enabled and not is_quiet() and _state.changes.note_time(time_of(scene)):
+    if enabled and not is_quiet() and _state.changes.note_frame(scene):
         _wake()
 
 
