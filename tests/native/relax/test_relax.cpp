@@ -223,7 +223,7 @@ TEST(Relax, GivesTheCountWhereADensityChangesOnRandomMeshes) {
   for (int k = 0; k < kMeshes; ++k) {
     const Shape shape = random_shape(random);
     const Surface surface = shape.surface();
-    const Samples before = sample(surface, static_cast<std::size_t>(10 + random.below(50)));
+    const Samples before = sample(surface, 10 + static_cast<std::size_t>(random.below(50)));
     const Surface after =
         surface.with_density({DensityAt::kVertices, random.densities(shape.vertices.size())});
     Indices half(surface.face_count() / 2);
