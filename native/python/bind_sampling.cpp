@@ -281,7 +281,7 @@ Args:
     {options}
     count: number of samples wanted: the difference comes and goes where something has changed. None: there become as
         many as have the capacity of the samples around.
-    locked: (k,) indices of samples that stay where they are, or None; others come between them.
+    locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
     context: a Context to watch and cancel it by.
 
 Returns:

@@ -5,9 +5,9 @@ from typing import Any
 
 import bpy
 
-from ...core.sources import sources_from
 from ...core.steps import Task
-from ..base.times import show_time, times_of
+from ..base.times import show_time, time_of, times_of
+from ..status.contents import solved_time
 from ..status.present import AROUND, SURFACE, VALUES, Present
 from ..status.staleness import verdict
 from ..surface.reading import frame_kept
@@ -36,5 +36,5 @@ def _times(obj: bpy.types.Object, scene: bpy.types.Scene, first: int, last: int)
     if obj.dapple.baked_keys:
         begin, end = times_of(scene, first, last)
         return [float(time) for time in range(begin, end + 1)]
-    before = sources_from(obj.dapple.solved_from)
-    return [float(scene.frame_current_final) if before is None else before.frame]
+    solved = solved_time(obj)
+    return [time_of(scene) if solved is None else solved]

@@ -33,7 +33,7 @@ class Changes:
     _doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
     _all_doubtful: bool = False
     _passed_over: set[int] = field(default_factory=set)  # scatters that did not follow a change
-    _waiting: dict[int, float] = field(default_factory=dict)  # scatters, and for which times
+    _waiting: dict[int, float] = field(default_factory=dict)  # scatters and when they were solved
     _wrote: dict[int, Cause] = field(default_factory=dict)  # what was written, and because of which
     used_tool: bool = False  # at the last look
     _last_operator: int = 0  # when something was noted last
@@ -91,7 +91,7 @@ class Changes:
     def wait_for_frame(self, obj: bpy.types.Object) -> None:
         """A scatter was solved at another frame: only there are shapes and places compared."""
         time = solved_time(obj)
-        if time != time_of(bpy.context.scene):
+        if time is not None and time != time_of(bpy.context.scene):
             self._waiting[obj.session_uid] = time
 
     def note_frame(self, scene: bpy.types.Scene) -> bool:

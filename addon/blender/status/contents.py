@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What has other contents than when a result was solved, and what only moves."""
 
-import math
-
 import bpy
 
 from ...core.sources import (
@@ -38,10 +36,10 @@ def solution_reason(obj: bpy.types.Object, now: Sources) -> str:
     return reasons[0] if reasons else ""
 
 
-def solved_time(obj: bpy.types.Object) -> float:
-    """The time of the animation at which a result was solved; NaN where it is not known."""
+def solved_time(obj: bpy.types.Object) -> float | None:
+    """The time of the animation at which a result was solved; None where it is not known."""
     before = sources_from(obj.dapple.solved_from)
-    return math.nan if before is None else before.frame
+    return None if before is None else before.frame
 
 
 def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:

@@ -13,8 +13,7 @@ struct RelaxOptions {
   /// Number of samples wanted; the difference comes and goes where something has changed. None:
   /// there become as many as have the capacity of the samples around.
   std::optional<std::size_t> count = {};
-  /// Indices of samples that stay where they are; where something has changed others come between
-  /// them.
+  /// Indices of samples that stay where they are. New ones may come between them.
   std::vector<std::int32_t> locked = {};
   int threads = 0;
 };

@@ -363,11 +363,11 @@ TEST(Mosaic, OfNeedlesHasNoPolygonThatMeetsItself) {
   for (int k = 0; k < 300; ++k) {
     const double width = std::pow(10.0, random.between(-9.0, -6.0));
     const Vec3 tip(random.uniform() * width, 1.0, 0.5);
-    const Shape needle{"needle", {Vec3::Zero(), {width, 0, 0}, tip}, {{0, 1, 2}}};
+    const Shape shape{"needle", {Vec3::Zero(), {width, 0, 0}, tip}, {{0, 1, 2}}};
+    const Surface needle = shape.surface();
     const std::vector<Vec3> weights = {Vec3::UnitX(), Vec3::UnitY()};
-    const Samples samples =
-        bind_samples(needle.surface(), std::vector<std::int32_t>{0, 0}, weights);
-    check_loops(mosaic(needle.surface(), samples, {.tolerance = 0.0}));
+    const Samples samples = bind_samples(needle, std::vector<std::int32_t>{0, 0}, weights);
+    check_loops(mosaic(needle, samples, {.tolerance = 0.0}));
   }
 }
 

@@ -69,7 +69,7 @@ def sample_tiles(
     Raises:
         ValueError: the folder holds tiles of something else, or the surface has a fault: named by
             the tile.
-        TypeError: the surface is nothing of that, an option is unknown, or a count not whole.
+        TypeError: the surface is none of these, an option is unknown, or a number is not whole.
         ImportError: for several processes, Dask distributed is missing.
         Cancelled
     """
