@@ -50,19 +50,19 @@ count_native() {
     --json-summary "$folder/native.json" --html-details "$folder/native.html" "$folder"
 }
 
-# run_tests PART TESTS: in one process, and what it starts.
+# run_tests PART SOURCE: in one process, and what it starts. The lines are those of a package or a folder.
 run_tests() {
   rm -f "$folder/$1".data*
   stage "tests of $1" with_tools coverage run --rcfile tests/coverage.ini --data-file "$folder/$1.data" \
-    -m pytest -q "$2" || true
+    --source "$2" -m pytest -q "tests/$1" || true
 }
 count_lines() {
   local data=(--rcfile tests/coverage.ini --data-file "$folder/$1.data")
   if compgen -G "$folder/$1.data.*" >/dev/null; then stage 'combine' with_tools coverage combine -q --append "${data[@]}"; fi
   stage 'count' with_tools coverage json -q "${data[@]}" -o "$folder/$1.json"
 }
-run_python() { run_tests python tests/python; }
-run_blender() { run_tests blender tests/blender; }
+run_python() { run_tests python dapple3d; }
+run_blender() { run_tests blender addon; }
 count_python() { count_lines python; }
 count_blender() { count_lines blender; }
 
