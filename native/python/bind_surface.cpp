@@ -132,7 +132,7 @@ Args:
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
-        a density of another length, or no area (or no density) at all.
+        a density of another length, no area, or a density whose integral is 0 or not finite.
     ValueError: an array of another shape or dtype, or another name.
     Cancelled: through the context.)")
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),

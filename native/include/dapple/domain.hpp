@@ -88,7 +88,7 @@ class SurfaceDomain final : public Domain {
                               const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t face) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
-  [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
+  [[nodiscard]] double mass() const override;
   [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,

@@ -52,7 +52,8 @@ class PlanarDomain final : public FlatDomain {
 
   /// The same with a density: the image's values at the centers of its pixels, linear on triangles
   /// between them, constant over the half pixel along the border.
-  /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
+  /// \throw ArgumentError naming the first value that is not finite or negative; if their integral
+  /// is 0 or not finite
   [[nodiscard]] static PlanarDomain image(double width, double height, const Image& density);
 
   /// A polygon without its holes; the direction of the rings does not matter.
@@ -68,7 +69,7 @@ class PlanarDomain final : public FlatDomain {
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] double area() const override { return surface_.area(); }
-  [[nodiscard]] double mass() const override { return surface_.mass() * density_unit(); }
+  [[nodiscard]] double mass() const override;
   [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   void check(const Sites& sites) const override;
@@ -104,7 +105,8 @@ class TorusDomain final : public FlatDomain {
 
   /// The image's values at the centers of its pixels, linear on triangles between them, going on
   /// periodically.
-  /// \throw ArgumentError naming the first value that is not finite or negative; if all are 0
+  /// \throw ArgumentError naming the first value that is not finite or negative; if their integral
+  /// is 0 or not finite
   explicit TorusDomain(const Image& density);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
@@ -112,7 +114,7 @@ class TorusDomain final : public FlatDomain {
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] double area() const override { return 1.0; }
-  [[nodiscard]] double mass() const override { return period_.mass() * density_unit(); }
+  [[nodiscard]] double mass() const override;
   [[nodiscard]] double density_unit() const override;
   [[nodiscard]] bool uniform() const override { return period_.uniform(); }
   [[nodiscard]] double period() const override { return 1.0; }

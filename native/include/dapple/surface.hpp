@@ -38,8 +38,8 @@ class Surface {
   /// \param faces    vertex indices; degenerate, repeated and non-manifold faces are allowed
   /// \param density  one value per vertex, >= 0; empty means 1 everywhere
   /// \throw SurfaceError naming the first offender: an index out of range, a number that is not
-  /// finite, a negative density, a density array of another length, or no area (or no density) at
-  /// all
+  /// finite, a negative density, a density array of another length, no area, or a density whose
+  /// integral is 0 or not finite
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
           std::span<const double> density = {});
 

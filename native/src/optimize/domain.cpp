@@ -72,6 +72,8 @@ const Projector& SurfaceDomain::projector(const Context* context) const {
   return *projector_;
 }
 
+double SurfaceDomain::mass() const { return surface_.ordered().unit_mass(); }
+
 double SurfaceDomain::density_unit() const { return surface_.ordered().density_unit(); }
 
 Vec3 SurfaceDomain::normal(std::int32_t face) const {

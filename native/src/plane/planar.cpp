@@ -190,6 +190,8 @@ RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) cons
       dividing.context(), cells_);
 }
 
+double PlanarDomain::mass() const { return surface_.ordered().unit_mass(); }
+
 double PlanarDomain::density_unit() const { return surface_.ordered().density_unit(); }
 
 Sites PlanarDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
@@ -271,6 +273,11 @@ RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const
   const SiteGraph graph =
       in_stage(context, Stage::kNeighbors, [&] { return torus_graph(wrapped.positions); });
   return restricted_voronoi(cover_, wrapped, graph, context);
+}
+
+double TorusDomain::mass() const {
+  const OrderedSurface& period = period_.ordered();
+  return period.unit_mass() * (density_unit() / period.density_unit());
 }
 
 double TorusDomain::density_unit() const { return cover_.ordered().density_unit(); }

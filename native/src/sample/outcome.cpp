@@ -38,7 +38,7 @@ double whole_count_variation(const Surface& surface, const Sites& sites) {
     masses[component_of(nth_face(f))] += surface.ordered().geometry(nth_face(f)).moments.capacity;
   for (const std::int32_t face : sites.faces)
     ++counts[component_of(surface.ordered().ordered_face(face))];
-  const double mean = surface.mass() / static_cast<double>(sites.size());
+  const double mean = surface.ordered().unit_mass() / static_cast<double>(sites.size());
   double sum = 0.0;
   for (std::size_t c = 0; c < components; ++c) {
     if (counts[c] == 0.0) continue;

@@ -44,7 +44,9 @@ class OrderedSurface {
   [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
   [[nodiscard]] double area() const { return geometry_->area; }
   /// Integral of the density, in the caller's unit.
-  [[nodiscard]] double mass() const { return geometry_->mass; }
+  [[nodiscard]] double mass() const { return unit_mass() / density_unit(); }
+  /// Integral of the density times density_unit(), as those of faces and cells.
+  [[nodiscard]] double unit_mass() const { return geometry_->unit_mass; }
   /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
   /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
   /// integrals stay in the range of numbers.
@@ -125,7 +127,7 @@ class OrderedSurface {
     std::vector<std::shared_ptr<const Block>> blocks;
     std::vector<const FaceGeometry*> first;  // per block
     double area = 0.0;
-    double mass = 0.0;  // the caller's
+    double unit_mass = 0.0;
     double density_unit = 1.0;
   };
 

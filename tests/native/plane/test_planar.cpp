@@ -490,6 +490,8 @@ TEST(PlanarDomain, NamesWhatIsWrongWithAnImage) {
     expect_message<ArgumentError>([&] { (void)PlanarDomain::image(1, 1, image); }, parts);
     expect_message<ArgumentError>([&] { (void)TorusDomain(image); }, parts);
   };
+  expect_message<ArgumentError>([] { (void)PlanarDomain::image(10, 10, {1, 1, {1.7e308}}); },
+                                {"density", "not finite"});
   refuses({0, 3, {}}, {"density", "0 rows"});
   refuses({2, 2, {1, 1, 1}}, {"density", "3", "4"});
   refuses({2, 2, {1, 1, -1, 1}}, {"density[1, 0]", "-1"});

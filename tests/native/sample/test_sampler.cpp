@@ -323,5 +323,17 @@ TEST(Sampler, TellsWhatWholeCountsOfSeparatePartsMakeOfTheVariation) {
   EXPECT_LE(many.whole_count_variation, many.evenness.capacity_variation + 1e-12);
 }
 
+/// A power of two changes no digit.
+TEST(Sampler, TellsWhatWholeCountsMakeOfItUnderADensityOfAnyScale) {
+  const auto told = [](double scale) {
+    const Shape shape = with_density(
+        many_components(40), [scale](const Vec3& p) { return scale * (1.5 + std::sin(p.x())); });
+    return sample(shape.surface(), 100).report.whole_count_variation;
+  };
+  const double expected = told(1.0);
+  EXPECT_GT(expected, 0.05);
+  for (const double scale : {0x1p-664, 0x1p664}) EXPECT_EQ(told(scale), expected) << scale;
+}
+
 }  // namespace
 }  // namespace dapple::test

@@ -275,6 +275,18 @@ TEST(Surface, RefusesZeroDensityEverywhere) {
   expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density"});
 }
 
+TEST(Surface, RefusesADensityWhoseIntegralIsNotFinite) {
+  Shape shape = with_density(grid(2), [](const Vec3&) { return 1.7e308; });
+  for (Vec3& v : shape.vertices) v *= 10.0;
+  expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density", "not finite"});
+  for (Vec3& v : shape.vertices) v /= 20.0;
+  const Surface surface = shape.surface();
+  EXPECT_TRUE(std::isfinite(surface.mass()));
+  std::vector<Vec3> larger = surface.vertices();
+  for (Vec3& v : larger) v *= 100.0;
+  expect_message<SurfaceError>([&] { (void)surface.deformed(larger); }, {"density", "not finite"});
+}
+
 TEST(Surface, RefusesNothing) {
   expect_message<SurfaceError>([] { Surface({}, {}); }, {"faces"});
   const Shape shape = grid(1);
