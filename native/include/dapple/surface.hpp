@@ -78,7 +78,7 @@ class Surface {
   [[nodiscard]] std::vector<Face> welded_faces() const;
   [[nodiscard]] std::vector<double> density() const;  ///< as given; empty if uniform
 
-  /// The caller's indices of the vertices, of those that hang together only one.
+  /// The caller's indices of the faces' vertices, of those that hang together only one.
   [[nodiscard]] std::vector<std::int32_t> distinct_vertices() const;
 
   /// The point of the caller's face `face` with barycentric coordinates `weights`.

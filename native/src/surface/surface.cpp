@@ -225,9 +225,11 @@ std::vector<Face> Surface::welded_faces() const {
 std::vector<std::int32_t> Surface::distinct_vertices() const {
   const std::vector<std::int32_t>& original = ordered_->connectivity().original_vertex;
   std::vector<bool> stands_for_itself(vertex_count(), false);  // by the caller's indices
-  for (std::size_t v = 0; v < vertex_count(); ++v)
-    if (const auto k = static_cast<std::int32_t>(v); ordered_->welded(k) == k)
-      stands_for_itself[static_cast<std::size_t>(original[v])] = true;
+  for (const Face& face : ordered_->connectivity().faces)
+    for (const std::int32_t v : face) {
+      const auto k = static_cast<std::size_t>(ordered_->welded(v));
+      stands_for_itself[static_cast<std::size_t>(original[k])] = true;
+    }
   std::vector<std::int32_t> result;
   for (std::size_t v = 0; v < stands_for_itself.size(); ++v)
     if (stands_for_itself[v]) result.push_back(static_cast<std::int32_t>(v));

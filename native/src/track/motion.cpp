@@ -25,19 +25,30 @@ struct Similarity {
   Vec3 shift;
 };
 
-Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which) {
+/// The power of two, which changes no digit, that brings points near 1: so squares of coordinates
+/// stay in the range of numbers.
+double unit_of(std::span<const Vec3> points, std::span<const std::int32_t> which) {
+  constexpr int kFar = 1000;
+  double most = 0.0;
+  for (const std::int32_t v : which)
+    most = std::max(most, points[static_cast<std::size_t>(v)].cwiseAbs().maxCoeff());
+  return most > 0.0 ? std::ldexp(1.0, -std::clamp(std::ilogb(most), -kFar, kFar)) : 1.0;
+}
+
+/// In that unit.
+Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which, double unit) {
   Vec3 sum = Vec3::Zero();
-  for (const std::int32_t v : which) sum += points[static_cast<std::size_t>(v)];
+  for (const std::int32_t v : which) sum += unit * points[static_cast<std::size_t>(v)];
   return sum / static_cast<double>(which.size());
 }
 
-/// The diagonal of a solid box of the same spread: however the body is turned, unlike that of its
-/// bounding box.
-double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which) {
-  const Vec3 middle = mean(points, which);
+/// In that unit: the diagonal of a solid box of the same spread: however the body is turned, unlike
+/// that of its bounding box.
+double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which, double unit) {
+  const Vec3 middle = mean(points, which, unit);
   double spread = 0.0;
   for (const std::int32_t v : which)
-    spread += (points[static_cast<std::size_t>(v)] - middle).squaredNorm();
+    spread += (unit * points[static_cast<std::size_t>(v)] - middle).squaredNorm();
   return std::sqrt(12.0 * spread / static_cast<double>(which.size()));
 }
 
@@ -45,12 +56,13 @@ double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which
 /// as the processor's caches suggest.
 Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
                   std::span<const std::int32_t> which) {
-  const Vec3 middle_from = mean(from, which), middle_to = mean(to, which);
+  const double unit_from = unit_of(from, which), unit_to = unit_of(to, which);
+  const Vec3 middle_from = mean(from, which, unit_from), middle_to = mean(to, which, unit_to);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double spread = 0.0;
   for (const std::int32_t v : which) {
-    const Vec3 a = from[static_cast<std::size_t>(v)] - middle_from;
-    const Vec3 b = to[static_cast<std::size_t>(v)] - middle_to;
+    const Vec3 a = unit_from * from[static_cast<std::size_t>(v)] - middle_from;
+    const Vec3 b = unit_to * to[static_cast<std::size_t>(v)] - middle_to;
     for (int axis = 0; axis < 3; ++axis) covariance.col(axis) += a[axis] * b;
     spread += a.squaredNorm();
   }
@@ -60,20 +72,26 @@ Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs.z() = -1.0;
   const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   const Eigen::Matrix3d map = turn.cwiseProduct(covariance).sum() / spread * turn;
-  return {map, middle_to - map * middle_from};
+  return {map * (unit_from / unit_to), (middle_to - map * middle_from) / unit_to};
 }
 
 Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
-               std::span<const std::int32_t> measured) {
+               std::span<const Face> faces, std::span<const std::int32_t> measured) {
   Motion motion;
   const Similarity similarity = fitted(after, before, measured);
   motion.target.resize(before.size());
   for_each_vector(before.size(), [&](std::size_t v) {
-    motion.target[v] = similarity.map * after[v] + similarity.shift;
+    const Vec3 there = similarity.map * after[v] + similarity.shift;
+    motion.target[v] =
+        there.allFinite() ? there : before[v];  // a vertex of no face may be anywhere
   });
-  for (std::size_t v = 0; v < before.size(); ++v)
-    motion.extent = std::max(motion.extent, (motion.target[v] - before[v]).norm());
-  motion.extent /= size_of(before, measured);
+  const double unit = unit_of(before, measured);
+  for (const Face& face : faces)
+    for (const std::int32_t corner : face) {
+      const auto v = static_cast<std::size_t>(corner);
+      motion.extent = std::max(motion.extent, (unit * (motion.target[v] - before[v])).norm());
+    }
+  motion.extent /= size_of(before, measured, unit);
   return motion;
 }
 
@@ -90,13 +108,13 @@ bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
 }
 
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
-                      std::span<const std::int32_t> measured) {
-  if (before.empty()) return {};
-  Motion best = aligned(before, after, measured);
+                      std::span<const Face> faces, std::span<const std::int32_t> measured) {
+  if (measured.empty()) return {};
+  Motion best = aligned(before, after, faces, measured);
   if (best.extent < kSmall) return best;
   Vectors mirror(after.begin(), after.end());
   for (Vec3& point : mirror) point = -point;
-  if (Motion mirrored = aligned(before, mirror, measured); mirrored.extent < best.extent)
+  if (Motion mirrored = aligned(before, mirror, faces, measured); mirrored.extent < best.extent)
     best = std::move(mirrored);
   return best;
 }

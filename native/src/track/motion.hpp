@@ -20,9 +20,11 @@ struct Motion {
 };
 
 /// \param before, after vertices of the same body, as many
+/// \param faces whose vertices move; one that belongs to none may be anywhere
 /// \param measured those that tell how the body moves as a whole, so that the vertices that a file
 /// repeats do not count more than others; at least one
 [[nodiscard]] Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
+                                    std::span<const Face> faces,
                                     std::span<const std::int32_t> measured);
 
 /// The vertices after the share t in [0, 1] of the way to the target.

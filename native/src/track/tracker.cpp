@@ -91,8 +91,8 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
   const TrackerOptions& options = solver_->options();
   with_threads(options.threads, [&] {
     Surface surface = surface_.deformed(vertices);
-    const Motion motion =
-        motion_between(surface_.vertices(), vertices, surface_.distinct_vertices());
+    const Motion motion = motion_between(surface_.vertices(), vertices, surface_.faces(),
+                                         surface_.distinct_vertices());
     const bool still = motion.extent < kStill;
     const int parts = part_count(motion, options.longest_motion);
     const Sites before = sites_of(samples_);

@@ -16,7 +16,9 @@ Vec3 turned(const Vec3& p) {
 Motion motion_of(std::span<const Vec3> before, std::span<const Vec3> after) {
   std::vector<std::int32_t> all(before.size());
   std::iota(all.begin(), all.end(), 0);
-  return motion_between(before, after, all);
+  std::vector<Face> faces;
+  for (const std::int32_t v : all) faces.push_back({v, v, v});
+  return motion_between(before, after, faces, all);
 }
 
 TEST(Motion, LeavesOutMovingAsAWhole) {
@@ -53,6 +55,35 @@ TEST(Motion, LeavesOutScalingAndMirroring) {
   const Shape shape = blob(3);
   const auto moved = [](const Vec3& p) { return Vec3(3.0 * turned({-p.x(), p.y(), p.z()})); };
   EXPECT_LT(motion_of(shape.vertices, mapped(shape, moved).vertices).extent, 1e-14);
+}
+
+TEST(Motion, LeavesOutVerticesOfNoFace) {
+  const Shape shape = blob(3);
+  Shape before = shape, after = mapped(shape, turned);
+  const auto loose = static_cast<std::int32_t>(shape.vertices.size());
+  before.vertices.push_back({1, 2, 3});
+  for (const double far : {4.0, 1e155, 1e308}) {
+    after.vertices.resize(shape.vertices.size());
+    after.vertices.push_back({far, -far, far});
+    const Surface surface = before.surface();
+    const std::vector<std::int32_t> measured = surface.distinct_vertices();
+    EXPECT_TRUE(std::ranges::find(measured, loose) == measured.end());
+    const Motion motion = motion_between(before.vertices, after.vertices, before.faces, measured);
+    EXPECT_LT(motion.extent, 1e-14) << far;
+    EXPECT_TRUE(motion.target.back().allFinite()) << far;
+  }
+}
+
+TEST(Motion, IsTheSameForBodiesOfAnySize) {
+  const Shape shape = blob(3);
+  const Shape after = mapped(shape, [](const Vec3& p) { return Vec3(p.x(), 1.3 * p.y(), p.z()); });
+  const double extent = motion_of(shape.vertices, after.vertices).extent;
+  for (const double size : {0x1p-1000, 0x1p-600, 0x1p600, 0x1p1000}) {
+    const auto sized = [size](const Vec3& p) { return Vec3(size * p); };
+    EXPECT_EQ(motion_of(mapped(shape, sized).vertices, mapped(after, sized).vertices).extent,
+              extent);
+    EXPECT_NEAR(motion_of(shape.vertices, mapped(after, sized).vertices).extent, extent, 1e-14);
+  }
 }
 
 TEST(Motion, StretchingOneWayIsMotion) {
