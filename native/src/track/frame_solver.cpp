@@ -2,6 +2,7 @@
 #include "track/frame_solver.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
@@ -47,6 +48,17 @@ struct Frame {
   Objective objective;
 };
 
+/// A needle has no area, however far it takes the samples on it.
+void check_extent(const Surface& surface, const Sites& sites) {
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const double far = (sites.positions[k] - sites.positions[0]).norm();
+    if (!std::isfinite(surface.area() * (far * far)))
+      throw SurfaceError("vertices take " + entry("samples", k) +
+                         " so far from samples[0] that the "
+                         "square of the distance is not finite");
+  }
+}
+
 Vectors face_normals(const Surface& surface, const Sites& sites) {
   Vectors normals(sites.size());
   for_each_vector(sites.size(), [&](std::size_t k) {
@@ -90,6 +102,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
       class_of_(samples.classes),
       first_(sites_of(samples)) {
   check_options(options);
+  check_extent(surface, first_);
   const Frame frame(surface, classes_, class_of_, options_);
   const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
   Minimum first;
@@ -123,6 +136,7 @@ OptimizerOptions FrameSolver::aims() const {
 FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
                                            const Vectors& moves, const Sites* home, bool idle,
                                            Context* context) const {
+  check_extent(surface, start);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
@@ -137,6 +151,7 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
 FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
                                       const Vectors& moves, const Sites& home,
                                       Context* context) const {
+  check_extent(surface, start);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
   Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context), aims(),
                            context, {.home = &home, .restoration = &restoration_});

@@ -421,6 +421,30 @@ TEST(Tracker, RefusesBadFramesAndIsUnchanged) {
   expect_untouched(tracker, before, vertices);
 }
 
+/// A needle has no area, however long it is, but a sample on it has a distance to the others.
+TEST(Tracker, RefusesAFrameThatTakesASampleTooFarForSquaresOfDistances) {
+  Shape shape = blob(3);
+  const auto last = static_cast<std::int32_t>(shape.vertices.size());
+  const auto needle = static_cast<std::int32_t>(shape.faces.size());
+  shape.vertices.push_back(shape.vertices[0]);
+  shape.faces.push_back({0, 0, last});
+  const Surface surface = shape.surface();
+  Samples samples = sample(surface, 100);
+  std::vector<std::int32_t> faces = samples.faces;
+  std::vector<Vec3> weights = samples.barycentric;
+  faces[17] = needle;
+  weights[17] = {0.5, 0.0, 0.5};
+  samples = bind_samples(surface, faces, weights);
+  Tracker tracker(surface, samples);
+  const Samples before = tracker.samples();
+  std::vector<Vec3> far = shape.vertices;
+  far.back().x() = 1e155;
+  expect_message<SurfaceError>([&] { tracker.advance(far); }, {"vertices", "samples[17]"});
+  expect_untouched(tracker, before, shape.vertices);
+  far.back().x() = 1e12;
+  EXPECT_TRUE(std::isfinite(tracker.advance(far).report.energy));
+}
+
 TEST(Tracker, RefusesSamplesOfAnotherSurface) {
   const Samples samples = sample(body().surface(), 50);
   expect_message<ArgumentError>([&] { Tracker(tetrahedron().surface(), samples); }, {"faces["});
