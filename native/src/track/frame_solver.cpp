@@ -54,8 +54,7 @@ void check_extent(const Surface& surface, const Sites& sites) {
     const double far = (sites.positions[k] - sites.positions[0]).norm();
     if (!std::isfinite(surface.area() * (far * far)))
       throw SurfaceError("vertices take " + entry("samples", k) +
-                         " so far from samples[0] that the "
-                         "square of the distance is not finite");
+                         " so far from samples[0] that the distance squared is not finite");
   }
 }
 

@@ -42,8 +42,8 @@ Vec3 mean(std::span<const Vec3> points, std::span<const std::int32_t> which, dou
   return sum / static_cast<double>(which.size());
 }
 
-/// In that unit: the diagonal of a solid box of the same spread: however the body is turned, unlike
-/// that of its bounding box.
+/// The diagonal, in that unit, of a solid box of the same spread: however the body is turned,
+/// unlike that of its bounding box.
 double size_of(std::span<const Vec3> points, std::span<const std::int32_t> which, double unit) {
   const Vec3 middle = mean(points, which, unit);
   double spread = 0.0;
@@ -75,22 +75,26 @@ Similarity fitted(std::span<const Vec3> from, std::span<const Vec3> to,
   return {map * (unit_from / unit_to), (middle_to - map * middle_from) / unit_to};
 }
 
+/// Per vertex whether it is of a face.
+std::vector<bool> of_faces(std::span<const Face> faces, std::size_t count) {
+  std::vector<bool> result(count, false);
+  for (const Face& face : faces)
+    for (const std::int32_t v : face) result[static_cast<std::size_t>(v)] = true;
+  return result;
+}
+
+/// Vertices that do not move, being of no face, have their own place for a target.
 Motion aligned(std::span<const Vec3> before, std::span<const Vec3> after,
-               std::span<const Face> faces, std::span<const std::int32_t> measured) {
+               const std::vector<bool>& moves, std::span<const std::int32_t> measured) {
   Motion motion;
   const Similarity similarity = fitted(after, before, measured);
   motion.target.resize(before.size());
   for_each_vector(before.size(), [&](std::size_t v) {
-    const Vec3 there = similarity.map * after[v] + similarity.shift;
-    motion.target[v] =
-        there.allFinite() ? there : before[v];  // a vertex of no face may be anywhere
+    motion.target[v] = moves[v] ? Vec3(similarity.map * after[v] + similarity.shift) : before[v];
   });
   const double unit = unit_of(before, measured);
-  for (const Face& face : faces)
-    for (const std::int32_t corner : face) {
-      const auto v = static_cast<std::size_t>(corner);
-      motion.extent = std::max(motion.extent, (unit * (motion.target[v] - before[v])).norm());
-    }
+  for (std::size_t v = 0; v < before.size(); ++v)
+    motion.extent = std::max(motion.extent, (unit * (motion.target[v] - before[v])).norm());
   motion.extent /= size_of(before, measured, unit);
   return motion;
 }
@@ -110,11 +114,12 @@ bool has_vertices(const Surface& surface, std::span<const Vec3> vertices) {
 Motion motion_between(std::span<const Vec3> before, std::span<const Vec3> after,
                       std::span<const Face> faces, std::span<const std::int32_t> measured) {
   if (measured.empty()) return {};
-  Motion best = aligned(before, after, faces, measured);
+  const std::vector<bool> moves = of_faces(faces, before.size());
+  Motion best = aligned(before, after, moves, measured);
   if (best.extent < kSmall) return best;
   Vectors mirror(after.begin(), after.end());
   for (Vec3& point : mirror) point = -point;
-  if (Motion mirrored = aligned(before, mirror, faces, measured); mirrored.extent < best.extent)
+  if (Motion mirrored = aligned(before, mirror, moves, measured); mirrored.extent < best.extent)
     best = std::move(mirrored);
   return best;
 }
