@@ -206,7 +206,8 @@ Returns:
     Report; what tells of the making stays at its default.
 
 Raises:
-    ValueError: naming the first point that is not finite or face out of range.
+    ValueError: naming the first point that is not finite, face out of range or cell that reaches so
+        far that the energy is not finite.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("samples"));
   m.def("nearest_distances", &distances_of, py::arg("points"),

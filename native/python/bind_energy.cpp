@@ -78,7 +78,8 @@ Returns:
     Energy.
 
 Raises:
-    ValueError: naming the first position that is not finite or face out of range.
+    ValueError: naming the first position that is not finite, face out of range or cell that reaches
+        so far that the energy is not finite.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("positions"), py::arg("faces"));
 }

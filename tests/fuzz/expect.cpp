@@ -44,8 +44,8 @@ double area_by_welding(const Surface& surface) {
   for (std::size_t f = 0; f < faces.size(); ++f) {
     double moved = 0.0, around = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
-      moved += (at(faces[f][k]) - at(welded[f][k])).norm();
-      around += (at(faces[f][(k + 1) % 3]) - at(faces[f][k])).norm();
+      moved += (at(faces[f][k]) - at(welded[f][k])).stableNorm();
+      around += (at(faces[f][(k + 1) % 3]) - at(faces[f][k])).stableNorm();
     }
     result += moved * (around + moved);
   }
@@ -102,7 +102,7 @@ double area_rounding(const Surface& surface) {
   for (const Face& face : surface.faces())
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& a = vertices[static_cast<std::size_t>(face[k])];
-      edges += (vertices[static_cast<std::size_t>(face[(k + 1) % 3])] - a).norm();
+      edges += (vertices[static_cast<std::size_t>(face[(k + 1) % 3])] - a).stableNorm();
       largest = std::max(largest, a.cwiseAbs().maxCoeff());
     }
   return 64.0 * std::numeric_limits<double>::epsilon() * largest * edges;

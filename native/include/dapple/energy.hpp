@@ -18,7 +18,7 @@ struct Energy {
 
 /// \param capacity_weight lambda >= 0; the paper finds 20..100 useful, 30 is its default
 /// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative;
-/// Cancelled
+/// SurfaceError if vertices are so far apart that the energy is not finite; Cancelled
 [[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites,
                                      double capacity_weight, Context* context = nullptr,
                                      Cells cells = Cells::kEuclidean);

@@ -67,7 +67,7 @@ struct Samples {
 /// Measure samples, wherever they come from, at the price of one evaluation: count, spacing,
 /// evenness, bond order and energy; what tells of the making stays at its default.
 /// \param surface the surface they lie on
-/// \throw Cancelled
+/// \throw SurfaceError if vertices are so far apart that the energy is not finite; Cancelled
 [[nodiscard]] Report analyze(const Surface& surface, const Samples& samples,
                              double capacity_weight = 30.0, Cells cells = Cells::kConnected,
                              Context* context = nullptr);

@@ -4,6 +4,7 @@
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
+#include "optimize/finite_energy.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
@@ -60,6 +61,7 @@ Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity
                        Context* context) {
   Energy energy;
   update_energy(energy, domain, sites, capacity_weight, context);
+  check_finite(energy);
   return energy;
 }
 

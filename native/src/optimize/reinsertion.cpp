@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "base/tangent_basis.hpp"
+
 namespace dapple {
 namespace {
 
@@ -66,8 +68,8 @@ class Reinserter {
     for (const CellBoundary& side : state_.diagram().boundary(host))
       if (!farthest || side.offset.squaredNorm() > farthest->offset.squaredNorm()) farthest = &side;
     if (farthest) return x + 0.5 * farthest->offset;
-    return x +
-           std::sqrt(cell(host).area / std::numbers::pi) * state_.normals[host].unitOrthogonal();
+    const Vec3 aside = tangent_basis(state_.normals[host]).col(0);  // also where there is no normal
+    return x + std::sqrt(cell(host).area / std::numbers::pi) * aside;
   }
 
   const Objective& objective_;

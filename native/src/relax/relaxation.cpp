@@ -160,7 +160,8 @@ void Relaxation::balance(Region& region, Context* context) {
   capacity_ = capacity_around(region, diagram);
   for (std::size_t k = 0; k < region.members.size(); ++k)
     first_capacities_[region.members[k].site] = diagram.cells[k].capacity;
-  if (capacity_ == 0.0) capacity_ = capacity_elsewhere() * domain.density_unit();
+  if (capacity_ == 0.0)
+    capacity_ = capacity_elsewhere() * (domain.density_unit() / surface_.ordered().density_unit());
   const double wanted = wanted_capacity(region, diagram);
   if (wanted == 0.0) return;
   check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
@@ -171,7 +172,7 @@ void Relaxation::balance(Region& region, Context* context) {
   found.lacking += beside_locked;
   if (options_.count) keep_to_count(*options_.count, region, found);
   take_out(found.stay, region);
-  if (found.lacking > 0) put_in(found.lacking, wanted / domain.density_unit(), region, context);
+  if (found.lacking > 0) put_in(found.lacking, wanted, region, context);
 }
 
 /// How many more the cells of locked sites have room for.
@@ -218,7 +219,7 @@ double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi
 }
 
 /// The mean on the faces that have not changed; of all where these hold hardly any sites. In the
-/// surface's own unit.
+/// unit of the cells of the whole surface.
 double Relaxation::capacity_elsewhere() const {
   double mass = 0.0;
   std::vector<bool> is_changed(surface_.face_count(), false);
@@ -229,9 +230,9 @@ double Relaxation::capacity_elsewhere() const {
   const auto left = std::count_if(sites_.faces.begin(), sites_.faces.end(), [&](std::int32_t f) {
     return !is_changed[as_index(surface_.ordered().ordered_face(f))];
   });
-  const double rest = surface_.mass() - mass / surface_.ordered().density_unit();
-  return left >= kHardlyAny && rest > 0.0 ? rest / static_cast<double>(left)
-                                          : surface_.mass() / static_cast<double>(given_);
+  const double all = surface_.ordered().unit_mass();
+  return left >= kHardlyAny && all > mass ? (all - mass) / static_cast<double>(left)
+                                          : all / static_cast<double>(given_);
 }
 
 /// Of each of the sites where samples come and go, so that there become as many as are wanted; 0:
@@ -271,7 +272,7 @@ void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) 
   region = std::move(left);
 }
 
-/// \param capacity that each is to have, in the surface's own unit
+/// \param capacity that each is to have
 void Relaxation::put_in(std::size_t count, double capacity, Region& region,
                         const Context* context) {
   const Sites fresh = widest_gaps(region.part.surface(), {region.sites, region.open(), capacity},

@@ -126,7 +126,8 @@ Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, s
   Sites result;
   if (std::none_of(gaps.open.begin(), gaps.open.end(), [](bool open) { return open; }))
     return result;
-  auto draws = static_cast<std::size_t>(std::ceil(kDraws * surface.mass() / gaps.capacity));
+  auto draws =
+      static_cast<std::size_t>(std::ceil(kDraws * surface.ordered().unit_mass() / gaps.capacity));
   std::vector<Place> places = draw_places(surface, gaps, draws, seed, context);
   // The cells of open sites may be a small part of the surface.
   while (places.size() < count && kMore * draws <= kMost)

@@ -10,7 +10,7 @@ namespace dapple {
 struct Gaps {
   Sites sites;             ///< that are there, at least one, with barycentric coordinates
   std::vector<bool> open;  ///< per site: whether there may be new ones in its cell
-  double capacity = 0.0;   ///< of a site, in the surface's own unit: > 0
+  double capacity = 0.0;   ///< of a site, in the unit of the surface's cells: > 0
 };
 
 /// Places for new sites: each in the widest gap that those before it leave, in spacings at the

@@ -49,8 +49,10 @@ Vec2 times(const Vec2& a, const Vec2& b) {
 }
 Vec2 squared(const Vec2& a) { return times(a, a); }
 
-/// |mean of exp(6 i theta)| over the neighbors of a site; kNone if it has too few.
+/// |mean of exp(6 i theta)| over the neighbors of a site; kNone if it has too few, or lies on a
+/// face without area, which has no plane.
 double order_at(const RestrictedVoronoi& diagram, std::size_t site, const Vec3& normal) {
+  if (normal.isZero(0.0)) return kNone;
   const Vec3 u = normal.unitOrthogonal();
   const Vec3 v = normal.cross(u);
   Vec2 sum = Vec2::Zero();

@@ -51,6 +51,21 @@ TEST(Reinsertion, FreesTwoSitesAtOnePlace) {
   EXPECT_GT(least_capacity(optimize(SurfaceDomain(surface), start, {})), 0.0);
 }
 
+/// There is no normal, and no neighbor that tells a direction.
+TEST(Reinsertion, FreesTwoSitesAtOnePlaceOfAFaceWithoutArea) {
+  Shape shape = blob(3);
+  const auto needle = static_cast<std::int32_t>(shape.faces.size());
+  shape.faces.push_back({0, 0, 1});
+  const Surface surface = shape.surface();
+  const Vec3 weights(0.0, 0.5, 0.5);
+  const Sites start{std::vector<Vec3>(2, surface.point(needle, weights)),
+                    {needle, needle},
+                    std::vector<Vec3>(2, weights)};
+  const OptimizerResult found = optimize(SurfaceDomain(surface), start, {});
+  EXPECT_TRUE(std::isfinite(found.energy.total));
+  EXPECT_GT(least_capacity(found), 0.0);
+}
+
 /// On the torus nothing keeps a step inside the density's support.
 TEST(Reinsertion, BringsSitesBackIntoTheDensity) {
   Image image{1, 16, std::vector<double>(16, 0.0)};

@@ -160,6 +160,27 @@ TEST(Relax, FillsAVoidEvenly) {
   EXPECT_GT(alpha, 0.62);
 }
 
+/// Also where sums of squared integrals of the density would leave the range of numbers.
+TEST(Relax, IsTheSameInAnyUnitOfTheDensity) {
+  const Surface surface = blob(3).surface();
+  const Samples before = sample(surface, 300);
+  const auto refilled = [&](int power) {
+    const double one = std::ldexp(1.0, power);
+    const Surface full = surface.with_density(
+        {DensityAt::kVertices, std::vector<double>(surface.vertex_count(), one)});
+    const Surface without = full.with_density(
+        {DensityAt::kVertices, ball_density(full, before.positions[10], 0.8, 0.0, one)});
+    const Indices changed = changed_faces(full, without);
+    return relax(full, relax(without, before, changed), changed);
+  };
+  const Samples expected = refilled(0);
+  EXPECT_NEAR(static_cast<double>(expected.size()), 300.0, 2.0);
+  for (const int power : {-1020, -100, 100, 1020}) {
+    const Samples found = refilled(power);
+    EXPECT_EQ(found.positions, expected.positions) << "2^" << power;
+  }
+}
+
 /// A component may lose all its samples, and gets new ones.
 TEST(Relax, EmptiesAndSettlesAComponent) {
   const Shape other =

@@ -107,6 +107,19 @@ TEST(BondOrder, IsReported) {
   EXPECT_NEAR(again.energy, samples.report.energy, 1e-9);
 }
 
+/// A face without area has no normal, and its sites no plane.
+TEST(BondOrder, LeavesOutSitesWithoutANormal) {
+  const Surface surface = blob(3).surface();
+  const Samples samples = sample(surface, 100);
+  const RestrictedVoronoi diagram =
+      restricted_voronoi(surface, {samples.positions, samples.faces, samples.barycentric});
+  std::vector<Vec3> normals = samples.normals;
+  std::vector<bool> left_out(100, false);
+  normals[17] = Vec3::Zero();
+  left_out[17] = true;
+  EXPECT_EQ(bond_order(diagram, normals), bond_order(diagram, samples.normals, left_out));
+}
+
 TEST(BondOrder, OfNoneAndFewIsZero) {
   const Shape shape = grid(3);
   Random random(3);
