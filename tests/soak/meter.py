@@ -2,12 +2,14 @@
 """What a process has and takes, step by step, and whether that stays."""
 
 import gc
+import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import psutil
+from numpy.typing import NDArray
 
 MEMORY = 0.01  # share that may be gained: what allocators and caches vary by
 SPEED = 0.05  # share of a step's time that may be gained; only told, since machines are shared
@@ -15,13 +17,8 @@ HEAD = ("case", "steps", "minutes", "memory, first", "last", "time of a step, fi
 HEAD = (*HEAD, "files, threads, processes, first", "last", "memory", "speed")
 
 
-@dataclass(frozen=True)
-class Reading:
-    """After a step."""
-
-    seconds: float  # of the processors, in the step
-    memory: int  # bytes that are in memory
-    handles: tuple[int, int, int]  # open files, threads, processes below
+# After a step: seconds of the processors in it, bytes that are in memory, and what is open.
+READING = np.dtype([("seconds", "f8"), ("memory", "i8"), ("handles", "i4", 3)])
 
 
 @dataclass(frozen=True)
@@ -30,26 +27,26 @@ class Soaked:
 
     name: str
     minutes: float
-    readings: list[Reading]
+    readings: NDArray[np.void]  # of READING
 
-    def ends(self) -> tuple[list[Reading], list[Reading]]:
+    def ends(self) -> tuple[NDArray[np.void], NDArray[np.void]]:
         """The second tenth and the last."""
         tenth = max(len(self.readings) // 10, 1)
         return self.readings[tenth : 2 * tenth], self.readings[-tenth:]
 
     def memory(self) -> tuple[float, float]:
         """Median bytes of both ends."""
-        first, last = ([one.memory for one in end] for end in self.ends())
-        return float(np.median(first)), float(np.median(last))
+        first, last = (np.median(end["memory"]) for end in self.ends())
+        return float(first), float(last)
 
     def seconds(self) -> tuple[float, float]:
         """Mean seconds of a step, of both ends."""
-        first, last = ([one.seconds for one in end] for end in self.ends())
-        return float(np.mean(first)), float(np.mean(last))
+        first, last = (np.mean(end["seconds"]) for end in self.ends())
+        return float(first), float(last)
 
     def handles(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
         """The fewest of both ends: what is left behind never goes."""
-        first, last = (np.min([one.handles for one in end], axis=0) for end in self.ends())
+        first, last = (end["handles"].min(axis=0) for end in self.ends())
         return tuple(first.tolist()), tuple(last.tolist())
 
     def keeps_memory(self) -> bool:
@@ -74,15 +71,24 @@ class Soaked:
 
 
 def soaked(name: str, steps: Iterator[None]) -> Soaked:
-    """Go through the steps of a case and read the meter after each."""
-    process, readings, begun = psutil.Process(), [], time.monotonic()
-    used = time.process_time()
-    for _ in steps:
-        spent = time.process_time() - used
-        if len(readings) % 50 == 0:
-            gc.collect()
-        readings.append(Reading(spent, process.memory_info().rss, _handles(process)))
+    """Go through the steps of a case and read the meter after each.
+
+    Readings go to a file: a hundred thousand of them in memory would be a third of what a process
+    takes that keeps its memory.
+    """
+    process, begun, count = psutil.Process(), time.monotonic(), 0
+    with tempfile.TemporaryFile() as kept:
         used = time.process_time()
+        for _ in steps:
+            spent = time.process_time() - used
+            if count % 50 == 0:
+                gc.collect()
+            count += 1
+            reading = (spent, process.memory_info().rss, _handles(process))
+            kept.write(np.array(reading, READING).tobytes())
+            used = time.process_time()
+        kept.seek(0)
+        readings = np.frombuffer(kept.read(), READING)
     return Soaked(name, (time.monotonic() - begun) / 60.0, readings)
 
 

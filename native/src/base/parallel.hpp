@@ -54,12 +54,19 @@ double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
   return total;
 }
 
-/// Run `work()` with at most `threads` threads (0: as many as the machine has).
-/// \throw ArgumentError unless they are in 0..kMostThreads
+/// Run `work()` with at most `threads` threads (0: as many as the machine has), apart from what
+/// else the caller's threads do.
+///
+/// Only fewer threads than there are need an arena of their own: oneTBB 2021.8 (Debian 12) keeps
+/// the arenas of calls that end while no worker gets a processor, and its workers look for work in
+/// all of them, so that on a busy machine many short calls took ever more memory and twice the
+/// time. \throw ArgumentError unless they are in 0..kMostThreads
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
   check_range("threads", threads, kThreads);
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  if (threads == 0 || threads >= tbb::this_task_arena::max_concurrency())
+    return tbb::this_task_arena::isolate(work);
+  tbb::task_arena arena(threads);
   return arena.execute(work);
 }
 
