@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -30,10 +31,15 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
     if (count > 0) body(std::size_t{0}, count);
     return;
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), [&](const auto& range) {
+  // All threads round as the caller's does: otherwise they take over what was set where TBB began
+  // to work, and Embree flushes denormal numbers to zero there.
+  using Group = tbb::task_group_context;
+  Group group(Group::bound, Group::default_traits | Group::fp_settings);
+  const auto visit = [&](const auto& range) {
     for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
       body(chunk * grain, std::min(count, (chunk + 1) * grain));
-  });
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), visit, group);
 }
 
 /// The sum of term(k) over [0, count), added up by chunks of `grain`, whose sums are added up in

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <dapple/errors.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "base/parallel.hpp"
 #include "throws.hpp"
@@ -37,6 +39,21 @@ TEST(WithThreads, PassesOnWhatIsThrown) {
     expect_message<std::runtime_error>([&] { with_threads(threads, work); }, {"from inside"});
   }
   expect_message<ArgumentError>([] { (void)concurrency_with(-1); }, {"threads", "-1"});
+}
+
+/// Whatever was set where TBB began to work: a denormal number that one of them takes for zero
+/// would make a result depend on who computes it.
+TEST(Parallel, AllThreadsRoundAsTheCaller) {
+  for (const int threads : {0, 1}) {
+    std::vector<int> modes(64, -1);
+    std::fesetround(FE_UPWARD);
+    with_threads(threads, [&] {
+      parallel_chunks(modes.size(), 1,
+                      [&](std::size_t k, std::size_t) { modes[k] = std::fegetround(); });
+    });
+    std::fesetround(FE_TONEAREST);
+    EXPECT_EQ(modes, std::vector<int>(modes.size(), FE_UPWARD)) << threads << " threads";
+  }
 }
 
 TEST(Parallel, SumsAreTheSameForAnyNumberOfThreads) {

@@ -175,7 +175,7 @@ TEST(Relax, IsTheSameInAnyUnitOfTheDensity) {
   };
   const Samples expected = refilled(0);
   EXPECT_NEAR(static_cast<double>(expected.size()), 300.0, 2.0);
-  for (const int power : {-1020, -100, 100, 1020}) {
+  for (const int power : {-1020, -1000, -100, 100, 1000, 1020}) {
     const Samples found = refilled(power);
     EXPECT_EQ(found.positions, expected.positions) << "2^" << power;
   }
