@@ -62,11 +62,10 @@ double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
 
 /// Run `work()` with at most `threads` threads (0: as many as the machine has), apart from what
 /// else the caller's threads do.
-///
-/// Only fewer threads than there are need an arena of their own: oneTBB 2021.8 (Debian 12) keeps
-/// the arenas of calls that end while no worker gets a processor, and its workers look for work in
-/// all of them, so that on a busy machine many short calls took ever more memory and twice the
-/// time. \throw ArgumentError unless they are in 0..kMostThreads
+/// \throw ArgumentError unless they are in 0..kMostThreads
+// Only fewer threads than there are need an arena of their own: oneTBB 2021.8 (Debian 12) keeps the
+// arenas of calls that end while no worker gets a processor, and its workers look for work in all
+// of them, so that on a busy machine many short calls took ever more memory and twice the time.
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
   check_range("threads", threads, kThreads);
