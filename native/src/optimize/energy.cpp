@@ -61,7 +61,7 @@ Energy evaluate_energy(const Domain& domain, const Sites& sites, double capacity
                        Context* context) {
   Energy energy;
   update_energy(energy, domain, sites, capacity_weight, context);
-  check_finite(energy);
+  check_finite_energy(energy.total, energy.diagram.cells);
   return energy;
 }
 

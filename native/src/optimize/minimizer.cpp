@@ -7,7 +7,6 @@
 
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
-#include "optimize/finite_energy.hpp"
 #include "optimize/forecast.hpp"
 #include "optimize/line_search.hpp"
 #include "optimize/reinsertion.hpp"
@@ -70,7 +69,7 @@ class Minimizer {
     if (limit_.exceeded(state_))
       evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces, context_),
                state_);
-    check_finite(objective_, state_);
+    check_finite_energy(objective_, state_);
     shrink_radii(objective_, state_, radii_);
     if (options_.stickiness > 0.0)
       stick(objective_, state_, limit_.home().positions, options_.stickiness);

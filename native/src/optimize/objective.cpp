@@ -7,6 +7,7 @@
 
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
+#include "optimize/finite_energy.hpp"
 #include "voronoi/local_spacing.hpp"
 
 namespace dapple {
@@ -144,6 +145,13 @@ void update(State& state, const Objective& objective, Sites sites,
     state.discs = evaluate_disc_repulsion(state.sites, state.normals, objective.discs,
                                           objective.domain().period(), objective.discs_weight);
   set_radii(objective, state, radii);
+}
+
+void check_finite_energy(const Objective& objective, const State& state) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const Energy& energy = state.parts[t].energy;
+    check_finite_energy(energy.total, energy.diagram.cells, objective.terms[t].members);
+  }
 }
 
 void set_radii(const Objective& objective, State& state,

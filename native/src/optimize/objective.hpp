@@ -82,6 +82,10 @@ struct State {
 void update(State& state, const Objective& objective, Sites sites,
             const std::vector<std::vector<double>>& radii, Context* context);
 
+/// \throw SurfaceError naming the first site whose cell reaches so far that the energy is not
+/// finite
+void check_finite_energy(const Objective& objective, const State& state);
+
 /// Add up again after the radii have changed.
 void set_radii(const Objective& objective, State& state,
                const std::vector<std::vector<double>>& radii);

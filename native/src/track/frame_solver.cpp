@@ -6,7 +6,6 @@
 
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
-#include "optimize/finite_energy.hpp"
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/ordered_surface.hpp"
@@ -108,7 +107,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   Minimum first;
   first.state = evaluate(frame.objective, first_, no_repulsion, context);
   const State& state = first.state;
-  check_finite(frame.objective, state);
+  check_finite_energy(frame.objective, state);
   target_energy_ = normalized_energy(frame.objective, state);
   restoration_.cvt = normalized_cvt(frame.objective, state);
   restoration_.first_variation = capacity_variation(frame.objective, state);

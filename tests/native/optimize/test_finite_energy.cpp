@@ -63,9 +63,10 @@ TEST(FiniteEnergy, NamesASampleByItsIndexAmongAll) {
   energy.diagram.cells.resize(3);
   energy.diagram.cells[1].second = std::numeric_limits<double>::infinity();
   const std::vector<std::int32_t> members = {4, 7, 9};
-  expect_message<SurfaceError>([&] { check_finite(energy, members); }, {"samples[7]"});
+  expect_message<SurfaceError>(
+      [&] { check_finite_energy(energy.total, energy.diagram.cells, members); }, {"samples[7]"});
   energy.total = 1.0;
-  EXPECT_NO_THROW(check_finite(energy, members));
+  EXPECT_NO_THROW(check_finite_energy(energy.total, energy.diagram.cells, members));
 }
 
 }  // namespace
