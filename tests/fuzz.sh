@@ -41,12 +41,8 @@ fi
 
 build=$root/build/fuzz
 kept=$build/kept
-clang=19
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=0:symbolize=1
-export ASAN_SYMBOLIZER_PATH=/usr/bin/llvm-symbolizer-$clang
 export UBSAN_OPTIONS=print_stacktrace=1
-
-configure() { cmake --preset fuzz -DCMAKE_CXX_COMPILER="clang++-$clang"; }
 
 # fuzz TARGET: the log says how it went.
 fuzz() {
@@ -96,8 +92,7 @@ minimize() {
 }
 
 build_fuzzers() {
-  need_packages "clang-$clang" "libclang-rt-$clang-dev" "llvm-$clang"
-  [ -f "$build/CMakeCache.txt" ] || stage 'configure the fuzzers' configure
+  configure_with_clang fuzz
   stage 'build the fuzzers' cmake --build --preset fuzz -j "$(build_jobs)"
 }
 

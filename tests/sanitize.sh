@@ -47,7 +47,7 @@ keep() {
 sanitized() {
   local name=$1 preset=$2 rc=0
   [ -z "$only" ] || [ "$only" = "$name" ] || return 0
-  [ -f "build/$preset/CMakeCache.txt" ] || stage "configure $preset" cmake --preset "$preset"
+  configure_with_clang "$preset"
   stage "build $preset" cmake --build --preset "$preset" -j "$(build_jobs)"
   printf '== %s\n' "$name"
   SECONDS=0
@@ -77,7 +77,6 @@ memcheck() {
   keep valgrind "$rc"
 }
 
-need_packages g++ cmake ninja-build
 scripts/setup.sh --tools
 export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1
 sanitized address asan
