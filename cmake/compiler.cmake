@@ -38,4 +38,8 @@ if(DAPPLE_SANITIZE)
   target_compile_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE} -fno-omit-frame-pointer
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(dapple_compiler INTERFACE -fsanitize=${DAPPLE_SANITIZE})
+  if(DAPPLE_SANITIZE STREQUAL "thread")  # base/hand_over.hpp says what oneTBB, which is left out, would tell it
+    target_compile_options(dapple_compiler INTERFACE -fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/scripts/tsan.ignore)
+    target_compile_definitions(dapple_compiler INTERFACE DAPPLE_THREAD_SANITIZER)
+  endif()
 endif()

@@ -5,7 +5,7 @@
 #     --only      one of them
 #     --seconds   limit for the tests of each, without what it takes to build them; 3600 without it
 #   address    AddressSanitizer with its search for leaks, and UndefinedBehaviorSanitizer
-#   thread     ThreadSanitizer; scripts/tsan.supp leaves out what belongs to libraries, and says why
+#   thread     ThreadSanitizer; native/src/base/hand_over.hpp says what it is told of oneTBB
 #   valgrind   memcheck, which also knows uninitialized values, on those tests of the release build that $small names
 # What each said is in build/reports; a test that did not end in time counts as failed.
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/morton.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -34,10 +32,9 @@ std::uint64_t code(const Vec3& unit) {
 
 using Key = std::pair<std::uint64_t, std::int32_t>;
 
-/// No two are equal, so that there is one order for any number of threads.
 void sort(std::vector<Key>& keys, Context* context) {
   if (context) return sort_watched(keys, context);
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallel_sort(keys);
 }
 
 }  // namespace

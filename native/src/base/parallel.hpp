@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -10,8 +11,11 @@
 #include <array>
 #include <cstddef>
 #include <dapple/option.hpp>
+#include <functional>
 #include <span>
 #include <vector>
+
+#include "base/hand_over.hpp"
 
 #ifdef _WIN32  // names that a header of the system, which TBB includes, takes for itself
 #undef near
@@ -35,11 +39,23 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   // to work, and Embree flushes denormal numbers to zero there.
   using Group = tbb::task_group_context;
   Group group(Group::bound, Group::default_traits | Group::fp_settings);
+  HandOver all;
   const auto visit = [&](const auto& range) {
+    const HandOver::Part part(all);
     for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
       body(chunk * grain, std::min(count, (chunk + 1) * grain));
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), visit, group);
+}
+
+/// Sort values of which no two are equal, so that there is one order for any number of threads.
+template <typename T, typename Less = std::less<>>
+void parallel_sort(std::vector<T>& values, const Less& less = {}) {
+#ifdef DAPPLE_THREAD_SANITIZER  // which does not see what that of oneTBB hands over
+  std::sort(values.begin(), values.end(), less);
+#else
+  tbb::parallel_sort(values.begin(), values.end(), less);
+#endif
 }
 
 /// The sum of term(k) over [0, count), added up by chunks of `grain`, whose sums are added up in

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "plane/flat_sites.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <tuple>
 
 #include "base/morton.hpp"
@@ -40,7 +38,7 @@ std::vector<Key> along_curve(std::span<const Vec3> x) {
     keys[k] = {spread(cell_along(along.x(), most)) | spread(cell_along(along.y(), most)) << 1,
                static_cast<std::int32_t>(k)};
   });
-  tbb::parallel_sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+  parallel_sort(keys, [&](const Key& a, const Key& b) {
     if (a.code != b.code) return a.code < b.code;
     const Vec3& p = x[static_cast<std::size_t>(a.site)];
     const Vec3& q = x[static_cast<std::size_t>(b.site)];

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/hand_over.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/triangle.hpp"
@@ -174,11 +175,19 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
   return false;
 }
 
-/// Asks whether to go on while Embree builds its tree, from any of its threads. Exceptions must not
-/// pass through it, not even that there is no memory for one that says that it was cancelled.
-bool go_on(void* context, double) noexcept {
+/// What Embree's threads are given while they build its tree.
+struct Watch {
+  const Context* context;
+  HandOver all = {};
+};
+
+/// Asks whether to go on, from any of Embree's threads. Exceptions must not pass through it, not
+/// even that there is no memory for one that says that it was cancelled.
+bool go_on(void* given, double) noexcept {
+  Watch& watch = *static_cast<Watch*>(given);
+  const HandOver::Part part(watch.all);
   try {
-    (*static_cast<const Context**>(context))->check();
+    watch.context->check();
     return true;
   } catch (...) {
     return false;
@@ -216,8 +225,8 @@ void Projector::Scene::find_size(const Context* context) {
 }
 
 void Projector::Scene::build(const Context* context) {
-  if (context)
-    rtcSetSceneProgressMonitorFunction(handle.get(), go_on, reinterpret_cast<void*>(&context));
+  Watch watch{context};
+  if (context) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
   rtcCommitScene(handle.get());
   if (context) {
     rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
