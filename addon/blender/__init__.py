@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from ..core.worker import end_free_threads
 from . import copies, ui
 from .base import recent, renders, translation, under_way
 from .command import entry
@@ -71,6 +72,7 @@ def unregister() -> None:
         copies.stop()
         return
     with ExitStack() as back:
+        back.callback(end_free_threads)
         for _, take_back in _steps():
             back.callback(take_back)
         back.callback(asset_library.unregister)

@@ -7,7 +7,6 @@ crunched; it is sent the task's result, or is thrown its error. The same generat
 however it ends.
 """
 
-import threading
 import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Any
 
 from .errors import StoppedError
 from .native import package
+from .worker import Work
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Stepper:
         self.result: Any = None
         self._steps = steps
         self._task: Task | None = None
-        self._thread: threading.Thread | None = None
+        self._work: Work | None = None
         self._context: Any = None
         self._value: Any = None
         self._error: Exception | None = None
@@ -78,7 +78,7 @@ class Stepper:
     @property
     def waits(self) -> bool:
         """Whether the worker is at a task."""
-        return self._thread is not None and self._thread.is_alive()
+        return self._work is not None and not self._work.wait(0.0)
 
     @property
     def is_stopped(self) -> bool:
@@ -95,10 +95,8 @@ class Stepper:
         """Go on to the next task, waiting at most so many seconds; True when all is done."""
         if self._done:
             return True
-        if self._thread is not None:
-            self._thread.join(wait)
-            if self._thread.is_alive():
-                return False
+        if self._work is not None and not self._work.wait(wait):
+            return False
         try:
             self._start(self._next_task())
         except StopIteration as stop:
@@ -121,8 +119,8 @@ class Stepper:
     def close(self) -> None:
         """Stop the worker, wait for it, and let the generator put the scene back."""
         self.cancel()
-        if self._thread is not None:
-            self._thread.join()
+        if self._work is not None:
+            self._work.wait()
         self._steps.close()
 
     def abandon(self) -> None:
@@ -139,11 +137,9 @@ class Stepper:
 
     def _start(self, task: Task) -> None:
         self._task, self._context, self._begun = task, package().Context(), self._begun + 1
-        self._thread, self._value, self._error = None, None, None
-        if task is PAUSE:
-            return
-        self._thread = threading.Thread(target=self._work, args=(task,), name="dapple", daemon=True)
-        self._thread.start()
+        self._work, self._value, self._error = None, None, None
+        if task is not PAUSE:
+            self._work = Work(lambda: self._do(task))
 
-    def _work(self, task: Task) -> None:
+    def _do(self, task: Task) -> None:
         self._value, self._error = _outcome(task.call, self._context)

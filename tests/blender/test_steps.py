@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The modal's step function: worker thread, progress, cancel."""
 
+import gc
 import threading
 import time
+import weakref
 
 import addon_host
 import bpy
@@ -42,6 +44,68 @@ def test_tasks_run_in_a_worker_and_answer_the_generator(steps):
     assert finish(steps.Stepper(generator())) == 14
     assert threading.main_thread() not in threads
     assert steps.run_now(generator()) == 14
+
+
+def test_a_thread_takes_up_one_task_after_another(steps):
+    threads = []
+
+    def generator():
+        for _ in range(3):
+            yield steps.Task(lambda _: threads.append(threading.current_thread()))
+
+    for _ in range(4):
+        finish(steps.Stepper(generator()))
+    assert len(threads) == 12
+    assert len(set(threads)) == 1
+
+
+def test_what_is_abandoned_does_not_keep_others_waiting(steps):
+    goes_on = threading.Event()
+
+    def first():
+        yield steps.Task(lambda _: goes_on.wait(60.0))
+
+    def second():
+        return (yield steps.Task(lambda _: "done"))
+
+    left = steps.Stepper(first())
+    left.poll()
+    assert left.waits
+    left.abandon()
+    assert finish(steps.Stepper(second())) == "done"
+    assert left.waits
+    goes_on.set()
+
+
+def test_an_idle_thread_keeps_nothing_of_its_task(steps):
+    class Large:
+        pass
+
+    def generator():
+        return (yield steps.Task(lambda _: Large()))
+
+    stepper = steps.Stepper(generator())
+    seen = weakref.ref(finish(stepper))
+    del stepper
+    gc.collect()
+    assert seen() is None
+
+
+def test_disabling_ends_idle_threads(steps):
+    worker = addon_host.part("core.worker")
+
+    def generator():
+        yield steps.Task(lambda _: None)
+
+    finish(steps.Stepper(generator()))
+    assert worker.free_threads()
+    worker.end_free_threads()
+    end = time.monotonic() + 60.0
+    while [thread for thread in threading.enumerate() if thread.name == "dapple"]:
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    assert not worker.free_threads()
+    finish(steps.Stepper(generator()))  # and there are new ones
 
 
 def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
@@ -118,7 +182,9 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
     stepper.poll()
     stepper.close()
     assert scenes.snapshot() == before
-    assert not [thread for thread in threading.enumerate() if thread.name == "dapple"]
+    assert not stepper.waits
+    at_work = [thread for thread in threading.enumerate() if thread.name == "dapple"]
+    assert len(at_work) == addon_host.part("core.worker").free_threads()
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):
