@@ -48,8 +48,6 @@ def driven():
         watcher._leaving()
         watcher.enabled = False
         pictures._GLANCE, pictures._RARELY = glance, 20.0
-        if bpy.app.timers.is_registered(watcher.tick):
-            bpy.app.timers.unregister(watcher.tick)
 
 
 def _patient():

@@ -263,7 +263,7 @@ def _show(job: _Job) -> None:
 
 def _wake() -> None:
     """Have the timer look now, which may sleep until the next glance at pictures."""
-    if _state.ticking:
+    if _state.ticking or bpy.app.background:  # which runs no timers, and frees none taken back
         return
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
