@@ -50,6 +50,14 @@ def test_nothing_is_solved_while_nothing_changes(live, obj):
     assert live.settle() == 0
 
 
+def test_a_background_blender_is_given_no_timer(live, obj):
+    """It neither runs one nor frees one that is taken back, so that each change would keep some."""
+    obj.dapple.count = 70
+    bpy.context.view_layer.update()
+    assert bpy.app.background
+    assert not bpy.app.timers.is_registered(live.watcher.tick)
+
+
 def test_nothing_is_read_before_the_changes_rest(live, obj):
     live.settle()
     for count in range(61, 70):
