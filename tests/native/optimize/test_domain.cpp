@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <dapple/analysis.hpp>
@@ -13,6 +12,7 @@
 #include <iostream>
 #include <numeric>
 
+#include "base/parallel.hpp"
 #include "invariants.hpp"
 #include "shared_data.hpp"
 #include "surface/ordered_surface.hpp"
@@ -204,8 +204,9 @@ TEST(SurfaceDomain, IsFirstUsedByManyTasksAtOnce) {
   const std::vector<Vec3> point = {{2.0, 0.1, 0.3}};
   for (int round = 0; round < 20; ++round) {
     const SurfaceDomain domain(surface);
-    tbb::parallel_for(
-        0, 64, [&](int) { EXPECT_NEAR(domain.project(point, {}).positions[0].norm(), 1.0, 1e-2); });
+    parallel_chunks(64, 1, [&](std::size_t, std::size_t) {
+      EXPECT_NEAR(domain.project(point, {}).positions[0].norm(), 1.0, 1e-2);
+    });
   }
 }
 
