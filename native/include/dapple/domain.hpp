@@ -104,7 +104,7 @@ class SurfaceDomain final : public Domain {
   Steps steps_;
   std::shared_ptr<CutSurfaces> cuts_;
   std::shared_ptr<CellBuilders> builders_;
-  mutable std::once_flag once_;
+  mutable std::mutex making_;
   mutable std::unique_ptr<const Projector> projector_;  // made when it is first needed
 };
 

@@ -64,11 +64,11 @@ Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::
 const Projector& SurfaceDomain::projector(const Context* context) const {
   // While Embree waits for its own tasks, this thread must not begin another that waits for it.
   // Cancelled, it is made by the next who asks.
-  std::call_once(once_, [&] {
+  const std::scoped_lock lock(making_);
+  if (!projector_)
     tbb::this_task_arena::isolate([&] {
       projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true, context);
     });
-  });
   return *projector_;
 }
 
