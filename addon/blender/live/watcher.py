@@ -27,6 +27,7 @@ from ..base.job import is_under_way
 from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
+from ..base.timers import call_in
 from ..steps.asking import steps_of
 from . import pictures
 from .changes import NOBODY, Cause, Changes
@@ -263,11 +264,8 @@ def _show(job: _Job) -> None:
 
 def _wake() -> None:
     """Have the timer look now, which may sleep until the next glance at pictures."""
-    if _state.ticking or bpy.app.background:  # which runs no timers, and frees none taken back
-        return
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
-    bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
+    if not _state.ticking:
+        call_in(0.0, tick)
 
 
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

@@ -19,6 +19,7 @@ from ..base import job
 from ..base.handlers import Handlers, unwatch, watch
 from ..base.held import Held
 from ..base.sidebars import is_shown, redraw
+from ..base.timers import call_in
 from ..surface.surroundings import picture_digest
 from .present import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
@@ -171,9 +172,8 @@ def _doubt(one: _Asked) -> None:
 
 
 def _wake() -> None:
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)  # it may sleep between two glances
-    bpy.app.timers.register(tick, first_interval=_PAUSE, persistent=True)
+    """Have the timer look soon, which may sleep between two glances."""
+    call_in(_PAUSE, tick)
 
 
 def _busy() -> bool:

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Functions that Blender calls after a time, whichever file is open then."""
+
+from collections.abc import Callable
+
+import bpy
+
+
+def call_in(seconds: float, tick: Callable[[], float | None]) -> None:
+    """Have Blender call it in so many seconds, whenever else it would have.
+
+    A background Blender runs no timers, and never frees one that is taken back: it is given none.
+    """
+    if bpy.app.background:
+        return
+    if bpy.app.timers.is_registered(tick):
+        bpy.app.timers.unregister(tick)
+    bpy.app.timers.register(tick, first_interval=seconds, persistent=True)
