@@ -15,7 +15,7 @@ from ..base.artist import is_using_tool, last_operator
 from ..base.times import time_of
 from ..data.scatter import is_scatter
 from ..status.contents import solved_time
-from . import pictures
+from .pictures import Pictures
 from .watched import dependencies, follows, scatters
 
 Cause = frozenset[int]  # session_uids of scatters
@@ -29,6 +29,7 @@ class Changes:
     _touched: set[int] = field(default_factory=set)  # changed data-blocks
     _depends: dict[int, set[int]] = field(default_factory=dict)  # of a scatter
     _images: set[int] = field(default_factory=set)  # those that are watched
+    _pictures: Pictures = field(default_factory=Pictures)
     _relinked: bool = True  # whether that is to be looked up again
     _doubtful: set[int] = field(default_factory=set)  # scatters that depend on something else now
     _all_doubtful: bool = False
@@ -109,11 +110,11 @@ class Changes:
         """Look whether watched pictures were painted: no handler notices that."""
         if self._images:
             watched = [one for one in bpy.data.images if one.session_uid in self._images]
-            self._touched |= pictures.changed(watched)
+            self._touched |= self._pictures.changed(watched)
 
     def wait(self) -> float | None:
         """Seconds until the next glance; None where there is nothing to glance at."""
-        return pictures.wait() if self._images else None
+        return self._pictures.wait() if self._images else None
 
     def changed_scatters(self, being_written: Mapping[int, Cause]) -> list[tuple[int, Cause]]:
         """Scatters that depend on what was noted since the last time, each with the cause."""

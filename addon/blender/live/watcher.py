@@ -29,7 +29,6 @@ from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
 from ..base.timers import call_in
 from ..steps.asking import steps_of
-from . import pictures
 from .changes import NOBODY, Cause, Changes
 from .holds import is_held
 from .watched import follows, scatters
@@ -292,7 +291,6 @@ def _undone(*_arguments: Any) -> None:
 
 def _leaving(*_arguments: Any) -> None:
     _give_up()
-    pictures.forget()
     vars(_state).update(vars(_State()))
 
 
