@@ -38,24 +38,29 @@ class ProbeEngine(bpy.types.RenderEngine):
 
 
 @contextmanager
-def registered():
-    bpy.utils.register_class(ProbeEngine)
+def registered(engine=ProbeEngine):
+    bpy.utils.register_class(engine)
     try:
         yield
     finally:
-        bpy.utils.unregister_class(ProbeEngine)
+        bpy.utils.unregister_class(engine)
 
 
-def render(obj, frame, subframe=0.0, read=None):
-    """What a render of this frame sees of a scatter object and its surface."""
+def prepare(engine):
+    """Have the scene rendered by it, small."""
     scene = bpy.context.scene
-    scene.render.engine = ProbeEngine.bl_idname
+    scene.render.engine = engine.bl_idname
     scene.render.resolution_x = scene.render.resolution_y = 8
     scene.render.resolution_percentage = 100
     if scene.camera is None:
         scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         scene.collection.objects.link(scene.camera)
+
+
+def render(obj, frame, subframe=0.0, read=None):
+    """What a render of this frame sees of a scatter object and its surface."""
+    prepare(ProbeEngine)
     ProbeEngine.watched, ProbeEngine.seen, ProbeEngine.read = obj.name, (), read
-    scene.frame_set(frame, subframe=subframe)
+    bpy.context.scene.frame_set(frame, subframe=subframe)
     bpy.ops.render.render()
     return ProbeEngine.seen[-1]

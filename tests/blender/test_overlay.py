@@ -3,6 +3,7 @@
 
 import addon_host
 import bpy
+import drawn
 import numpy as np
 import probe
 import pytest
@@ -254,3 +255,18 @@ def test_a_render_stops_the_worker_and_colors_come_afterwards(overlay, monkeypat
     windowed.until(lambda: len(threads) == 2, lambda: wait(overlay))
     windowed.until(lambda: overlay._shown.job is None, lambda: wait(overlay))
     assert overlay.triangles()[0] is not before
+
+
+def test_colors_are_drawn_where_the_surface_is(overlay):
+    bpy.ops.mesh.primitive_grid_add(size=2.0)
+    for vertex in bpy.context.object.data.vertices:
+        vertex.co.z = 0.1 * (vertex.co.x > 0.0)
+    density = scenes.scattered(bpy.context.object, count=40).dapple.density
+    density.use_height, density.height_fade = True, 0.0
+    density.height_from, density.height_to = 0.05, 1.0
+    bpy.ops.dapple.show_density()
+    most, none = addon_host.part("core.density_colors").colored(np.array([1.0, 0.0]))
+    found = drawn.picture(overlay._draw, (-2.0, -2.0), (2.0, 2.0), (64, 64))[..., :3]
+    np.testing.assert_allclose(found[32, 44], most[:3] * most[3], atol=0.01)
+    np.testing.assert_allclose(found[32, 20], none[:3] * none[3], atol=0.01)
+    assert not found[:, 50:].any()

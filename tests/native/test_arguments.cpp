@@ -65,6 +65,9 @@ struct Verb {
   std::function<void(const Surface&, const Samples&)> call;
 };
 
+/// Its bytes, which would be printed otherwise, are not all initialized.
+void PrintTo(const Verb& verb, std::ostream* out) { *out << verb.name; }
+
 std::string verb_name(const testing::TestParamInfo<Verb>& info) { return info.param.name; }
 
 void cover_with(const Surface& surface, const Samples& samples) {

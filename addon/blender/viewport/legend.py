@@ -16,9 +16,10 @@ _EDGE, _GAP, _LETTER = 20.0, 5.0, 12.0
 _FONT = 0
 
 
-def draw(title: str, low: str, high: str) -> None:
-    """Into the region that is drawn, at its lower left, right of the toolbar."""
-    scale = bpy.context.preferences.system.ui_scale
+def draw(title: str, low: str, high: str, scale: float) -> None:
+    """Into the region that is drawn, at its lower left, right of the toolbar; the scale is that of
+    the interface.
+    """
     left, bottom = _toolbar() + _EDGE * scale, _EDGE * scale
     blf.size(_FONT, _LETTER * scale)
     above = bottom + (_LETTER + _GAP) * scale

@@ -198,7 +198,7 @@ def _draw() -> None:
 
 def _draw_legend() -> None:
     if _shown.legend is not None and bpy.context.space_data.overlay.show_overlays:
-        legend_drawing.draw(*_shown.legend)
+        legend_drawing.draw(*_shown.legend, bpy.context.preferences.system.ui_scale)
 
 
 def _parts(positions: Singles, colors: Singles) -> list[Part]:
