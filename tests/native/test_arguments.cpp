@@ -64,8 +64,6 @@ struct Verb {
   std::string name;
   std::function<void(const Surface&, const Samples&)> call;
 };
-
-/// Its bytes, which would be printed otherwise, are not all initialized.
 void PrintTo(const Verb& verb, std::ostream* out) { *out << verb.name; }
 
 std::string verb_name(const testing::TestParamInfo<Verb>& info) { return info.param.name; }

@@ -78,6 +78,7 @@ struct Case {
   std::string name;
   Image image;
 };
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 
 class RefineImageOf : public testing::TestWithParam<Case> {};
 

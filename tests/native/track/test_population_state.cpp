@@ -26,6 +26,7 @@ struct Body {
   std::function<Population()> begin;
   std::function<Shape(int)> frame;
 };
+void PrintTo(const Body& one, std::ostream* out) { *out << one.name; }
 
 Shape growing(int frame) {
   const double share = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * frame / kFrames);
