@@ -3,16 +3,24 @@
 """Breaks lines of the library one at a time, and counts how many of them the native tests notice.
 
 build/venv/bin/python tests/mutate.py [--count 100] [--rooms voronoi optimize track] [--seed 0]
+                                      [--anew]
 
 A line is broken as a slip of the pen would: a sign, a comparison, a minimum for a maximum, a
 statement left out. What does not compile is passed over and does not count, and a run that takes
 too long is noticed. It works on a copy of the sources in build/mutants, which the first run builds
 as a whole. The lines that nobody noticed are printed; exit status 1 if they are more than a tenth.
+
+What came out is kept in build/mutants/outcomes.json as long as the library's sources stay as they
+are: a run that was stopped goes on, and one after tests were added tries the lines again that had
+been missed.
 """
 
 from __future__ import annotations
 
 import argparse
+import filecmp
+import hashlib
+import json
 import random
 import re
 import shutil
@@ -21,12 +29,13 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "build" / "mutants"
 SOURCE, BUILD = FOLDER / "source", FOLDER / "build"
+KEPT = FOLDER / "outcomes.json"
 COPIED = ["CMakeLists.txt", "CMakePresets.json", "LICENSE", "cmake", "native", "tests"]
 PROGRAMS = ["dapple_same_bytes_tests", "dapple_tests"]  # the one that notices most comes first
 SKIPPED = "Consumer*:*RealMesh*"
@@ -103,15 +112,53 @@ def mutants(rooms: list[str], seed: int) -> Iterator[Mutant]:
         yield Mutant(path, number, line, chance.choice(list(breaks(line))))
 
 
+@dataclass
+class Outcomes:
+    """What came of the lines that were broken so far, kept in a file."""
+
+    sources: str  # a sum over the library they are lines of
+    of: dict[str, str] = field(default_factory=dict)
+
+    def keep(self, mutant: Mutant, told: str) -> None:
+        self.of[str(mutant)] = told
+        KEPT.write_text(json.dumps({"sources": self.sources, "of": self.of}), encoding="utf-8")
+
+
+def outcomes_so_far() -> Outcomes:
+    """Those of earlier runs on the same sources."""
+    total = hashlib.sha256()
+    for path in sorted((ROOT / "native").rglob("*.?pp")):
+        total.update(path.read_bytes())
+    found = Outcomes(total.hexdigest())
+    if KEPT.exists():
+        kept = Outcomes(**json.loads(KEPT.read_text(encoding="utf-8")))
+        found.of = kept.of if kept.sources == found.sources else {}
+    return found
+
+
+def copy(from_path: Path, to_path: Path) -> None:
+    """Make a file or folder the same as another.
+
+    Only what differs is written, and written now: a line that an earlier run broke may still be in
+    the object file, which the time of the file it came from would call up to date.
+    """
+    if from_path.is_dir():
+        to_path.mkdir(exist_ok=True)
+        names = {path.name for path in from_path.iterdir()}
+        for path in to_path.iterdir():
+            if path.name not in names:
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        for name in names:
+            copy(from_path / name, to_path / name)
+    elif not to_path.exists() or not filecmp.cmp(from_path, to_path, shallow=False):
+        shutil.copyfile(from_path, to_path)
+
+
 def prepare() -> float:
     """A copy of the sources as they are, built, whose tests pass; seconds that they may take."""
     SOURCE.mkdir(parents=True, exist_ok=True)
     for name in COPIED:
-        if (ROOT / name).is_dir():
-            shutil.rmtree(SOURCE / name, ignore_errors=True)
-            shutil.copytree(ROOT / name, SOURCE / name)  # with its times: built anew is what is new
-        else:
-            shutil.copy2(ROOT / name, SOURCE / name)
+        copy(ROOT / name, SOURCE / name)
     configure = ["cmake", "-S", str(SOURCE), "-B", str(BUILD), "-G", "Ninja"]
     configure += ["-DCMAKE_BUILD_TYPE=Release", "-DDAPPLE_TESTS=ON"]
     configure += ["-DDAPPLE_PYTHON=OFF", "-DDAPPLE_BENCHMARKS=OFF", "-DDAPPLE_WERROR=OFF"]
@@ -142,7 +189,7 @@ def noticed(longest: float | None) -> bool:
     return False
 
 
-def outcome(mutant: Mutant, longest: float) -> str:
+def outcome_of(mutant: Mutant, longest: float) -> str:
     """Whether tests notice it: "noticed", "missed" or "does not compile"."""
     copy = SOURCE / mutant.path.relative_to(ROOT)
     lines = copy.read_text(encoding="utf-8").splitlines()
@@ -163,15 +210,21 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--count", type=int, default=100, help="lines that are broken")
     parser.add_argument("--rooms", nargs="+", default=["voronoi", "optimize", "track"])
     parser.add_argument("--seed", type=int, default=0, help="another one takes other lines")
+    parser.add_argument("--anew", action="store_true", help="forget what came out before")
     return parser.parse_args()
 
 
 def main() -> int:
     given = arguments()
-    longest = prepare()
+    if given.anew:
+        KEPT.unlink(missing_ok=True)
+    longest, outcomes = prepare(), outcomes_so_far()
     found: Counter[str] = Counter()
     for mutant in mutants(given.rooms, given.seed):
-        told = outcome(mutant, longest)
+        told = outcomes.of.get(str(mutant), "missed")
+        if told == "missed":
+            told = outcome_of(mutant, longest)
+            outcomes.keep(mutant, told)
         found[told] += 1
         if told == "missed":
             print(mutant, flush=True)

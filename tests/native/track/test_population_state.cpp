@@ -108,6 +108,21 @@ TEST(PopulationState, IsAllThatAPopulationKnows) {
   EXPECT_EQ(a.settled, b.settled);
 }
 
+/// Samples for which a state asks come in the next frame, though nothing moves.
+TEST(PopulationState, MayAskForMoreThanThereAre) {
+  for (const std::size_t which : {0u, 1u}) {  // of one class, and of two
+    const Body body = bodies()[which];
+    Population population = body.begin();
+    const std::size_t before = population.samples().size();
+    PopulationState state = population.state();
+    state.densities.back() *= 1.5;
+    population.resume(population.surface(), population.samples(), state);
+    const Samples& after = population.advance(population.surface());
+    const double asked = 0.5 * static_cast<double>(before) / static_cast<double>(which + 1);
+    EXPECT_EQ(after.size(), before + static_cast<std::size_t>(asked)) << body.name;
+  }
+}
+
 TEST(PopulationState, MayHaveNoSampleOfAClass) {
   const Surface surface = growing(0).surface();
   const auto begin = [&] { return Population(surface, sample(surface, 40), {}, {{}, {}}); };

@@ -53,6 +53,23 @@ TEST(CellPolyhedron, IsTouchedWithoutLoss) {
   }
 }
 
+/// What counts is the plane, not how long its normal is.
+TEST(CellPolyhedron, AnswersTheSameForNormalsOfAnyLength) {
+  CellPolyhedron cell;
+  cell.start(kBox);
+  vertices_of(cell);
+  const Vec3 normal(1, 1, 1);
+  for (const double length : {1e-9, 1e-3, 1.0, 1e3, 1e9}) {
+    EXPECT_FALSE(cell.is_cut_by(length * normal, length * 3.0)) << length;
+    EXPECT_TRUE(cell.is_cut_by(length * normal, length * 2.999)) << length;
+    EXPECT_TRUE(cell.touches(length * normal, length * 3.0)) << length;
+    EXPECT_FALSE(cell.touches(length * normal, length * 3.001)) << length;
+    CellPolyhedron less = cell;
+    EXPECT_TRUE(less.cut(length * normal, length * 2.999)) << length;
+    EXPECT_EQ(vertices_of(less).size(), 3u) << length;
+  }
+}
+
 Vec3 on_lattice(Random& random) {
   return Vec3(random.below(5) - 2, random.below(5) - 2, random.below(5) - 2);
 }
