@@ -11,6 +11,7 @@ import bpy
 
 from .base.extension import PACKAGE
 from .base.labels import lines_of
+from .base.timers import call_off, call_within
 from .base.translation import english, told
 
 _LOOK = 1.0  # seconds between two looks
@@ -40,15 +41,14 @@ def wait(begin: Callable[[], None]) -> None:
     """Call begin when the other copy is disabled."""
     _waiting.begin = begin
     bpy.utils.register_class(DAPPLE_AP_waiting)
-    bpy.app.timers.register(look, first_interval=_LOOK, persistent=True)
+    call_within(_LOOK, look)
     print(f"Dapple: {note(english)}")
 
 
 def stop() -> None:
     """Wait no more."""
     _waiting.begin = None
-    if bpy.app.timers.is_registered(look):
-        bpy.app.timers.unregister(look)
+    call_off(look)
     bpy.utils.unregister_class(DAPPLE_AP_waiting)
 
 

@@ -14,10 +14,11 @@ import bpy
 
 from ...core.errors import ScatterError
 from . import job
-from .handlers import Handlers, unwatch, watch
+from .handlers import Handlers
 from .held import Held
 from .renders import busy
 from .sidebars import redraw
+from .timers import call_off, call_within
 
 _PAUSE = 0.2  # seconds until the next look, while Blender renders or solves
 _MOST = 64  # found values that are kept beyond those that were just asked for
@@ -57,8 +58,7 @@ class Prepared:
             held = Held(obj) if obj is not None else None
             note = _notes[key] = _Note(self._find, held, self._before)
         note.asked = True
-        if not bpy.app.timers.is_registered(tick):
-            bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
+        call_within(0.0, tick)
         return note.found
 
 
@@ -95,17 +95,16 @@ def _forget(*_arguments: Any) -> None:
         del _notes[key]
 
 
-_HANDLERS: Handlers = {"load_pre": _forget}
+_HANDLERS = Handlers(load_pre=_forget)
 
 
 def register() -> None:
     """Forget what was found of objects when another file is opened."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Know nothing and look for nothing."""
     _notes.clear()
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
-    unwatch(_HANDLERS)
+    call_off(tick)
+    _HANDLERS.unwatch()

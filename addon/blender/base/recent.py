@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .handlers import Handlers, unwatch, watch
+from .handlers import Handlers
 
 _MOST = 64
 
@@ -36,15 +36,15 @@ def _forget(*_arguments: Any) -> None:
     _uids.clear()
 
 
-_HANDLERS: Handlers = {"depsgraph_update_post": _note, "load_pre": _forget}
+_HANDLERS = Handlers(depsgraph_update_post=_note, load_pre=_forget)
 
 
 def register() -> None:
     """Watch which object is active."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Remember nothing."""
     _forget()
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()

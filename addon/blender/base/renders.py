@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from .handlers import Handlers, unwatch, watch
+from .handlers import Handlers
 
 
 @dataclass
@@ -41,20 +41,20 @@ def _ends(*_arguments: Any) -> None:
     _state.rendering = False
 
 
-_HANDLERS: Handlers = {
-    "render_init": _begins,
-    "render_complete": _ends,
-    "render_cancel": _ends,
-    "load_pre": _ends,
-}
+_HANDLERS = Handlers(
+    render_init=_begins,
+    render_complete=_ends,
+    render_cancel=_ends,
+    load_pre=_ends,
+)
 
 
 def register() -> None:
     """Watch renders."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Stop watching."""
     _state.rendering = False
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()

@@ -18,9 +18,10 @@ import bpy
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper
 from . import artist, renders
-from .handlers import Handlers, unwatch, watch
+from .handlers import Handlers
 from .held import Held
 from .sidebars import redraw
+from .timers import call_off, call_within
 from .translation import operator_label, reported, told
 from .undo import push_undo
 
@@ -96,7 +97,7 @@ def begin(context: bpy.types.Context, work: Work) -> None:
     except BaseException:
         _leave()
         raise
-    bpy.app.timers.register(tick, first_interval=0.0, persistent=True)
+    call_within(0.0, tick)
     redraw()
 
 
@@ -210,8 +211,8 @@ def _end(uid: int, said: Said) -> None:
     _leave()
     _state.notes[uid] = said
     _write_status(" ".join(text for _, text in said))
-    if said and not bpy.app.timers.is_registered(_clear_status):
-        bpy.app.timers.register(_clear_status, first_interval=_SAID, persistent=True)
+    if said:
+        call_within(_SAID, _clear_status)
     redraw()
 
 
@@ -271,25 +272,24 @@ def _leaving(*_arguments: Any) -> None:
     _write_status("")
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _updated,
-    "frame_change_post": _frame_changed,
-    "undo_post": _undone,
-    "redo_post": _undone,
-    "load_pre": _leaving,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_frame_changed,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+)
 
 
 def register() -> None:
     """Watch what happens to the file."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Do nothing more."""
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()
     _leave()
     _state.notes.clear()
     for timer in (tick, _clear_status):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
+        call_off(timer)

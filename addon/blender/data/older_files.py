@@ -6,7 +6,8 @@ from typing import Any
 import bpy
 
 from ...core.older_names import RENAMED, rename
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
+from ..base.timers import call_off, call_within
 from .scatter import is_scatter
 
 
@@ -27,17 +28,16 @@ def _begin() -> None:
     _renew()
 
 
-_HANDLERS: Handlers = {"load_post": _renew, "blend_import_post": _renew}
+_HANDLERS = Handlers(load_post=_renew, blend_import_post=_renew)
 
 
 def register() -> None:
     """Watch files being opened, and data-blocks being linked and appended."""
-    watch(_HANDLERS)
-    bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)  # no file is there yet
+    _HANDLERS.watch()
+    call_within(0.0, _begin)  # no file is there yet
 
 
 def unregister() -> None:
     """Stop watching."""
-    if bpy.app.timers.is_registered(_begin):
-        bpy.app.timers.unregister(_begin)
-    unwatch(_HANDLERS)
+    call_off(_begin)
+    _HANDLERS.unwatch()

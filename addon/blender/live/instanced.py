@@ -6,7 +6,7 @@ collection.
 import bpy
 
 from ..base import renders, under_way
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.quiet import is_quiet
 from ..data.library import read_only
 from ..data.modifier import write_instance_inputs
@@ -32,14 +32,14 @@ def _follow(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
         follow_bounds(kind, depsgraph)
 
 
-_HANDLERS: Handlers = {"depsgraph_update_post": _updated}
+_HANDLERS = Handlers(depsgraph_update_post=_updated)
 
 
 def register() -> None:
     """Watch what is placed."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Watch nothing."""
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ...nodes import get_input
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.quiet import is_quiet
 from ..data.library import read_only
 from ..data.modifier import scatter_modifier, tied_inputs
@@ -62,15 +62,15 @@ def _forget(*_arguments: Any) -> None:
     _known.clear()
 
 
-_HANDLERS: Handlers = {"depsgraph_update_post": _updated, "load_pre": _forget}
+_HANDLERS = Handlers(depsgraph_update_post=_updated, load_pre=_forget)
 
 
 def register() -> None:
     """Watch the modifiers of scatters."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Watch and know nothing."""
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()
     _forget()

@@ -12,8 +12,9 @@ import bpy
 
 from ...core.errors import ScatterError
 from ..base.artist import is_operated
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.quiet import is_quiet
+from ..base.timers import call_off, call_within
 from ..data.library import read_only
 from ..data.scatter import is_scatter, is_unsolved
 from ..steps.marking import instanced
@@ -56,7 +57,7 @@ def touch(obj: bpy.types.Object) -> None:
     """A setting of a scatter was changed: if it has a surface and no points yet, it gets some."""
     if watcher.enabled and is_unsolved(obj) and obj.dapple.surface is not None:
         _state.chosen.add(obj.session_uid)
-        _wake()
+        call_within(0.0, look)
 
 
 def look() -> float | None:
@@ -102,11 +103,6 @@ def _place(obj: bpy.types.Object, surface: bpy.types.Object | None) -> None:
         _state.notes[obj.session_uid] = left_out
 
 
-def _wake() -> None:
-    if not bpy.app.timers.is_registered(look):
-        bpy.app.timers.register(look, first_interval=0.0, persistent=True)
-
-
 def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     """Note what has come, and what is active."""
     if not watcher.enabled or is_quiet():
@@ -118,7 +114,7 @@ def _updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         obj = one.id.original
         new = isinstance(obj, bpy.types.Object) and obj.session_uid not in _state.known
         if new and is_unsolved(obj):
-            _wake()
+            call_within(0.0, look)
 
 
 def _loaded(*_arguments: Any) -> None:
@@ -134,12 +130,12 @@ def _undone(*_arguments: Any) -> None:
             watcher.forget(obj)
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _updated,
-    "load_post": _loaded,
-    "undo_post": _undone,
-    "redo_post": _undone,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    load_post=_loaded,
+    undo_post=_undone,
+    redo_post=_undone,
+)
 
 
 def _begin() -> None:
@@ -148,13 +144,12 @@ def _begin() -> None:
 
 def register() -> None:
     """Watch what comes."""
-    watch(_HANDLERS)
-    bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)  # no file is there yet
+    _HANDLERS.watch()
+    call_within(0.0, _begin)  # no file is there yet
 
 
 def unregister() -> None:
     """Place nothing."""
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()
     for timer in (_begin, look):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
+        call_off(timer)

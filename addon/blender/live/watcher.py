@@ -21,13 +21,13 @@ from ...core.errors import ScatterError, StoppedError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
 from ..base.artist import is_operated
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.held import Held
 from ..base.job import is_under_way
 from ..base.quiet import is_quiet
 from ..base.renders import when_one_begins
 from ..base.sidebars import redraw
-from ..base.timers import call_in
+from ..base.timers import call_in, call_off
 from ..steps.asking import steps_of
 from .changes import NOBODY, Cause, Changes
 from .holds import is_held
@@ -307,24 +307,23 @@ def _step_aside() -> None:
         _render_begins()
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _updated,
-    "frame_change_post": _moved_on,
-    "undo_post": _undone,
-    "redo_post": _undone,
-    "load_pre": _leaving,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_moved_on,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+)
 
 
 def register() -> None:
     """Watch what happens to the file."""
     when_one_begins(_render_begins)
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Update nothing and watch nothing."""
-    unwatch(_HANDLERS)
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
+    _HANDLERS.unwatch()
+    call_off(tick)
     _leaving()

@@ -16,10 +16,10 @@ import bpy
 
 from ...core.errors import ScatterError
 from ..base import job
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.held import Held
 from ..base.sidebars import is_shown, redraw
-from ..base.timers import call_in
+from ..base.timers import call_in, call_off
 from ..surface.surroundings import picture_digest
 from .present import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
@@ -230,27 +230,26 @@ def _render_ends(*_arguments: Any) -> None:
     _all_doubtful()
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _updated,
-    "frame_change_post": _frame_changed,
-    "render_init": _render_begins,
-    "render_complete": _render_ends,
-    "render_cancel": _render_ends,
-    "undo_post": _forget,
-    "redo_post": _forget,
-    "load_pre": _forget,
-    "save_post": _all_doubtful,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_frame_changed,
+    render_init=_render_begins,
+    render_complete=_render_ends,
+    render_cancel=_render_ends,
+    undo_post=_forget,
+    redo_post=_forget,
+    load_pre=_forget,
+    save_post=_all_doubtful,
+)
 
 
 def register() -> None:
     """Watch what happens to the file."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Know nothing and watch nothing."""
     _forget()
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
-    unwatch(_HANDLERS)
+    call_off(tick)
+    _HANDLERS.unwatch()

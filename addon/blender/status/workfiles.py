@@ -20,7 +20,8 @@ from ...core.errors import ScatterError
 from ...core.native import missing
 from ...core.records import ROW_ATTRIBUTES
 from ...core.sidecar import Sidecar, start_digest
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
+from ..base.timers import call_off, call_within
 from ..base.translation import told
 from ..data.points import own_columns
 from ..data.scatter import is_scatter, settings_of
@@ -267,22 +268,22 @@ def _edited(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             _known.edits[uid] = _known.edits.get(uid, 0) + 1
 
 
-_HANDLERS: Handlers = {
-    "save_post": saved,
-    "load_post": _loaded,
-    "undo_post": _forget,
-    "redo_post": _forget,
-    "depsgraph_update_post": _edited,
-}
+_HANDLERS = Handlers(
+    save_post=saved,
+    load_post=_loaded,
+    undo_post=_forget,
+    redo_post=_forget,
+    depsgraph_update_post=_edited,
+)
 
 
 def register() -> None:
     """Watch files being saved and opened."""
     _forget()
-    watch(_HANDLERS)
+    _HANDLERS.watch()
     # No file is there yet at start-up. Persistent: one that is dropped by opening a file keeps
     # Python's bpy module from closing.
-    bpy.app.timers.register(_begin, first_interval=0.0, persistent=True)
+    call_within(0.0, _begin)
 
 
 def _begin() -> None:
@@ -291,6 +292,5 @@ def _begin() -> None:
 
 def unregister() -> None:
     """Stop watching."""
-    if bpy.app.timers.is_registered(_begin):
-        bpy.app.timers.unregister(_begin)
-    unwatch(_HANDLERS)
+    call_off(_begin)
+    _HANDLERS.unwatch()

@@ -15,7 +15,7 @@ from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, binding_f
 from ...core.rest import AtRest
 from ...core.solve import Scattered, Solved
 from ...core.surface import Ints, SurfaceArrays
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..data.points import own_columns, point_columns_of, points_digest
 from ..data.store import write_scattered
 from ..data.touched import touched_places
@@ -66,15 +66,15 @@ def _forget(*_arguments: Any) -> None:
     _known.clear()
 
 
-_HANDLERS: Handlers = {"load_pre": _forget}
+_HANDLERS = Handlers(load_pre=_forget)
 
 
 def register() -> None:
     """Forget what another file has."""
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Remember nothing."""
     _forget()
-    unwatch(_HANDLERS)
+    _HANDLERS.unwatch()

@@ -18,9 +18,10 @@ from gpu_extras.batch import batch_for_shader
 from ...core.density_colors import Colored, Singles, computed
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper, Steps, Task
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.held import Held
 from ..base.renders import busy, when_one_begins
+from ..base.timers import call_off, call_within
 from ..base.translation import told
 from ..data.scatter import surface_of
 from ..surface.parts import read_parts
@@ -86,8 +87,7 @@ def start(obj: bpy.types.Object) -> None:
             space.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW"),
             space.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"),
         )
-    if not bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.register(_tick, first_interval=_POLL, persistent=True)
+    call_within(_POLL, _tick)
     _redraw()
 
 
@@ -252,24 +252,23 @@ def _leaving(*_arguments: Any) -> None:
     _shown.said = ""
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _updated,
-    "frame_change_post": _updated,
-    "undo_post": _undone,
-    "redo_post": _undone,
-    "load_pre": _leaving,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_updated,
+    frame_change_post=_updated,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+)
 
 
 def register() -> None:
     """Watch what colors depend on, and files being opened."""
     when_one_begins(_render_begins)
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Show nothing and watch nothing."""
-    unwatch(_HANDLERS)
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
+    _HANDLERS.unwatch()
+    call_off(_tick)
     stop()

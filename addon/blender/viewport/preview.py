@@ -15,9 +15,10 @@ import bpy
 
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper
-from ..base.handlers import Handlers, unwatch, watch
+from ..base.handlers import Handlers
 from ..base.held import Held
 from ..base.renders import busy, when_one_begins
+from ..base.timers import call_off, call_within
 from ..base.translation import told
 from ..data.points import own_points
 from ..data.scatter import surface_of
@@ -76,12 +77,7 @@ def start(obj: bpy.types.Object) -> None:
     _poll(preview)
     _state.previews[obj.session_uid] = preview
     _state.said, _state.dirty = "", True
-    _ensure_timer()
-
-
-def _ensure_timer() -> None:
-    if not bpy.app.timers.is_registered(tick):
-        bpy.app.timers.register(tick, first_interval=_TICK, persistent=True)
+    call_within(_TICK, tick)
 
 
 def stop(obj: bpy.types.Object) -> None:
@@ -197,7 +193,7 @@ def _render_begins() -> None:
 
 def _undone(*_arguments: Any) -> None:
     _state.undone = _state.dirty = True
-    _ensure_timer()
+    call_within(_TICK, tick)
 
 
 def _leaving(*_arguments: Any) -> None:
@@ -216,30 +212,29 @@ def _saving(*_arguments: Any) -> None:
     clear_bindings()
 
 
-_HANDLERS: Handlers = {
-    "depsgraph_update_post": _touched,
-    "frame_change_post": _touched,
-    "render_complete": _touched,
-    "render_cancel": _touched,
-    "undo_post": _undone,
-    "redo_post": _undone,
-    "load_pre": _leaving,
-    "load_post": _loaded,
-    "save_pre": _saving,
-}
+_HANDLERS = Handlers(
+    depsgraph_update_post=_touched,
+    frame_change_post=_touched,
+    render_complete=_touched,
+    render_cancel=_touched,
+    undo_post=_undone,
+    redo_post=_undone,
+    load_pre=_leaving,
+    load_post=_loaded,
+    save_pre=_saving,
+)
 
 
 def register() -> None:
     """Watch what happens to the file."""
     when_one_begins(_render_begins)
-    watch(_HANDLERS)
+    _HANDLERS.watch()
 
 
 def unregister() -> None:
     """Stop all previews and watching."""
-    unwatch(_HANDLERS)
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
+    _HANDLERS.unwatch()
+    call_off(tick)
     _give_all_up()
     if hasattr(bpy.data, "objects"):  # there is no file yet while Blender starts
         clear_bindings()
