@@ -37,7 +37,14 @@ FOLDER = ROOT / "build" / "mutants"
 SOURCE, BUILD = FOLDER / "source", FOLDER / "build"
 KEPT = FOLDER / "outcomes.json"
 COPIED = ["CMakeLists.txt", "CMakePresets.json", "LICENSE", "cmake", "native", "tests"]
-PROGRAMS = ["dapple_same_bytes_tests", "dapple_tests"]  # the one that notices most comes first
+PROGRAMS = [  # those that notice most for their time come first
+    "dapple_same_bytes_tests",
+    "dapple_referee_tests",
+    "dapple_allocations_tests",
+    "dapple_tests",
+    "dapple_cancel_tests",
+    "dapple_out_of_memory_tests",
+]
 SKIPPED = "Consumer*:*RealMesh*"
 PATIENCE = 5.0  # times what the tests take where nothing is broken
 TO_NOTICE = 0.9
