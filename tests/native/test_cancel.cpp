@@ -231,6 +231,15 @@ TEST(Watched, ASample) {
       [&](Context* context) { (void)sample(surface, 100, {.optimizer = few_steps()}, context); });
 }
 
+TEST(Watched, AnEvaluation) {
+  const Surface surface = blob(4).surface();
+  const std::vector<double> seen = expect_honest_progress([&](Context* context) {
+    (void)sample(surface, 2000, {.optimizer = {.max_evaluations = 2}}, context);
+  });
+  const auto half = std::lower_bound(seen.begin(), seen.end(), 0.5);
+  EXPECT_GT(distinct({half, seen.end()}), 8) << "its cells come without a word";
+}
+
 TEST(Watched, ClassesInTwoStagesWithRadii) {
   const Surface surface = blob(2).surface();
   const double radius = 0.4 * surface.spacing(80);
