@@ -468,6 +468,33 @@ double polygon_area(const std::vector<Vec3>& points) {
   return 0.5 * sum.norm();
 }
 
+/// Capacity and flux are integrals of the density, mass and its moments those of its square.
+TEST(RestrictedVoronoi, ScalesWithTheDensity) {
+  const Shape shape = with_density(blob(2), [](const Vec3& p) { return 2.0 + p.x(); });
+  Random random(16);
+  const Sites sites = random_sites(shape, 20, random);
+  const RestrictedVoronoi once = restricted_voronoi(shape.surface(), sites);
+  for (const double factor : {1e-30, 1e-3, 7.0, 1e30}) {
+    const auto scaled = [factor](const Vec3& p) { return factor * (2.0 + p.x()); };
+    const RestrictedVoronoi found =
+        restricted_voronoi(with_density(shape, scaled).surface(), sites);
+    const double square = factor * factor;
+    for (std::size_t i = 0; i < sites.size(); ++i) {
+      const Moments &a = found.cells[i], &b = once.cells[i];
+      EXPECT_DOUBLE_EQ(a.area, b.area) << factor;
+      EXPECT_NEAR(a.capacity / factor, b.capacity, 1e-12 * b.capacity) << factor;
+      EXPECT_NEAR(a.mass / square, b.mass, 1e-12 * b.mass) << factor;
+      EXPECT_LE((a.first / square - b.first).norm(), 1e-12 * b.mass) << factor;
+      EXPECT_NEAR(a.second / square, b.second, 1e-12 * b.mass) << factor;
+      ASSERT_EQ(found.boundary(i).size(), once.boundary(i).size());
+      for (std::size_t k = 0; k < once.boundary(i).size(); ++k) {
+        const Vec3 flux = found.boundary(i)[k].flux / factor;
+        EXPECT_LE((flux - once.boundary(i)[k].flux).norm(), 1e-12) << factor;
+      }
+    }
+  }
+}
+
 TEST_P(CellsOf, AreCutIntoPolygonsOfTheSameArea) {
   const Shape& shape = GetParam();
   const Surface surface = shape.surface();
