@@ -65,6 +65,24 @@ TEST_P(NearSitesOn, AreTheNearestHoweverFarOneReaches) {
   }
 }
 
+/// What was needed before is about what is looked for next, neither all sites nor ever more.
+TEST_P(NearSitesOn, AreNotManyMoreThanAreNeeded) {
+  constexpr std::size_t kNeeded = 20, kSites = 2000;
+  const Surface surface = GetParam().surface();
+  const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
+  const SiteIndex index(sites, nullptr);
+  NearSites near(surface, sites, index);
+  std::size_t found = 0, extended = 0;
+  for (std::int32_t site = 0; site < static_cast<std::int32_t>(kSites); ++site) {
+    near.turn_to(site);
+    for (; near.all().size() < kNeeded; ++extended) near.extend();
+    near.note_need(near.all()[kNeeded - 1].squared_distance);
+    found += near.all().size();
+  }
+  EXPECT_LT(found, 4 * kNeeded * kSites);
+  EXPECT_LT(extended, kSites / 4);
+}
+
 TEST_P(NearSitesOn, AreAllInTheEnd) {
   const Surface surface = GetParam().surface();
   const OrderedSites sites(surface, poisson_start(surface, 100, 3));
