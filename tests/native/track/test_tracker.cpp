@@ -131,6 +131,24 @@ TEST(Tracker, KeepsBarycentricsUnderRigidMotion) {
   }
 }
 
+/// It knows no restoration: it ends where samples are as even as on the first frame.
+TEST(Tracker, ALineSearchEndsWhereSamplesAreAsEvenAsAtFirst) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape, kCount, {.optimizer = {.method = Method::kLineSearch}});
+  const Samples first = tracker.samples();
+  const auto turn = [](const Vec3& p) { return rotated(p, 0.7); };
+  const Samples& turned = tracker.advance(mapped(shape, turn).vertices);
+  EXPECT_EQ(turned.report.evaluations, 1);
+  for (std::size_t k = 0; k < kCount; ++k)
+    ASSERT_LE((turned.barycentric[k] - first.barycentric[k]).norm(), 1e-12);
+  const double energy = tracker.samples().report.energy;
+  const Report& bent = tracker.advance(deformed(tracker.surface().vertices(), 0.3)).report;
+  EXPECT_GT(bent.evaluations, 1);
+  const double as_even = 5e-4;
+  EXPECT_GT(bent.energies.front(), energy + as_even) << "there was nothing to make even";
+  EXPECT_LE(bent.energies.back(), energy + as_even);
+}
+
 TEST(Tracker, KeepsBarycentricsUnderScaleAndMirror) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
