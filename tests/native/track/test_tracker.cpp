@@ -147,6 +147,7 @@ TEST(Tracker, ALineSearchEndsWhereSamplesAreAsEvenAsAtFirst) {
   const double as_even = 5e-4;
   EXPECT_GT(bent.energies.front(), energy + as_even) << "there was nothing to make even";
   EXPECT_LE(bent.energies.back(), energy + as_even);
+  EXPECT_GT(bent.energies[bent.energies.size() - 2], energy + as_even) << "it went on for nothing";
 }
 
 TEST(Tracker, KeepsBarycentricsUnderScaleAndMirror) {
