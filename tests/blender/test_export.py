@@ -133,6 +133,31 @@ def test_another_blender_has_every_instance_of_gltf_in_place(tmp_path, trees):
     check_same_places(np.array(matrices), expected, 1e-5)
 
 
+@pytest.mark.usefixtures("needs_gltf")
+def test_gltf_is_written_where_no_window_is_current(tmp_path, trees):
+    """As under `blender --command`, where Blender's exporter asks the window for its cursor."""
+    window = bpy.context.window_manager.windows[0]
+    shown = window.scene
+    with bpy.context.temp_override(window=None):
+        written = part("points").export_points(tmp_path / "trees.glb", [trees])
+    assert written.files == [tmp_path / "trees.glb"]
+    assert window.scene == shown
+    assert len(bpy.data.scenes) == 1
+
+
+@pytest.mark.usefixtures("needs_gltf")
+def test_what_blenders_exporter_refuses_is_told(tmp_path, trees, monkeypatch):
+    def failing(*_arguments):
+        raise KeyError("unknown node")
+
+    monkeypatch.setattr("io_scene_gltf2.blender.exp.export.save", failing)
+    error = addon_host.part("core.errors").ScatterError
+    with pytest.raises(error, match="glTF exporter failed: KeyError: 'unknown node'"):
+        part("points").export_points(tmp_path / "trees.glb", [trees])
+    assert not list(tmp_path.iterdir())
+    assert len(bpy.data.scenes) == 1
+
+
 @pytest.mark.usefixtures("needs_usd")
 def test_the_files_hold_ids_types_materials_and_velocities(tmp_path, trees):
     usd = pytest.importorskip("dapple3d.usd")

@@ -47,7 +47,7 @@ def references(
 
 
 def _usd(meshes: Sequence[bpy.types.Mesh], path: Path, target: Path) -> list[Any]:
-    with _scene_of(meshes) as objects:
+    with _scene_of(meshes) as objects, _told("USD"):
         bpy.ops.wm.usd_export(
             filepath=str(path),
             export_animation=False,
@@ -79,14 +79,36 @@ def _look_there(path: Path, made: Path, kept: Path) -> None:
 
 
 def _gltf(meshes: Sequence[bpy.types.Mesh], path: Path) -> list[Any]:
-    with _scene_of(meshes) as objects:
+    with _some_window(), _scene_of(meshes) as objects, _told("glTF"):
         bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_active_scene=True)
         return [reference(path, name) for name in _names(objects)]
+
+
+@contextmanager
+def _told(exporter: str) -> Iterator[None]:
+    """ScatterError of what one of Blender's exporters raises: the last line of it says what."""
+    try:
+        yield
+    except RuntimeError as error:
+        lines = [one for one in str(error).splitlines() if one and not one.startswith("Location:")]
+        what = lines[-1] if lines else "it does not say why"
+        raise ScatterError(f"Blender's {exporter} exporter failed: {what}") from error
 
 
 def _names(objects: Sequence[bpy.types.Object]) -> list[str]:
     """Blender numbers those that are taken."""
     return [obj.name for obj in objects]
+
+
+@contextmanager
+def _some_window() -> Iterator[None]:
+    """A current window, which glTF's exporter takes for granted: `blender --command` has none."""
+    windows = bpy.context.window_manager.windows
+    if bpy.context.window or not windows:
+        yield
+        return
+    with bpy.context.temp_override(window=windows[0]):
+        yield
 
 
 @contextmanager
