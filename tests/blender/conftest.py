@@ -103,6 +103,19 @@ def artist():
         yield pressed
 
 
+@pytest.fixture
+def needs_exporter():
+    """Skip where this Blender cannot write files of an ending: some distributions leave USD out."""
+
+    def check(suffix):
+        try:
+            addon_host.part("blender.export.prototypes").check_installed(suffix)
+        except addon_host.part("core.errors").ScatterError as error:
+            pytest.skip(str(error))
+
+    return check
+
+
 def pytest_sessionfinish(session, exitstatus):
     _status[0] = int(exitstatus)
 

@@ -44,21 +44,13 @@ def part(name):
 
 
 @pytest.fixture
-def needs_usd():
-    """Of Blender's own, which some distributions leave out."""
-    try:
-        part("prototypes").check_installed(".usd")
-    except addon_host.part("core.errors").ScatterError as error:
-        pytest.skip(str(error))
+def needs_usd(needs_exporter):
+    needs_exporter(".usd")
 
 
 @pytest.fixture
-def needs_gltf():
-    """Blender's own exporter, which is an add-on."""
-    try:
-        part("prototypes").check_installed(".glb")
-    except addon_host.part("core.errors").ScatterError as error:
-        pytest.skip(str(error))
+def needs_gltf(needs_exporter):
+    needs_exporter(".glb")
 
 
 def solid(name, size=0.1):
