@@ -75,6 +75,10 @@ def stored(obj, name):
     return addon_host.part("nodes").get_input(obj.modifiers[0], name)
 
 
+def with_own_points(name):
+    return lambda obj: addon_host.part("nodes").set_input(obj.modifiers[0], name, obj)
+
+
 def with_input(name, make):
     return lambda obj: addon_host.part("nodes").set_input(obj.modifiers[0], name, make())
 
@@ -174,6 +178,7 @@ WRONG = {
         for store in (*STORES, "Preview", "Surface")
         for make in (light, nothing, no_points)
     },
+    **{f"{store} is the scatter": with_own_points(store) for store in STORES},
     **{
         f"{store or 'points'} {change}": resized(store, change)
         for store in (None, *STORES)
@@ -366,6 +371,7 @@ SAID = {
     "points dapple_carry nan": r"dapple_carry\[6\] is not finite: nan",
     "points dapple_gone other type": "Attribute 'dapple_gone' of 'Tail Scatter' is INT on POINT",
     "Frames is light": "Frames 'Light' of 'Tail Scatter' is a light, not a mesh",
+    "Frames is the scatter": "Frames of 'Tail Scatter' are its own points: bake again",
     "Keys none": "'Tail Scatter Keys' has no INT attribute 'dapple_face' on its points",
     "Keys fewer": "The keyframes are damaged: 23 rows are not a multiple of 12 points",
 }

@@ -37,6 +37,8 @@ def stored_object(obj: bpy.types.Object, name: str) -> bpy.types.Object:
             f"{name} '{getattr(found, 'name', found)}' of '{obj.name}' is a {kind}, not a mesh: "
             "bake again"
         )
+    if found.data == obj.data:  # seen once in Blender 5.2, after an undo
+        raise ScatterError(f"{name} of '{obj.name}' are its own points: bake again")
     return found
 
 

@@ -288,6 +288,24 @@ TEST(Energy, NormalizesToTheSameValueForAScaledDensity) {
               evaluate_energy(shape.surface(), sites, kLambda).normalized, 1e-12);
 }
 
+/// Its terms are integrals of the density's square, so that a density of any unit has a result.
+TEST(Energy, GrowsWithTheSquareOfTheDensity) {
+  const Shape shape = with_density(blob(2), [](const Vec3& p) { return 2.0 + p.x(); });
+  Random random(31);
+  const Sites sites = random_sites(shape, 20, random);
+  const Energy once = evaluate_energy(shape.surface(), sites, kLambda);
+  for (const double factor : {1e-30, 1e-3, 7.0, 1e30}) {
+    const auto scaled = [factor](const Vec3& p) { return factor * (2.0 + p.x()); };
+    const Energy found = evaluate_energy(with_density(shape, scaled).surface(), sites, kLambda);
+    const double square = factor * factor;
+    EXPECT_NEAR(found.total / square, once.total, 1e-12 * once.total) << factor;
+    EXPECT_NEAR(found.cvt / square, once.cvt, 1e-12 * once.cvt) << factor;
+    EXPECT_NEAR(found.capacity_term / square, once.capacity_term, 1e-12 * once.capacity_term);
+    for (std::size_t k = 0; k < sites.size(); ++k)
+      EXPECT_LE((found.gradient[k] / square - once.gradient[k]).norm(), 1e-11 * once.total);
+  }
+}
+
 TEST(Energy, IsTheSameWithDensityOneAsWithout) {
   const Shape shape = blob(2);
   const Shape dense = with_density(shape, [](const Vec3&) { return 1.0; });

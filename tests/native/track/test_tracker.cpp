@@ -321,6 +321,7 @@ TEST(Tracker, SplitsAFrameOfFarMotion) {
   Tracker split = tracker_of(shape);
   const Samples& samples = split.advance(far);
   EXPECT_GE(samples.report.parts, 3);
+  EXPECT_GE(samples.report.evaluations, samples.report.parts);
   EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // of the whole frame
   check(split.surface(), samples);
 }

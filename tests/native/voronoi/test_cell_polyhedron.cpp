@@ -70,6 +70,18 @@ TEST(CellPolyhedron, AnswersTheSameForNormalsOfAnyLength) {
   }
 }
 
+TEST(CellPolyhedron, AnswersTheSameForBoxesOfAnySize) {
+  const Vec3 normal(1, 1, 1);
+  for (const double size : {1e-9, 1e-3, 1.0, 1e3, 1e9}) {
+    CellPolyhedron cell;
+    cell.start({size * kBox.min(), size * kBox.max()});
+    EXPECT_FALSE(cell.is_cut_by(normal, size * 3.0)) << size;
+    EXPECT_TRUE(cell.is_cut_by(normal, size * 2.999)) << size;
+    EXPECT_TRUE(cell.touches(normal, size * 3.0)) << size;
+    EXPECT_FALSE(cell.touches(normal, size * 3.001)) << size;
+  }
+}
+
 Vec3 on_lattice(Random& random) {
   return Vec3(random.below(5) - 2, random.below(5) - 2, random.below(5) - 2);
 }

@@ -29,6 +29,20 @@ TEST(EightBoxes, AreComparedAlikeByEveryInstructionSet) {
   }
 }
 
+TEST(EightBoxes, AreAsFarAsTheirNearestPoints) {
+  Eight low, high;
+  for (std::size_t k = 0; k < 8; ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis) {  // unit cubes, each farther along an axis or two
+      low[axis][k] = axis == k % 3 || axis == k % 2 ? static_cast<double>(k) : 0.0;
+      high[axis][k] = low[axis][k] + 1.0;
+    }
+  const std::array<double, 8> found = squared_distances(low, high, {Vec3::Zero(), Vec3::Ones()});
+  for (std::size_t k = 0; k < 8; ++k) {
+    const double gap = k == 0 ? 0.0 : static_cast<double>(k) - 1.0;
+    EXPECT_EQ(found[k], (k % 3 == k % 2 ? 1.0 : 2.0) * gap * gap) << k;
+  }
+}
+
 TEST(EightBoxes, ThatAreMissingAreFar) {
   Eight low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
