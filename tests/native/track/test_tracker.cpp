@@ -321,9 +321,17 @@ TEST(Tracker, SplitsAFrameOfFarMotion) {
   Tracker split = tracker_of(shape);
   const Samples& samples = split.advance(far);
   EXPECT_GE(samples.report.parts, 3);
-  EXPECT_GE(samples.report.evaluations, samples.report.parts);
   EXPECT_LE(samples.report.slide_max, 0.45 + 1e-9);  // of the whole frame
   check(split.surface(), samples);
+}
+
+TEST(Tracker, CountsTheEvaluationsOfAllParts) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape, kCount, {.longest_motion = 0.01});
+  const auto swell = [](const Vec3& p) { return swollen(p, 0.6); };
+  const Report& report = tracker.advance(mapped(shape, swell).vertices).report;
+  EXPECT_GE(report.parts, 5);
+  EXPECT_GE(report.evaluations, report.parts);
 }
 
 TEST(Tracker, DoesNotSplitMovingAsAWhole) {
