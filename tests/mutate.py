@@ -198,16 +198,16 @@ def noticed(longest: float | None) -> bool:
 
 def outcome_of(mutant: Mutant, longest: float) -> str:
     """Whether tests notice it: "noticed", "missed" or "does not compile"."""
-    copy = SOURCE / mutant.path.relative_to(ROOT)
-    lines = copy.read_text(encoding="utf-8").splitlines()
+    place = SOURCE / mutant.path.relative_to(ROOT)
+    lines = place.read_text(encoding="utf-8").splitlines()
     lines[mutant.number - 1] = mutant.broken
-    copy.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    place.write_text("\n".join(lines) + "\n", encoding="utf-8")
     try:
         if not built():
             return "does not compile"
         return "noticed" if noticed(longest) else "missed"
     finally:
-        copy.write_text(mutant.path.read_text(encoding="utf-8"), encoding="utf-8")
+        place.write_text(mutant.path.read_text(encoding="utf-8"), encoding="utf-8")
 
 
 def arguments() -> argparse.Namespace:
