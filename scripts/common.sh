@@ -8,6 +8,7 @@ cd "$root"
 venv=$root/build/venv
 python=$venv/bin/python
 logs=$root/build/logs
+constraints=scripts/constraints.txt # versions of packages of Python
 mkdir -p "$logs"
 # The distribution's compiler, CMake and Python come before any other on the caller's PATH.
 export PATH="$venv/bin:/usr/bin:/bin:/usr/sbin:/sbin:$PATH"
@@ -102,6 +103,22 @@ configure_with_clang() {
 
 # What the bpy wheel needs; the last three are for the Workbench engine without a display.
 bpy_packages=(libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri)
+
+# pip_install PYTHON ARGUMENT...: with every version as the constraints say, also those that others bring with them.
+pip_install() {
+  local python=$1
+  shift
+  "$python" -m pip install --no-input -c "$constraints" "$@"
+}
+
+# numpy_of PYTHON: the version of numpy that is pinned for 3.11 or 3.13.
+numpy_of() {
+  local compared='<'
+  [ "$1" = 3.11 ] || compared='>='
+  sed -n "s/^numpy==\([0-9.]*\); python_version $compared .*/\1/p" scripts/requirements.txt
+}
+# numpy_types PYTHON: where scripts/setup.sh leaves the sources of that numpy, which mypy reads types from.
+numpy_types() { printf '%s/build/types/numpy-%s' "$root" "$(numpy_of "$1")"; }
 
 # A stamp file holds the hash of all that went into what it stands beside.
 hash_of() { printf '%s\n' "$@" | sha256sum | cut -d ' ' -f 1; }

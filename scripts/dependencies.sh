@@ -78,7 +78,7 @@ fetch_headers() {
 }
 
 install_tools() {
-  rm -rf "$tools" && "$python" -m pip install --no-input --target "$tools" -r scripts/requirements-release.txt
+  rm -rf "$tools" && pip_install "$python" --target "$tools" -r scripts/requirements-release.txt
 }
 
 # A static library exports nothing: a module would show what is in it.

@@ -19,7 +19,7 @@ mkdir -p "$site"
 # Behind its own packages it finds those of build/venv: Dapple's and what that needs.
 create_venv() {
   /usr/bin/python3 -m venv --clear "$docs_venv" &&
-    "$docs_venv/bin/python" -m pip install --no-input -r scripts/requirements-docs.txt &&
+    pip_install "$docs_venv/bin/python" -r scripts/requirements-docs.txt &&
     printf '%s\n' "$venv"/lib/python3*/site-packages >"$(echo "$docs_venv"/lib/python3*/site-packages)/dapple.pth"
 }
 
@@ -30,7 +30,8 @@ sphinx() {
 }
 
 need_packages doxygen
-stamp=$(hash_of "$root" "$(/usr/bin/python3 --version)" "$(<scripts/requirements-docs.txt)" "$(declare -f create_venv)")
+stamp=$(hash_of "$root" "$(/usr/bin/python3 --version)" "$(<scripts/requirements-docs.txt)" "$(<"$constraints")" \
+  "$(declare -f create_venv)")
 if ! up_to_date "$docs_venv/.stamp" "$stamp"; then
   stage 'environment of the site' create_venv
   echo "$stamp" >"$docs_venv/.stamp"

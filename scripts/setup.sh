@@ -23,7 +23,18 @@ esac
 create_venv() {
   [ ! -L "$venv" ] || fail 'build/venv is a link: making it anew would empty what it points to'
   /usr/bin/python3 -m venv --clear "$venv" &&
-    "$python" -m pip install --no-input -r scripts/requirements.txt
+    pip_install "$python" -r scripts/requirements.txt
+}
+
+# Both systems check types against the numpy of both: the wheel for the other Python is no part of build/venv.
+unpack_types() {
+  local version at
+  rm -rf build/types
+  for version in 3.11 3.13; do
+    at=$(numpy_types "$version")
+    "$python" -m pip install --no-input --no-deps --target "$at" --only-binary=:all: --python-version "$version" \
+      "numpy==$(numpy_of "$version")" && find "$at" -name '*.so*' -delete || return
+  done
 }
 
 configure() {
@@ -37,9 +48,10 @@ flock -n 9 || { echo '== waiting for another set-up of this folder'; flock 9; }
 need_packages "${packages[@]}"
 
 python_version=$(/usr/bin/python3 -c 'import platform; print(platform.python_version())')
-venv_hash=$(hash_of "$root" "$python_version" "$(<scripts/requirements.txt)")
+venv_hash=$(hash_of "$root" "$python_version" "$(<scripts/requirements.txt)" "$(<"$constraints")")
 if ! up_to_date "$venv/.stamp" "$venv_hash"; then
   stage "virtual environment" create_venv
+  stage "types of numpy" unpack_types
   echo "$venv_hash" >"$venv/.stamp"
 fi
 [ "${1:-}" != --tools ] || exit 0

@@ -28,10 +28,10 @@ mkdir -p "$folder"
 [ -z "$run" ] || scripts/setup.sh
 need_tools() {
   local hash
-  hash=$(hash_of "$(<scripts/requirements-coverage.txt)" "$("$python" --version)")
+  hash=$(hash_of "$(<scripts/requirements-coverage.txt)" "$(<"$constraints")" "$("$python" --version)")
   ! up_to_date "$folder/.tools" "$hash" || return 0
   rm -rf "$tools"
-  stage 'tools' "$python" -m pip install --no-input --target "$tools" -r scripts/requirements-coverage.txt
+  stage 'tools' pip_install "$python" --target "$tools" -r scripts/requirements-coverage.txt
   echo "$hash" >"$folder/.tools"
 }
 with_tools() { PYTHONPATH=$tools "$python" -m "$@"; }

@@ -79,38 +79,36 @@ need_root() {
   echo "$hash" >"$roots/$name.stamp"
 }
 
-# pinned PYTHON: what the tests need, in the versions of scripts/requirements.txt.
+# pinned PYTHON: the lines of scripts/constraints.txt that hold for it, which pip asks the Python that runs.
 pinned() {
-  "$roots/tools/bin/python" - "$1" bpy "${needed[@]}" <<'END'
+  "$roots/tools/bin/python" - "$1" "$constraints" <<'END'
 import sys
 from pip._vendor.packaging.requirements import Requirement
 
-version, *names = sys.argv[1:]
-for line in open("scripts/requirements.txt"):
+version, constraints = sys.argv[1:]
+python = {"python_version": version, "python_full_version": f"{version}.0"}
+for line in open(constraints):
     text = line.partition("#")[0].strip()
-    if text and (wanted := Requirement(text)).name in names:
-        if not wanted.marker or wanted.marker.evaluate({"python_version": version}):
-            print(f"{wanted.name}{wanted.specifier}")
+    if text and (not (pin := Requirement(text)).marker or pin.marker.evaluate(python)):
+        print(f"{pin.name}{pin.specifier}")
 END
 }
 
-# fetch PYTHON REQUIREMENT...: wheels for systems with a C library of 2.28 or newer.
+# fetch PYTHON: wheels of what the tests need, for systems with a C library of 2.28 or newer.
 fetch() {
   local version=$1 platforms=(manylinux{1,2014,_2_5,_2_12,_2_17,_2_24,_2_27,_2_28}_x86_64 any)
-  shift
-  "$roots/tools/bin/python" -m pip download -q --dest "$roots/wheels" --only-binary=:all: --implementation cp \
-    --python-version "$version" "${platforms[@]/#/--platform=}" "$@"
+  pinned "$version" >"$roots/constraints-$version.txt" &&
+    "$roots/tools/bin/python" -m pip download -q --dest "$roots/wheels" --only-binary=:all: --implementation cp \
+      -c "$roots/constraints-$version.txt" --python-version "$version" "${platforms[@]/#/--platform=}" bpy "${needed[@]}"
 }
 need_wheels() {
-  local stamp=$roots/wheels.stamp older newer hash
+  local stamp=$roots/wheels.stamp hash
   [ -x "$roots/tools/bin/python" ] || stage pip /usr/bin/python3 -m venv "$roots/tools"
-  mapfile -t older < <(pinned 3.11)
-  mapfile -t newer < <(pinned 3.13)
-  hash=$(hash_of "${older[@]}" "${newer[@]}")
+  hash=$(hash_of "$(<"$constraints")" "${needed[@]}")
   ! up_to_date "$stamp" "$hash" || return 0
   rm -rf "$roots/wheels"
-  stage 'wheels for Python 3.11' fetch 3.11 "${older[@]}"
-  stage 'wheels for Python 3.13' fetch 3.13 "${newer[@]}"
+  stage 'wheels for Python 3.11' fetch 3.11
+  stage 'wheels for Python 3.13' fetch 3.13
   echo "$hash" >"$stamp"
 }
 
@@ -141,7 +139,7 @@ test_wheel() {
 # test_extension ROOT: the Blender tests on the extension, in the module bpy and in the root's own Blender.
 test_extension() {
   inside "$1" sh -ec "rm -rf /venv && python3 -m venv /venv && mkdir -p /dapple/build && ln -s /venv /dapple/build/venv
-    /venv/bin/pip install -q bpy ${needed[*]}" &&
+    /venv/bin/pip install -q -c /dapple/scripts/constraints.txt bpy ${needed[*]}" &&
     inside "$1" /dapple/tests/run.sh "${depth[@]}" --only package --zip "/release/${zip##*/}"
 }
 

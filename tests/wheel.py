@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Test the package as a wheel installs it, on any system: python tests/wheel.py [FOLDER]
+"""Test the package as a wheel installs it, on any system: python tests/wheel.py [FOLDER | --needs]
 
 With a folder, its wheel for this Python is installed into build/wheel-tests/venv first. Without, it
 is the package of the running Python, which needs pytest too. Left out are tests of this checkout.
+With --needs, what the tests need is installed into the running Python, and nothing is tested.
 """
 
 import shutil
@@ -22,6 +23,7 @@ OF_THE_CHECKOUT = (
     "one_definition",
     "paper_report",
     "peers",
+    "pins",
     "release",
     "rooms",
     "run",
@@ -60,12 +62,20 @@ def environment(wheels: Path) -> Path:
     python = folder / "venv" / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
     pip = (python, "-m", "pip", "install", "--quiet")
     call(*pip, "--no-index", "--no-deps", "--find-links", wheels, "--only-binary=:all:", "dapple3d")
-    call(*pip, *NEEDED)
+    install_needed(python)
     return python
 
 
+def install_needed(python: Path) -> None:
+    """What the tests need, in the versions that are pinned for this Python."""
+    pins = ROOT / "scripts" / "constraints.txt"
+    call(python, "-m", "pip", "install", "--quiet", "-c", pins, *NEEDED)
+
+
 def main(arguments: list[str]) -> None:
-    """Run the tests."""
+    """Run the tests, or install what they need."""
+    if arguments == ["--needs"]:
+        return install_needed(Path(sys.executable))
     python = environment(Path(arguments[0]).resolve()) if arguments else Path(sys.executable)
     left_out = [f"--ignore=tests/python/test_{name}.py" for name in OF_THE_CHECKOUT]
     call(python, "-m", "pip", "check")

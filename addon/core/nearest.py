@@ -126,7 +126,8 @@ def border_of(vertices: Floats, faces: Ints) -> Floats:
     if not len(used):
         return np.empty((0, 2, 3))
     _, place = np.unique(vertices[used] + 0.0, axis=0, return_inverse=True)
-    joined = np.sort(place.reshape(-1)[np.searchsorted(used, alone)], axis=1)
+    ends = place.reshape(-1).astype(np.int32)[np.searchsorted(used, alone)]
+    joined = np.sort(ends, axis=1)
     found: Floats = vertices[alone[_once(joined)]]
     return found
 

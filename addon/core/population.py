@@ -217,10 +217,9 @@ def _there_of(kept: Solved) -> _There | None:
 def _first_row(binding: Binding, count: int) -> Binding:
     """So many like the first: for points of later topologies, which the first one never shows."""
     return Binding(
-        *(
-            np.repeat(values[:1], count, axis=0)
-            for values in (binding.corners, binding.barycentric, binding.carry)
-        )
+        np.repeat(binding.corners[:1], count, axis=0),
+        np.repeat(binding.barycentric[:1], count, axis=0),
+        np.repeat(binding.carry[:1], count),
     )
 
 

@@ -8,7 +8,7 @@ here=$PWD
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
 peers=$root/build/peers/venv
-install() { timeout 900 "$peers/bin/python" -m pip install --no-input --prefer-binary "$@"; }
+install() { timeout 900 "$peers/bin/python" -m pip install --no-input -c "$root/$constraints" --prefer-binary "$@"; }
 
 scripts/setup.sh >&2
 [ -x "$peers/bin/python" ] || stage 'environment of the peers' /usr/bin/python3 -m venv "$peers" >&2

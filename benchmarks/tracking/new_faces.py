@@ -190,7 +190,8 @@ def _draw_mesh(axis: Axes, vertices: Array, faces: Faces) -> None:
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     shade = 0.45 + 0.5 * np.abs(normals @ EYE)
     gray = np.repeat(shade[:, None], 3, axis=1)
-    axis.add_collection(PolyCollection(places[faces[order]], facecolors=gray, edgecolors="none"))
+    triangles = list(places[faces[order]])
+    axis.add_collection(PolyCollection(triangles, facecolors=gray, edgecolors="none"))
 
 
 def _draw_samples(axis: Axes, samples: dapple.Samples, first: int) -> None:

@@ -89,6 +89,7 @@ def test_a_wheel_is_tested_with_all_that_the_tests_need():
     brought = [*PROJECT["project"]["dependencies"], *SETTINGS["test-requires"]]
     brought += [one for name in SETTINGS["test-extras"] for one in extras[name]]
     assert {re.match(r"[\w-]+", one)[0] for one in brought} == set(wheel.NEEDED)
+    assert SETTINGS["before-test"] == "python {project}/tests/wheel.py --needs"
     assert SETTINGS["test-command"] == "python {project}/tests/wheel.py"
 
 

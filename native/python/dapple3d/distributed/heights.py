@@ -84,7 +84,7 @@ class HeightField:
             self._ids(r, c),
             self._density(r, c, there),
         )
-        return patch.only(there.ravel()[faces].all(axis=1))
+        return patch.only(np.all(there.ravel()[faces], axis=1))
 
     def _nodes(self, axis: int, side: int, border: tuple[float, float]) -> slice:
         """Rows or columns of heights that reach over both borders."""

@@ -116,8 +116,8 @@ def allot(masses: Floats, count: int) -> NDArray[np.int64]:
     sums = list(accumulate(turned.ravel().tolist(), initial=0.0))
     if not sums[-1] > 0.0:
         raise ValueError("the surface has no face with an area and a density above 0")
-    reached = [round(count * (s / sums[-1])) for s in sums]
-    counts = np.diff(np.array(reached, np.int64)).reshape(masses.shape)
+    reached = np.array([round(count * (s / sums[-1])) for s in sums], np.int64)
+    counts = (reached[1:] - reached[:-1]).reshape(masses.shape)
     counts[1::2] = counts[1::2, ::-1].copy()
     return counts
 
