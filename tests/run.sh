@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sets up what is missing, then runs every test and names those that failed; the last line counts them.
 #   tests/run.sh [--all | --quick | --thorough] [--only native|python|blender|package|style] [--zip FILE]
-#     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip
+#     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip, the documentation site
 #     --thorough  --all, and what takes most of a day: every case of what is sampled otherwise (allocations that fail,
 #               damaged files, 200 random sequences of 60 operations, 50 kills, 2,000 meshes for each property),
 #               sanitizers, an hour of fuzzing, lines broken on purpose, coverage, soak
@@ -185,6 +185,7 @@ all_parts() {
   part package 'Blender tests on the installed zip' tests_on_package
   [ -z "$real" ] || part package 'Blender tests on the installed zip (the real executable)' real_tests_on_package
   part style 'style' end_style
+  ! is_all || part style 'the documentation site' scripts/docs.sh --as-built
 }
 
 # What is no part of CI for the time that it takes; each has a command of its own.

@@ -109,6 +109,14 @@ struct Way {
     )
 
 
+@pytest.mark.parametrize("path", HEADERS, ids=lambda path: path.stem)
+def test_what_is_thrown_is_an_error(path):
+    """Of the site, any other word there is a link to nothing, and a warning is an error."""
+    shared = headers.shared_options([one.read_text() for one in HEADERS])
+    thrown = re.findall(r"\\throw (\w+)", headers.filtered(path.read_text(), shared))
+    assert set(thrown) <= {"ArgumentError", "Cancelled", "FileError", "SurfaceError"}
+
+
 def test_stubs_get_the_documentation_of_the_module():
     stubs = (Path(dapple.__file__).parent / "_native.pyi").read_text()
     namespace = {}

@@ -69,6 +69,6 @@ def test_what_installs_packages_is_told_the_versions(root):
     """But where the versions are in the command, and no dependency comes along."""
     known = re.compile(r"-c |--no-deps|--no-index|uv==|pip_install\(\)")
     for path in [*root.glob("scripts/*.sh"), *root.glob("tests/*.sh"), *root.glob("*/*/run.sh")]:
-        for line in path.read_text().splitlines():
+        for line in path.read_text().replace("\\\n", "").splitlines():
             if re.search(r"pip\"? (install|download) ", line) and not line.startswith("#"):
                 assert known.search(line), f"{path.name}: {line.strip()}"

@@ -75,7 +75,7 @@ class Population {
   ///
   /// Meshes of one shape differ a little in area; so their number of samples may be off by 0.25 %.
   /// \return as above; the report's slides are from the places that samples go on from
-  /// \throw as above; ArgumentError if there are classes
+  /// \throw SurfaceError, Cancelled; ArgumentError also if there are classes
   const Samples& advance(const Surface& next, Context* context = nullptr);
 
   /// What resume() needs beside samples() and the present surface().
