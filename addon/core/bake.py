@@ -11,7 +11,7 @@ from typing import Any
 
 from .binding import placed_of, rebound, samples_of
 from .errors import ScatterError
-from .frames import carried
+from .frames import carried, shading
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
@@ -95,12 +95,13 @@ class Baker:
         Both are the surface just before and after it came; of two frames where that is not asked
         for, and with a rest shape of any moments.
         """
+        before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
         if after.rest is None:
             with named(after.name):
-                self.last = rebound(self.last, before.vertices, self.bound.faces, after)
+                self.last = rebound(self.last, before, after)
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
-            before = replace(self.bound, vertices=before.vertices)
+            before = replace(self.bound, vertices=before.vertices, normals=before.normals)
             self.last = bound_at_rest(rest_columns(self.last, before), after)
         self._chain.add(before)
         self._chain.add(after)
@@ -125,7 +126,7 @@ class Baker:
         if self.sidecar is None:
             return False
         number, points = self.first + self.done, len(self.start.ids)
-        solved = self.sidecar.load(number, self.fingerprint, points, self.bound.faces)
+        solved = self.sidecar.load(number, self.fingerprint, points, self.bound)
         if solved is None:
             return False
         self.taken += 1
@@ -196,10 +197,10 @@ class Baker:
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""
-        vertices, faces = self._now.vertices, self.bound.faces
-        placed = placed_of(samples, faces)
-        turned = carried(self.last, placed.binding, vertices, faces)
-        lean = leaning(self.last, self.lean, turned, vertices, faces)
+        vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
+        placed = placed_of(samples, self.bound)
+        turned = carried(self.last, placed.binding, vertices, normals)
+        lean = leaning(self.last, self.lean, turned, vertices, normals)
         return Solved(Placed(placed.faces, turned, lean=lean), report_of(samples.report), settled)
 
     def _there(self, solved: Solved) -> Any:

@@ -1,27 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From samples to bindings and back."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from .errors import ScatterError
-from .frames import frames, transport, vertex_normals
+from .frames import frames, shading, transport
 from .keys import Placed
 from .native import package
 from .records import Binding
 from .surface import Floats, Ints, SurfaceArrays
 
 
-def binding_of(samples: Any, faces: Ints) -> Binding:
-    """Binding of dapple.Samples of a surface with these faces; no angle carried yet."""
-    corners = np.ascontiguousarray(faces[samples.faces])
-    return Binding(corners, np.asarray(samples.barycentric), np.zeros(len(corners)))
+def bound_to(surface: SurfaceArrays, faces: Ints, weights: Floats) -> Binding:
+    """Binding to faces (n,) of a surface, with barycentrics (n, 3); no angle carried yet."""
+    corners, loops = surface.faces[faces], surface.face_corners[faces]
+    return Binding(corners, np.asarray(weights), np.zeros(len(corners)), loops)
 
 
-def placed_of(samples: Any, faces: Ints) -> Placed:
+def binding_of(samples: Any, surface: SurfaceArrays) -> Binding:
+    """Binding of dapple.Samples of a surface; no angle carried yet."""
+    return bound_to(surface, samples.faces, samples.barycentric)
+
+
+def placed_of(samples: Any, surface: SurfaceArrays) -> Placed:
     """Where dapple.Samples sit, with the triangles that a key stores."""
-    return Placed(np.asarray(samples.faces, dtype=np.int32), binding_of(samples, faces))
+    return Placed(np.asarray(samples.faces, dtype=np.int32), binding_of(samples, surface))
 
 
 def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
@@ -39,24 +45,23 @@ def samples_of(binding: Binding, surface: Any, ids: Ints, classes: Ints) -> Any:
     return package().Samples(surface, faces, weights, ids=ids, classes=classes)
 
 
-def rebound(before: Binding, vertices: Floats, faces: Ints, surface: SurfaceArrays) -> Binding:
-    """Binding to the places of another surface that are nearest to points bound to this one.
+def rebound(before: Binding, first: SurfaceArrays, surface: SurfaceArrays) -> Binding:
+    """Binding to the places of another surface that are nearest to points bound to the first.
 
     The directions that the points carry are turned as little as the normals ask for.
     """
-    old = frames(before, vertices, vertex_normals(vertices, faces))
-    after = bound_nearest(before.positions(vertices), surface)
-    new = frames(after, surface.vertices, vertex_normals(surface.vertices, surface.faces))
+    old = frames(before, first.vertices, shading(first))
+    after = bound_nearest(before.positions(first.vertices), surface)
+    new = frames(after, surface.vertices, shading(surface))
     direction = transport(old.direction(before.carry), old.normal, new.normal)
-    return Binding(after.corners, after.barycentric, new.angle(direction))
+    return replace(after, carry=new.angle(direction))
 
 
 def bound_nearest(points: Floats, surface: SurfaceArrays) -> Binding:
     """Binding to the places of a surface that are nearest to points (n, 3)."""
     native = package().Surface(surface.vertices, surface.faces)
     closest = package().project(native, points)
-    corners = np.ascontiguousarray(surface.faces[closest.faces])
-    return Binding(corners, np.asarray(closest.barycentric), np.zeros(len(points)))
+    return bound_to(surface, closest.faces, closest.barycentric)
 
 
 def _matched(binding: Binding, faces: Ints) -> tuple[Ints, Floats]:

@@ -2,6 +2,7 @@
 """Live preview: points follow a surface as far as a time budget allows."""
 
 import threading
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from .bake import Start
 from .binding import placed_of, samples_of
 from .errors import StoppedError
-from .frames import carried
+from .frames import carried, shading
 from .ground import Ground
 from .kinds import tracked
 from .records import Binding
@@ -39,8 +40,10 @@ class Follower:
         """ScatterError if a surface has another topology."""
         check_same_topology(self._first, surface, "this moment")
 
-    def follow(self, vertices: Floats, budget: float, context: Any) -> Binding | None:
-        """The binding for this shape, found within so many seconds.
+    def follow(
+        self, vertices: Floats, budget: float, context: Any, normals: Floats | None = None
+    ) -> Binding | None:
+        """The binding for this shape with these shading normals, found within so many seconds.
 
         None if the shape is the last one or the time was not enough: then the points keep
         the binding that they have. StoppedError if it was canceled before.
@@ -52,8 +55,9 @@ class Follower:
         self.over_budget = samples is None
         if samples is None:
             return None
-        after = placed_of(samples, self._first.faces).binding
-        self.binding = carried(self.binding, after, vertices, self._first.faces)
+        after = placed_of(samples, self._first).binding
+        shaded = shading(replace(self._first, vertices=vertices, normals=normals))
+        self.binding = carried(self.binding, after, vertices, shaded)
         return self.binding
 
     def _advanced(self, vertices: Floats, budget: float, context: Any) -> Any:

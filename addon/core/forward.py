@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .frames import frames, vertex_normals
+from .frames import frames, shading
 from .records import Binding
 from .surface import SurfaceArrays
 
@@ -24,7 +24,6 @@ def pointing(binding: Binding, surface: SurfaceArrays, forward: str) -> Binding:
     if forward == "NONE":
         return binding
     along = surface.matrix[:3, :3] @ AXES[forward]
-    normals = vertex_normals(surface.vertices, surface.faces)
-    local = frames(binding, surface.vertices, normals)
+    local = frames(binding, surface.vertices, shading(surface))
     angles = local.angle(np.broadcast_to(along, local.normal.shape))
     return replace(binding, carry=angles)

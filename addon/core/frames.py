@@ -1,20 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tangent frames of bound points, and the turn carried from key to key.
 
-The frame of a bound point: z is the vertex normals' interpolation, x the first edge of its
-triangle made perpendicular to z. It moves with the material, so it never pops while a point
-keeps its triangle. When a key moves the point to another triangle, the angle of that key is
-chosen so that the direction stays: the old direction, carried by the material to the new frame,
-is transported along the surface to the new place (the smallest rotation between both normals,
-which is parallel transport over a short distance) and measured against the new first edge.
+The frame of a bound point: z is the normal of the surface as it is shaded there, interpolated from
+the corners of its triangle (flat faces, sharp edges and custom normals make them differ from those
+of the vertices), x the first edge of the triangle made perpendicular to z. It moves with the
+material, so it never pops while a point keeps its triangle. When a key moves the point to another
+triangle, the angle of that key is chosen so that the direction stays: the old direction, carried by
+the material to the new frame, is transported along the surface to the new place (the smallest
+rotation between both normals, which is parallel transport over a short distance) and measured
+against the new first edge.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .records import Binding
-from .surface import Floats, Ints
+from .surface import Floats, Ints, SurfaceArrays
 
 _TINY = 1e-30
 
@@ -57,9 +59,41 @@ def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
     return _unit(total)
 
 
-def frames(binding: Binding, vertices: Floats, normals: Floats) -> Frames:
-    """Frames of bound points on a surface with these vertices and vertex normals."""
-    normal = _unit(binding.positions(normals))
+@dataclass(frozen=True)
+class Normals:
+    """Unit shading normals of a surface: of its vertices, or of the mesh's face corners."""
+
+    values: Floats  # (v, 3) or (c, 3)
+    of_corners: bool = False
+
+    def at(self, binding: Binding) -> Floats:
+        """Unit normals (n, 3) at bound points."""
+        rows = binding.loops if self.of_corners else binding.corners
+        return _unit(np.einsum("nk,nkd->nd", binding.barycentric, self.values[rows]))
+
+
+def smooth(vertices: Floats, faces: Ints) -> Normals:
+    """Shading normals of a surface that is smooth everywhere."""
+    return Normals(vertex_normals(vertices, faces))
+
+
+def shading(surface: SurfaceArrays, faces: Ints | None = None) -> Normals:
+    """Shading normals of a surface, with other faces (m, 3) of it than its own, or some of them."""
+    if surface.normals is not None:
+        return Normals(surface.normals, of_corners=True)
+    return smooth(surface.vertices, surface.faces if faces is None else faces)
+
+
+def corner_normals(surface: SurfaceArrays) -> Floats:
+    """Unit shading normals (m, 3, 3) at the corners of the faces."""
+    if surface.normals is None:
+        return vertex_normals(surface.vertices, surface.faces)[surface.faces]
+    return surface.normals[surface.face_corners]
+
+
+def frames(binding: Binding, vertices: Floats, normals: Normals) -> Frames:
+    """Frames of bound points on a surface with these vertices and shading normals."""
+    normal = normals.at(binding)
     edge = vertices[binding.corners[:, 1]] - vertices[binding.corners[:, 0]]
     tangent = _unit(edge - _dot(edge, normal)[:, None] * normal)
     return Frames(tangent, np.cross(normal, tangent), normal)
@@ -75,12 +109,11 @@ def transport(direction: Floats, normal: Floats, other: Floats) -> Floats:
     return _unit(turned - _dot(turned, other)[:, None] * other)
 
 
-def carried(before: Binding, after: Binding, vertices: Floats, faces: Ints) -> Binding:
+def carried(before: Binding, after: Binding, vertices: Floats, normals: Normals) -> Binding:
     """after, with the angles that keep the directions of before on these vertices."""
-    normals = vertex_normals(vertices, faces)
     old, new = frames(before, vertices, normals), frames(after, vertices, normals)
     direction = transport(old.direction(before.carry), old.normal, new.normal)
-    return Binding(after.corners, after.barycentric, new.angle(direction))
+    return replace(after, carry=new.angle(direction))
 
 
 def _dot(a: Floats, b: Floats) -> Floats:

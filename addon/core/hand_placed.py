@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .forward import pointing
-from .frames import carried
+from .frames import carried, shading
 from .records import Binding, unbound
 from .solve import nearest_binding
 from .surface import Floats, SurfaceArrays
@@ -33,23 +33,16 @@ def attached(
 
     Points that were attached before keep their directions as far as the normals let them.
     """
-    corners, weights, carry = before.corners.copy(), before.barycentric.copy(), before.carry.copy()
     moved, places = placed & ~unbound(before), positions.copy()
-    left = _only(before, moved)
+    left, found = before.rows_at(moved), before
     if placed.any():
         nearest = nearest_binding(positions[placed], surface)
-        corners[placed], weights[placed] = nearest.corners, nearest.barycentric
-        carry[placed] = 0.0
+        found = found.with_rows(placed, nearest)
         places[placed] = nearest.positions(surface.vertices)
-    found = Binding(corners, weights, carry)
     if moved.any():
-        now = _only(found, moved)
-        carry[moved] = carried(left, now, surface.vertices, surface.faces).carry
+        now = carried(left, found.rows_at(moved), surface.vertices, shading(surface))
+        found = found.with_rows(moved, now)
     if placed.any():
-        carry[placed] = pointing(_only(found, placed), surface, forward).carry
+        found = found.with_rows(placed, pointing(found.rows_at(placed), surface, forward))
     touched = np.concatenate([places[placed], left.positions(surface.vertices)])
     return Attached(found, places, touched)
-
-
-def _only(binding: Binding, rows: NDArray[np.bool_]) -> Binding:
-    return Binding(binding.corners[rows], binding.barycentric[rows], binding.carry[rows])

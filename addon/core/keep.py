@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .binding import binding_of, samples_of
 from .details import Details, details_of
 from .forward import pointing
-from .frames import carried
+from .frames import carried, shading
 from .ground import Ground
 from .kinds import counted
 from .locked import Locked
@@ -369,9 +369,7 @@ def _scattered(
     columns["dapple_room"] = rooms(fine.positions, samples.classes, settings)
     new = own_random(settings.seed, samples.ids, 4)
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
-    binding = _with_directions(
-        before.binding, binding_of(samples, arrays.faces), old, stays, arrays
-    )
+    binding = _with_directions(before.binding, binding_of(samples, arrays), old, stays, arrays)
     binding = pointing(binding, arrays, settings.forward)
     report = replace(report_of(samples.report), count=len(samples), measured=False)
     solved, mass = Solved(arrays, ground, fine), float(ground.surface.mass)
@@ -400,18 +398,13 @@ def _with_directions(
     before: Binding, after: Binding, old: Ints, stays: NDArray[np.bool_], arrays: SurfaceArrays
 ) -> Binding:
     """The binding of points that stay is what it was; others keep directions as they slide."""
-    corners, weights, carry = after.corners.copy(), after.barycentric.copy(), after.carry.copy()
-    at = old[stays]
-    corners[stays], weights[stays] = before.corners[at], before.barycentric[at]
-    carry[stays] = before.carry[at]
+    found = after.with_rows(stays, before.rows_at(old[stays]))
     slid = (old >= 0) & ~stays
     if slid.any():
-        rows = old[slid]
-        was = Binding(before.corners[rows], before.barycentric[rows], before.carry[rows])
-        now = Binding(corners[slid], weights[slid], carry[slid])
-        faces = _around([was, now], arrays)
-        carry[slid] = carried(was, now, arrays.vertices, faces).carry
-    return Binding(corners, weights, carry)
+        was, now = before.rows_at(old[slid]), found.rows_at(slid)
+        normals = shading(arrays, _around([was, now], arrays))
+        found = found.with_rows(slid, carried(was, now, arrays.vertices, normals))
+    return found
 
 
 def _around(bindings: list[Binding], arrays: SurfaceArrays) -> Ints:

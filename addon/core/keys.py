@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .records import Binding, Columns
+from .records import TRIANGLE_ATTRIBUTES, Binding, Columns
 from .stale import SKETCH_SUMS, sketch
 from .surface import Floats, Ints, SurfaceArrays
 
@@ -36,8 +36,8 @@ class Baked:
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
     # dapple_gone where points appear or vanish, dapple_lean where some lean
-    triangles: Columns  # dapple_v0, dapple_v1, dapple_v2 of each triangle, and where it is on the
-    # rest shape: REST_TRIANGLE_ATTRIBUTES
+    triangles: Columns  # TRIANGLE_ATTRIBUTES, and where the points are bound to the rest shape
+    # REST_TRIANGLE_ATTRIBUTES
     frames: Columns  # FRAME_ATTRIBUTES of each frame
 
     @property
@@ -58,10 +58,13 @@ class Baked:
     def _key(self, key: int, count: int) -> Binding:
         rows = slice(key * count, (key + 1) * count)
         faces, places = self.keys["dapple_face"][rows], self.keys["position"][rows].astype(float)
-        corners = np.column_stack([self.triangles[f"dapple_v{k}"][faces] for k in range(3)])
+        corners, loops = (
+            np.column_stack([self.triangles[f"dapple_{kind}{k}"][faces] for k in range(3)])
+            for kind in "vc"
+        )
         first = 1.0 - places[:, 0] - places[:, 1]
         weights = np.column_stack([first, places[:, 0], places[:, 1]])
-        return Binding(corners, weights, places[:, 2])
+        return Binding(corners, weights, places[:, 2], loops)
 
 
 def wrong_index(faces: Ints, triangles: Columns, frames: Columns, count: int) -> str:
@@ -211,8 +214,7 @@ class Keyframes:
             yield *self._rows.pop(), self._gone.pop(), self._lean.pop()
 
     def _packed_triangles(self, triangles: Ints, used: NDArray[np.bool_]) -> Columns:
-        corners = triangles[used]
-        columns: Columns = {f"dapple_v{k}": np.ascontiguousarray(corners[:, k]) for k in range(3)}
+        columns: Columns = dict(zip(TRIANGLE_ATTRIBUTES, triangles[used].T.copy(), strict=True))
         for name in self._rest[0] if self._rest else ():
             columns[name] = np.concatenate([rest[name] for rest in self._rest])[used]
         return columns
@@ -246,7 +248,7 @@ class Keyframes:
         self._drop_unused()
         self._offset = sum(map(len, self._triangles))
         self._first_rows.append(len(self._rows))
-        self._triangles.append(bound.faces)
+        self._triangles.append(np.column_stack([bound.faces, bound.face_corners]))
         self._topology, self._start = bound.topology, self._next
         if bound.rest is None:
             self._last = None

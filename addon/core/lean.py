@@ -11,22 +11,21 @@ import math
 
 import numpy as np
 
-from .frames import frames, vertex_normals
+from .frames import Normals, frames
 from .records import Binding
-from .surface import Floats, Ints
+from .surface import Floats
 
 LIMIT = math.radians(9.5)  # that an instance turns against its surface in a frame
 _TINY = 1e-9
 
 
 def leaning(
-    before: Binding, lean: Floats | None, after: Binding, vertices: Floats, faces: Ints
+    before: Binding, lean: Floats | None, after: Binding, vertices: Floats, normals: Normals
 ) -> Floats | None:
     """Leans (n, 3) after points went from one binding to another; None where none leans.
 
     lean is theirs before; both bindings are looked at on the vertices of the new frame.
     """
-    normals = vertex_normals(vertices, faces)
     shown = frames(before, vertices, normals).axes(before.carry)
     if lean is not None:
         shown = shown @ rotations(lean)

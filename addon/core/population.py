@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from .bake import Baker
-from .binding import faces_with_corners, samples_of
+from .binding import bound_to, faces_with_corners, samples_of
 from .errors import ScatterError
-from .frames import carried
+from .frames import carried, shading
 from .ground import Ground
 from .keys import Placed, padded
 from .kinds import of_classes
 from .lean import leaning
 from .native import package
-from .records import Binding, Columns
+from .records import Binding, Columns, joined
 from .sidecar import Solved
 from .solve import Report, named, point_columns, report_of
 from .surface import Floats, Ints, SurfaceArrays
@@ -83,7 +83,7 @@ class PopulationBaker(Baker):
         if self.sidecar is None:
             return False
         number = self.first + self.done
-        kept = self.sidecar.load(number, self.fingerprint, None, self.bound.faces)
+        kept = self.sidecar.load(number, self.fingerprint, None, self.bound)
         there = None if kept is None else _there_of(kept)
         if kept is None or there is None:
             return False
@@ -108,7 +108,7 @@ class PopulationBaker(Baker):
 
     def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
         faces = np.asarray(there.faces, dtype=np.int32)
-        binding = Binding(self.bound.faces[faces], there.barycentric, np.zeros(len(faces)))
+        binding = bound_to(self.bound, faces, there.barycentric)
         more = {**state, "ids": there.ids, "classes": there.classes}
         return Solved(Placed(faces, binding), report, bool(state["settled"]), more)
 
@@ -162,7 +162,7 @@ class PopulationBaker(Baker):
             return None
         bindings, places, classes = zip(*self._births, strict=True)
         columns = point_columns(ids, np.concatenate(classes), self.start.settings.seed)
-        return Born(_joined(list(bindings)), np.concatenate(places), columns)
+        return Born(joined(list(bindings)), np.concatenate(places), columns)
 
     def _rows(self, samples: Any) -> Placed:
         """The samples as rows: known ids first, each at its own, then those that appear."""
@@ -180,11 +180,11 @@ class PopulationBaker(Baker):
             1.0 - samples.fade,
         )
         self._faces = faces
-        after = Binding(self.bound.faces[faces], weights, np.zeros(len(faces)))
-        vertices, own = self._now.vertices, self.bound.faces
-        turned = carried(self.last, after, vertices, own)
+        after = bound_to(self.bound, faces, weights)
+        vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
+        turned = carried(self.last, after, vertices, normals)
         lean = None if self.lean is None else padded(self.lean, len(faces))
-        return Placed(faces, turned, gone, leaning(self.last, lean, turned, vertices, own))
+        return Placed(faces, turned, gone, leaning(self.last, lean, turned, vertices, normals))
 
     def _appear(self, samples: Any, new: Any) -> None:
         """Give new ids rows at their first places."""
@@ -193,15 +193,13 @@ class PopulationBaker(Baker):
         if not new.any():
             return
         faces = np.asarray(samples.faces, dtype=np.int32)[new]
-        binding = Binding(
-            self.bound.faces[faces], np.asarray(samples.barycentric)[new], np.zeros(len(faces))
-        )
+        binding = bound_to(self.bound, faces, np.asarray(samples.barycentric)[new])
         stored = binding if len(self.topologies) == 1 else _first_row(self.begin, len(faces))
         classes = np.asarray(samples.classes, dtype=np.int32)[new]
         self._births.append((stored, binding.positions(self._now.vertices), classes))
         self._faces = np.concatenate([self._faces, faces])
         self.ids = np.concatenate([self.ids, np.asarray(samples.ids, dtype=np.int32)[new]])
-        self.last = _joined([self.last, binding])
+        self.last = joined([self.last, binding])
 
 
 def _there_of(kept: Solved) -> _There | None:
@@ -216,11 +214,7 @@ def _there_of(kept: Solved) -> _There | None:
 
 def _first_row(binding: Binding, count: int) -> Binding:
     """So many like the first: for points of later topologies, which the first one never shows."""
-    return Binding(
-        np.repeat(binding.corners[:1], count, axis=0),
-        np.repeat(binding.barycentric[:1], count, axis=0),
-        np.repeat(binding.carry[:1], count),
-    )
+    return binding.rows_at(np.zeros(count, dtype=np.int64))
 
 
 def _faces_at_start(samples: Any, ids: Ints) -> Ints:
@@ -230,11 +224,3 @@ def _faces_at_start(samples: Any, ids: Ints) -> Ints:
     if missing:
         raise ScatterError(f"Point {missing[0]} vanished on the first frame: optimize the scatter")
     return np.array([of[one] for one in ids.tolist()], dtype=np.int32)
-
-
-def _joined(bindings: list[Binding]) -> Binding:
-    return Binding(
-        np.concatenate([one.corners for one in bindings]),
-        np.concatenate([one.barycentric for one in bindings]),
-        np.concatenate([one.carry for one in bindings]),
-    )

@@ -27,11 +27,21 @@ class RawMesh:
     cut: Ints | None = None  # (m, 3) corners of triangles; None: polygons have at most 4 corners
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # own space to world space
     is_fluid: bool = False  # a metaball: a face is the same only as long as nothing moves
+    # Unit normals (c, 3) of the corners, or (p, 3) of the polygons where all of them are flat;
+    # None: smooth everywhere.
+    normals: Singles | None = None
 
     def same_place(self, other: "RawMesh") -> bool:
         """Whether both have the same vertices at the same places."""
         alike = np.array_equal(self.matrix, other.matrix)
         return alike and np.array_equal(self.positions, other.positions)
+
+    def same_normals(self, other: "RawMesh") -> bool:
+        """Whether both are shaded alike."""
+        own, others = self.normals, other.normals
+        if own is None or others is None:
+            return own is others
+        return np.array_equal(own, others)
 
     def same_faces(self, other: "RawMesh") -> bool:
         """Whether both have the same vertices at the polygons' corners."""
@@ -54,10 +64,30 @@ class RawMesh:
         found: Floats = self.positions @ self.matrix[:3, :3].T + self.matrix[:3, 3]
         return found
 
+    def world_normals(self) -> Floats | None:
+        """Unit shading normals (c, 3) of the corners in world space; None: smooth everywhere."""
+        if self.normals is None:
+            return None
+        return world_normals(self.normals, self.matrix, sizes(self.starts, len(self.corners)))
+
     @property
     def is_mirrored(self) -> bool:
         """Whether its faces look inwards in the world as they are stored."""
         return bool(np.linalg.det(self.matrix[:3, :3]) < 0.0)
+
+
+def world_normals(normals: Singles, matrix: Floats, totals: Ints) -> Floats:
+    """Unit normals (c, 3) in world space, of the corners or of polygons of totals (p,) corners.
+
+    By the cofactors of the matrix, which are there for a scale of 0 too.
+    """
+    x, y, z = matrix[:3, :3].T
+    cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
+    if np.dot(x, cofactors[0]) < 0.0:  # a mirrored surface still faces outwards
+        cofactors = -cofactors
+    found: Floats = normals @ cofactors
+    found /= np.maximum(np.linalg.norm(found, axis=1), 1e-300)[:, None]
+    return np.repeat(found, totals, axis=0) if len(found) == len(totals) else found
 
 
 def sizes(starts: Ints, corner_count: int) -> Ints:
@@ -110,6 +140,8 @@ def surface_of_raw(
         mesh.matrix,
         weights or {},
         around,
+        loops=np.ascontiguousarray(cut),
+        normals=mesh.world_normals(),
     )
 
 

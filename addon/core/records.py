@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Records: which attributes a scatter and its baked keys store, and under which schema.
 
-A binding ties each point to the surface by three vertex indices and barycentric coordinates.
+A binding ties each point to the surface by the three vertices of a triangle and barycentric
+coordinates; by the face corners there it finds the normals that the surface is shaded with.
 The points of the scatter object store one binding. Baked keys lie in three meshes without faces:
 one point for each key and point, key after key; one for each triangle; one for each frame.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,9 @@ ROW_ATTRIBUTES = {
     "dapple_v0": "INT",
     "dapple_v1": "INT",
     "dapple_v2": "INT",
+    "dapple_c0": "INT",
+    "dapple_c1": "INT",
+    "dapple_c2": "INT",
     "dapple_barycentric": "FLOAT_VECTOR",
     "dapple_carry": "FLOAT",
 }
@@ -41,7 +46,7 @@ REST_ATTRIBUTES = {
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
 # How far instances lean off the normal, on each key, where some do (lean.py).
 LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
-TRIANGLE_ATTRIBUTES = {f"dapple_v{k}": "INT" for k in range(3)}
+TRIANGLE_ATTRIBUTES = {f"dapple_{kind}{k}": "INT" for kind in "vc" for k in range(3)}
 # Where the triangles' corners are on the rest shape, where points are bound to it.
 REST_TRIANGLE_ATTRIBUTES = {
     **{f"dapple_r{k}": "FLOAT_VECTOR" for k in range(3)},
@@ -78,10 +83,17 @@ class Binding:
     corners: Ints  # (n, 3) vertex indices
     barycentric: Floats  # (n, 3)
     carry: Floats  # (n,) angle in radians from the first edge, see frames.py
+    # (n, 3) face corners of the mesh at those vertices; 0 where they are not known.
+    loops: Ints = field(default_factory=lambda: np.empty((0, 3), dtype=np.int32))
+
+    def __post_init__(self) -> None:
+        if self.loops.shape != self.corners.shape:
+            object.__setattr__(self, "loops", np.zeros_like(self.corners))
 
     def rows(self) -> Columns:
         """Columns named as in ROW_ATTRIBUTES."""
         columns: Columns = {f"dapple_v{k}": self.corners[:, k] for k in range(3)}
+        columns |= {f"dapple_c{k}": self.loops[:, k] for k in range(3)}
         columns["dapple_barycentric"] = self.barycentric
         columns["dapple_carry"] = self.carry
         return columns
@@ -90,6 +102,26 @@ class Binding:
         """Points (n, 3) on the surface with these vertices."""
         return np.einsum("nk,nkd->nd", self.barycentric, vertices[self.corners])
 
+    def rows_at(self, rows: Any) -> "Binding":
+        """Of some points, by their indices or a mask."""
+        return Binding(*(values[rows] for values in self._arrays()))
+
+    def with_rows(self, rows: Any, others: "Binding") -> "Binding":
+        """The same where some points, by their indices or a mask, are bound as others are."""
+        copies = [values.copy() for values in self._arrays()]
+        for own, other in zip(copies, others._arrays(), strict=True):
+            own[rows] = other
+        return Binding(*copies)
+
+    def _arrays(self) -> tuple[NDArray[Any], ...]:
+        return self.corners, self.barycentric, self.carry, self.loops
+
+
+def joined(bindings: list[Binding]) -> Binding:
+    """Points of several bindings, one after another."""
+    parts = zip(*(one._arrays() for one in bindings), strict=True)
+    return Binding(*map(np.concatenate, parts))
+
 
 def as_stored(binding: Binding) -> Binding:
     """A binding as it is read again after it was stored, in single precision."""
@@ -97,15 +129,18 @@ def as_stored(binding: Binding) -> Binding:
         np.asarray(values, dtype=np.float32).astype(np.float64)
         for values in (binding.barycentric, binding.carry)
     )
-    return Binding(binding.corners, weights, carry)
+    return replace(binding, barycentric=weights, carry=carry)
 
 
 def binding_from(columns: Columns) -> Binding:
     """Binding of stored columns."""
-    corners = np.column_stack([columns[f"dapple_v{k}"] for k in range(3)])
+    corners, loops = (
+        np.column_stack([columns[f"dapple_{kind}{k}"] for k in range(3)]).astype(np.int32)
+        for kind in "vc"
+    )
     weights = np.asarray(columns["dapple_barycentric"], dtype=np.float64)
     carry = np.asarray(columns["dapple_carry"], dtype=np.float64)
-    return Binding(corners.astype(np.int32), weights, carry)
+    return Binding(corners, weights, carry, loops)
 
 
 def check_binding(binding: Binding, vertex_count: int, name: str) -> None:

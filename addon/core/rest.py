@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from .binding import bound_to
 from .errors import ScatterError
-from .frames import frames, vertex_normals
+from .frames import frames, shading
 from .native import package
 from .records import Binding, Columns
 from .solve import named
@@ -56,7 +57,7 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
     ahead = (np.asarray(columns["dapple_ahead"], dtype=np.float64) - places)[:, :, None]
     shares = np.linalg.pinv(np.stack(_edges(found, surface.rest), axis=2)) @ ahead
     direction = (np.stack(_edges(found, surface.vertices), axis=2) @ shares)[:, :, 0]
-    local = frames(found, surface.vertices, vertex_normals(surface.vertices, surface.faces))
+    local = frames(found, surface.vertices, shading(surface))
     return replace(found, carry=local.angle(direction))
 
 
@@ -92,16 +93,16 @@ class Shape:
 
     def nearest(self, places: Floats, parts: Ints) -> Binding:
         """Binding to the places nearest to those on the rest shape, each in its own part."""
-        corners, weights = np.zeros((len(places), 3), np.int32), np.zeros((len(places), 3))
+        found, weights = np.zeros(len(places), np.int32), np.zeros((len(places), 3))
         for part in np.unique(parts).tolist():
             there = parts == part
-            faces = self._surface.faces[self._surface.parts == part]
+            faces = np.flatnonzero(self._surface.parts == part)
             with named(self._surface.name):
                 if part not in self._native:
-                    self._native[part] = package().Surface(self._rest, faces)
+                    self._native[part] = package().Surface(self._rest, self._surface.faces[faces])
                 closest = package().project(self._native[part], places[there])
-            corners[there], weights[there] = faces[closest.faces], closest.barycentric
-        return Binding(corners, weights, np.zeros(len(places)))
+            found[there], weights[there] = faces[closest.faces], closest.barycentric
+        return bound_to(self._surface, found, weights)
 
     def elsewhere(self, binding: Binding, vertices: Floats) -> str | None:
         """Which point its rest position puts farthest off, if one is put to another place."""
@@ -120,8 +121,7 @@ class Shape:
 
 def _ahead(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Floats:
     """Directions (n, 3) of the points in their triangles, as long as the first edges, at rest."""
-    normals = vertex_normals(surface.vertices, surface.faces)
-    direction = frames(binding, surface.vertices, normals).direction(binding.carry)
+    direction = frames(binding, surface.vertices, shading(surface)).direction(binding.carry)
     first, second = _edges(binding, surface.vertices)
     length = np.linalg.norm(first, axis=1, keepdims=True)
     both = np.stack([first, second], axis=2)  # (n, 3, 2): the direction as a sum of both edges

@@ -14,18 +14,19 @@ import json
 import os
 import shutil
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from .binding import bound_to
 from .keys import Placed
 from .native import package
 from .records import Binding, Columns
 from .settings import Settings
 from .solve import Report
-from .surface import Ints, SurfaceArrays
+from .surface import SurfaceArrays
 from .whole import replacing
 
 FORMAT = 2
@@ -61,6 +62,8 @@ class Fingerprint:
         """The fingerprint with one more frame."""
         self._digest.update(frame.topology.encode())
         self._add(frame.vertices)
+        if frame.normals is not None:
+            self._add(frame.normals)
         if frame.rest is not None:
             self._add(frame.rest)
         return self._digest.copy().hexdigest()
@@ -92,14 +95,22 @@ class Sidecar:
         return self.folder / f"{'ahead' if ahead else 'frame'}_{frame:06d}.npz"
 
     def load(
-        self, frame: int, fingerprint: str, points: int | None, faces: Ints, *, ahead: bool = False
+        self,
+        frame: int,
+        fingerprint: str,
+        points: int | None,
+        surface: SurfaceArrays,
+        *,
+        ahead: bool = False,
     ) -> Solved | None:
-        """The frame if it was solved from the same input: so many points, or any; faces (m, 3)."""
+        """The frame if it was solved from the same input: so many points, or any, on a surface with
+        these faces.
+        """
         try:
             with np.load(self.path(frame, ahead=ahead), allow_pickle=False) as stored:
                 if str(stored["fingerprint"]) != fingerprint:
                     return None
-                return _checked({name: stored[name] for name in stored.files}, points, faces)
+                return _checked({name: stored[name] for name in stored.files}, points, surface)
         except Exception:  # whatever broken bytes make numpy and zipfile raise
             return None
 
@@ -157,7 +168,7 @@ class Sidecar:
                 return
 
 
-def _checked(stored: dict[str, Any], points: int | None, faces: Ints) -> Solved:
+def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays) -> Solved:
     """The stored frame; ValueError if its arrays cannot be of such a frame."""
     points = len(stored["faces"]) if points is None else points
     wanted = {
@@ -172,9 +183,11 @@ def _checked(stored: dict[str, Any], points: int | None, faces: Ints) -> Solved:
             raise ValueError(f"{name} has another type or shape")
         if not np.isfinite(stored[name]).all():
             raise ValueError(f"{name} is not finite")
-    if points and not 0 <= stored["faces"].min() <= stored["faces"].max() < len(faces):
+    if points and not 0 <= stored["faces"].min() <= stored["faces"].max() < len(surface.faces):
         raise ValueError("faces has an index out of range")
-    binding = Binding(faces[stored["faces"]], stored["barycentric"], stored["carry"])
+    binding = replace(
+        bound_to(surface, stored["faces"], stored["barycentric"]), carry=stored["carry"]
+    )
     report = Report(**json.loads(str(stored["report"])))
     placed = Placed(stored["faces"], binding, lean=stored.get("lean"))
     more = {name[len(_MORE) :]: stored[name] for name in stored if name.startswith(_MORE)}

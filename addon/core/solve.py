@@ -92,7 +92,7 @@ def scatter(
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     sized = shrunk(settings, ground.surface)
     columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
-    binding = pointing(binding_of(samples, arrays.faces), arrays, settings.forward)
+    binding = pointing(binding_of(samples, arrays), arrays, settings.forward)
     positions = np.asarray(samples.positions)
     report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)
     mass, solved = float(ground.surface.mass), Solved(arrays, ground, fine)

@@ -52,8 +52,20 @@ class SurfaceArrays:
     weights: dict[str, Floats] = field(default_factory=dict)  # (v,) values of the vertices, by name
     around: Surroundings = field(default_factory=Surroundings)
     rest: Floats | None = None  # (v, 3) the vertices on the rest shape, if points are bound to it
+    # Face corners (m, 3) of the mesh at the corners of the triangles; None: 0, 1, 2 and so on.
+    loops: Ints | None = None
+    # Unit shading normals (c, 3) of the mesh's face corners in world space, where there are flat
+    # faces, sharp edges or custom normals; None: those of the vertices, smooth everywhere.
+    normals: Floats | None = None
     rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
     time: float = 0.0  # frame of the animation, with its fraction
+
+    @cached_property
+    def face_corners(self) -> Ints:
+        """Face corners (m, 3) of the mesh at the corners of the triangles."""
+        if self.loops is not None:
+            return self.loops
+        return np.arange(self.faces.size, dtype=np.int32).reshape(-1, 3)
 
     @property
     def parts(self) -> Ints:
@@ -64,9 +76,11 @@ class SurfaceArrays:
 
     @cached_property
     def fingerprint(self) -> str:
-        """Digest of topology, positions, weights and surroundings."""
+        """Digest of topology, positions, normals, weights and surroundings."""
         digest = hashlib.blake2b(self.topology.encode(), digest_size=16)
         digest.update(self.vertices.tobytes())
+        if self.normals is not None:
+            digest.update(self.normals.tobytes())
         for name, values in self.weights.items():
             digest.update(name.encode())
             digest.update(values.tobytes())

@@ -81,10 +81,10 @@ class TogetherBaker(Baker):
         if self.sidecar is None:
             return False
         fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
-        points, faces = len(self.start.ids), self.bound.faces
+        points, bound = len(self.start.ids), self.bound
         found = []
         for k in range(count):
-            solved = self.sidecar.load(begin + k, fingerprint, points, faces, ahead=k >= done)
+            solved = self.sidecar.load(begin + k, fingerprint, points, bound, ahead=k >= done)
             if solved is None:
                 return False
             found.append(solved)
@@ -99,8 +99,8 @@ class TogetherBaker(Baker):
         """Solve a piece of so many frames, of which so many are done then."""
         fingerprint, begin = self._piece(count, done), self.first + len(self.reports)
         samples = self._samples_on(count, done, context)
-        faces, ahead = self.bound.faces, samples[done:]
-        left = [Solved(placed_of(one, faces), report_of(one.report)) for one in ahead]
+        bound, ahead = self.bound, samples[done:]
+        left = [Solved(placed_of(one, bound), report_of(one.report)) for one in ahead]
         for k, solved in enumerate(left):  # before the others: once those are there, all are
             self._keep(solved, begin + done + k, fingerprint, ahead=True)
         for k in range(done):

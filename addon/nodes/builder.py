@@ -98,9 +98,12 @@ class Builder:
         value = self.attribute(name, data_type)
         return self.switch(input_type, value.node.outputs["Exists"], other, value)
 
-    def sample(self, geometry: Any, value: Any, index: Any, data_type: str) -> Socket:
-        """Value of a field at the point of a geometry with this index."""
-        return self.out("GeometryNodeSampleIndex", geometry, value, index, data_type=data_type)
+    def sample(
+        self, geometry: Any, value: Any, index: Any, data_type: str, domain: str = "POINT"
+    ) -> Socket:
+        """Value of a field at the point, or the element of another domain, with this index."""
+        kinds = {"data_type": data_type, "domain": domain}
+        return self.out("GeometryNodeSampleIndex", geometry, value, index, **kinds)
 
     def count(self, geometry: Any, component: str = "MESH") -> Socket:
         """Number of points (or instances) of a geometry."""
@@ -115,8 +118,10 @@ class Builder:
         turn = self.out("FunctionNodeAxisAngleToRotation", (0.0, 0.0, 1.0), angle)
         return self.out("FunctionNodeRotateRotation", rotation, turn, rotation_space="LOCAL")
 
-    def store(self, geometry: Any, name: str, value: Any, data_type: str) -> Socket:
-        """Geometry with one more named attribute on its points."""
+    def store(
+        self, geometry: Any, name: str, value: Any, data_type: str, domain: str = "POINT"
+    ) -> Socket:
+        """Geometry with one more named attribute on its points, or on another domain."""
         return self.out(
             "GeometryNodeStoreNamedAttribute",
             geometry,
@@ -124,7 +129,7 @@ class Builder:
             name,
             value,
             data_type=data_type,
-            domain="POINT",
+            domain=domain,
         )
 
     def captured(self, geometry: Any, **fields: tuple[str, Any]) -> bpy.types.Node:

@@ -9,18 +9,21 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import bound_point, rest_place
+from . import bound_place, rest_place
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
 NAME = "Dapple Key Point"
+_CORNERS = [f"dapple_{kind}{k}" for kind in "vc" for k in range(3)]
 
 
 @dataclass(frozen=True)
 class _Bound:
-    """Fields of one binding: three vertices, their weights, the angle carried; is it there."""
+    """Fields of one binding: three vertices and the face corners there, their weights, the angle
+    carried; is it there.
+    """
 
-    corners: list[Socket]
+    corners: list[Socket]  # six
     weights: list[Socket]
     carry: Socket
     gone: Socket  # 1 - fade
@@ -35,7 +38,9 @@ def build() -> bpy.types.NodeTree:
     tree = new_group(
         NAME,
         [
-            *((name, "NodeSocketGeometry") for name in ("Surface", "Keys", "Triangles", "Preview")),
+            ("Surface", "NodeSocketGeometry"),
+            ("Hard", "NodeSocketBool"),
+            *((name, "NodeSocketGeometry") for name in ("Shaded", "Keys", "Triangles", "Preview")),
             *((name, "NodeSocketInt") for name in ("Points", "Key")),
             *((name, "NodeSocketBool") for name in ("Baked", "Live", "Resting")),
             ("Shape", "NodeSocketGeometry"),
@@ -53,8 +58,9 @@ def build() -> bpy.types.NodeTree:
     bound = _chosen(b, b.input("Baked"), _own(b), of_key)
     bound = _chosen(b, b.input("Live"), bound, _previewed(b))
     turn = b.number("ADD", bound.carry, b.input("Turn"))
-    feeds = (b.input("Surface"), *bound.corners, *bound.weights, turn, b.input("Side"))
-    on_faces, at_rest = inner(b, bound_point, *feeds), _at_rest(b, of_key)
+    surface = (b.input(name) for name in ("Surface", "Hard", "Shaded"))
+    feeds = (*surface, *bound.corners, *bound.weights, turn, b.input("Side"))
+    on_faces, at_rest = inner(b, bound_place, *feeds), _at_rest(b, of_key)
     position, rotation = (
         b.switch(kind, b.input("Resting"), on_faces.outputs[name], at_rest.outputs[name])
         for kind, name in (("VECTOR", "Position"), ("ROTATION", "Rotation"))
@@ -69,7 +75,7 @@ def build() -> bpy.types.NodeTree:
 def _own(b: Builder) -> _Bound:
     """The binding of the points themselves."""
     return _Bound(
-        [b.attribute(f"dapple_v{k}", "INT") for k in range(3)],
+        [b.attribute(name, "INT") for name in _CORNERS],
         b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR")),
         b.attribute("dapple_carry", "FLOAT"),
         b.attribute("dapple_gone", "FLOAT"),
@@ -84,7 +90,7 @@ def _previewed(b: Builder) -> _Bound:
         return b.sample(rows, b.attribute(name, kind), index, kind)
 
     return _Bound(
-        [row(f"dapple_v{k}", "INT") for k in range(3)],
+        [row(name, "INT") for name in _CORNERS],
         b.parts(row("dapple_barycentric", "FLOAT_VECTOR")),
         row("dapple_carry", "FLOAT"),
         row("dapple_gone", "FLOAT"),
@@ -99,7 +105,7 @@ def _of_key(b: Builder) -> _Bound:
     second, third, carry = b.parts(place)
     first = b.number("SUBTRACT", b.number("SUBTRACT", 1.0, second), third)
     return _Bound(
-        [b.sample(triangles, b.attribute(f"dapple_v{k}", "INT"), face, "INT") for k in range(3)],
+        [b.sample(triangles, b.attribute(name, "INT"), face, "INT") for name in _CORNERS],
         [first, second, third],
         carry,
         _gone(b, rows, row),
@@ -157,7 +163,7 @@ def _gone(b: Builder, rows: Socket, row: Socket) -> Socket:
 
 def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Bound:
     """One of two bindings."""
-    kinds = (*("INT",) * 3, *("FLOAT",) * 5)
+    kinds = (*("INT",) * 6, *("FLOAT",) * 5)
     pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
     either = [b.switch(kind, condition, x, y) for kind, x, y in pairs]
-    return _Bound(either[:3], either[3:6], *either[6:])
+    return _Bound(either[:6], either[6:9], *either[9:])

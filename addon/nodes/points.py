@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import fit, key_point, moment, posture, rest_shape, surface
+from . import fit, key_point, moment, posture, rest_shape, shading, surface
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -127,8 +127,9 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     now = played.moment.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
     geometry, side = found.outputs["Geometry"], found.outputs["Side"]
+    shaded = inner(b, shading, geometry).outputs
     first, second = (
-        inner(b, key_point, geometry, *stored, key, *switches, turn, side)
+        inner(b, key_point, geometry, *shaded, *stored, key, *switches, turn, side)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]

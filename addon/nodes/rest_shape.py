@@ -7,7 +7,9 @@ may be others in every frame, or in the render: a point is where its rest positi
 
 import bpy
 
-from .builder import Builder, new_group
+from . import shading
+from .builder import Builder, Socket, new_group
+from .groups import inner
 
 NAME = "Dapple Rest Shape"
 PLACE, NORMAL = "dapple_place", "dapple_normal"
@@ -21,10 +23,18 @@ def build() -> bpy.types.NodeTree:
         [("Shape", "NodeSocketGeometry")],
     )
     b = Builder(tree)
-    place, normal = b.out("GeometryNodeInputPosition"), b.out("GeometryNodeInputNormal")
-    surface = b.store(b.input("Surface"), PLACE, place, "FLOAT_VECTOR")
-    surface = b.store(surface, NORMAL, normal, "FLOAT_VECTOR")
+    surface, place = _with_normals(b), b.out("GeometryNodeInputPosition")
+    surface = b.store(surface, PLACE, place, "FLOAT_VECTOR")
     rest = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", b.input("Own"))
     b.output("Shape", b.out("GeometryNodeSetPosition", surface, True, rest))
     b.arrange()
     return tree
+
+
+def _with_normals(b: Builder) -> Socket:
+    """The surface with its normals, where it is not smooth everywhere those of the face corners."""
+    surface = b.input("Surface")
+    hard, shaded = inner(b, shading, surface).outputs
+    smooth = b.store(surface, NORMAL, b.out("GeometryNodeInputNormal"), "FLOAT_VECTOR")
+    corners = b.store(shaded, NORMAL, shading.normal_of_corners(b), "FLOAT_VECTOR", "CORNER")
+    return b.switch("GEOMETRY", hard, smooth, corners)

@@ -84,6 +84,7 @@ INPUTS = {
     "Points": "Points with the attributes rotation and scale; those whose fade is 0 are left out",
     "Class": "Only instance on points with this dapple_class. Below 0: on all points",
     "V": "Vertex of the surface, a corner of the triangle that the point lies in",
+    "C": "Face corner of the surface at that vertex, whose normal the surface is shaded with",
     "W": "Weight of that vertex, a barycentric coordinate of the point",
     "Turn": "Angle around the normal, in radians",
     "Side": "1; -1 where the surface is mirrored and its normals point the other way",

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
 from addon.blender.data.key_writing import write_baked
 from addon.blender.data.store import new_scatter, write_scattered
+from addon.core.binding import bound_to
 from addon.core.keys import Keyframes, Placed
-from addon.core.records import Binding
 from addon.core.solve import Report, Scattered, point_columns
 from addon.core.surface import SurfaceArrays
 
@@ -19,7 +21,7 @@ def add_scatter(
 ) -> bpy.types.Object:
     """A scatter with sites anywhere on a surface, perhaps in the order of its faces."""
     faces, weights = _places(arrays, sites, in_order)
-    binding = Binding(arrays.faces[faces], weights, np.zeros(sites))
+    binding = bound_to(arrays, faces, weights)
     ids = np.arange(sites, dtype=np.int32)
     columns = point_columns(ids, np.zeros_like(ids), seed=0)
     positions = binding.positions(arrays.vertices)
@@ -57,6 +59,6 @@ def add_bake(
         leaving = slides & (random.random(sites) < 0.1)
         faces[leaving] = (faces[leaving] + 1) % len(arrays.faces)
         carry[leaving] += random.normal(0.0, 0.3, leaving.sum())
-        binding = Binding(arrays.faces[faces], weights.copy(), carry.copy())
+        binding = replace(bound_to(arrays, faces, weights.copy()), carry=carry.copy())
         keyframes.add(Placed(faces.copy(), binding), arrays, arrays, 0.01)
     write_baked(scatter, keyframes.packed(), 1, Report(count=sites, spacing=0.01))

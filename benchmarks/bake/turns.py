@@ -14,7 +14,7 @@ import numpy as np
 
 from addon.core.bake import Baker, Start
 from addon.core.binding import binding_of
-from addon.core.frames import frames, vertex_normals
+from addon.core.frames import Normals, frames, smooth
 from addon.core.keys import Keyframes, Placed
 from addon.core.lean import rotations
 from addon.core.settings import Settings
@@ -66,20 +66,20 @@ def turns_of(animation: Animation, sites: int) -> np.ndarray:
 def _baker(animation: Animation, sites: int) -> Baker:
     first = SurfaceArrays(animation.name, animation.frames[0], animation.faces, "")
     samples = dapple.sample(dapple.Surface(first.vertices, first.faces), sites)
-    binding = binding_of(samples, first.faces)
+    binding = binding_of(samples, first)
     start = Start(binding, samples.ids, samples.classes, Settings(count=sites))
     return Baker(first, start, Keyframes(len(animation.frames)))
 
 
 def _between(before: Placed, after: Placed, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Angles (n,) in degrees between what both keys make of instances on one surface."""
-    normals = vertex_normals(vertices, faces)
+    normals = smooth(vertices, faces)
     one, other = (_axes(each, vertices, normals) for each in (before, after))
     trace = np.einsum("nij,nij->n", one, other)
     return np.degrees(np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0)))
 
 
-def _axes(placed: Placed, vertices: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def _axes(placed: Placed, vertices: np.ndarray, normals: Normals) -> np.ndarray:
     own = frames(placed.binding, vertices, normals).axes(placed.binding.carry)
     return own if placed.lean is None else own @ rotations(placed.lean)
 

@@ -48,12 +48,12 @@ def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself(
     lean, frames, keys = part("lean"), part("frames"), part("keys")
     vertices, faces = roof()
     left, right = bound(faces, 0, [0.1, 0.2, 0.7]), bound(faces, 2, [0.3, 0.1, 0.6])
-    normals = frames.vertex_normals(vertices, faces)
+    normals = frames.smooth(vertices, faces)
     placed = [keys.Placed(np.zeros(1, np.int32), left)]
     leaned, last = None, left
     for _ in range(12):
-        turned = frames.carried(last, right, vertices, faces)
-        leaned = lean.leaning(last, leaned, turned, vertices, faces)
+        turned = frames.carried(last, right, vertices, normals)
+        leaned = lean.leaning(last, leaned, turned, vertices, normals)
         placed.append(keys.Placed(np.zeros(1, np.int32), turned, lean=leaned))
         last = turned
     shown = []
@@ -69,6 +69,7 @@ def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself(
 
 def test_where_nothing_flips_nothing_leans():
     surface = scenes.sphere()
+    bpy.ops.object.shade_smooth()
     for frame, size in ((1, 1.0), (6, 1.3)):
         surface.scale.z = size
         surface.keyframe_insert("scale", frame=frame)
@@ -90,17 +91,17 @@ def test_a_baked_lean_is_played(randomness):
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
     binding, _ = points.read_binding(obj, len(arrays.vertices))
     faces = part("binding").faces_with_corners(binding.corners, arrays.faces)
-    corners = arrays.faces[faces]
+    corners, loops = arrays.faces[faces], arrays.face_corners[faces]
     order = np.argmax(corners[:, None, :] == binding.corners[:, :, None], axis=1)
     weights = np.take_along_axis(binding.barycentric, order, axis=1)
-    binding = part("records").Binding(corners, weights, np.linspace(0, 6, 40))
+    binding = part("records").Binding(corners, weights, np.linspace(0, 6, 40), loops)
     vectors = np.random.default_rng(2).uniform(-0.6, 0.6, (40, 3))
     keyframes = part("keys").Keyframes(2)
     for lean in (None, vectors):
         placed = part("keys").Placed(faces, binding, lean=lean)
         keyframes.add(placed, arrays, arrays, 0.1)
     writing.write_baked(obj, keyframes.packed(), 1, part("solve").Report(count=40))
-    normals = part("frames").vertex_normals(arrays.vertices, arrays.faces)
+    normals = part("frames").shading(arrays)
     own = part("frames").frames(binding, arrays.vertices, normals).axes(binding.carry)
     turn = np.empty(40, np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", turn)
@@ -125,9 +126,10 @@ def test_a_frame_with_leans_comes_back_from_its_file(tmp_path):
     placed = keys.Placed(np.zeros(2, np.int32), binding, lean=lean)
     files = sidecar.Sidecar(tmp_path / "work")
     files.store(4, "mark", sidecar.Solved(placed, part("solve").Report()))
-    found = files.load(4, "mark", 2, faces)
+    surface = part("surface").SurfaceArrays("Triangle", np.eye(3), faces, "same")
+    found = files.load(4, "mark", 2, surface)
     np.testing.assert_array_equal(found.placed.lean, lean)
-    assert files.load(4, "mark", 3, faces) is None
+    assert files.load(4, "mark", 3, surface) is None
 
 
 def test_leans_are_packed_with_rows_that_appear_later():

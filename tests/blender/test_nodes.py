@@ -14,11 +14,12 @@ def bound_to_every_triangle(surface):
     """Scatter object with a point in each triangle of a mesh without modifiers; its corners."""
     surface.data.calc_loop_triangles()
     corners = np.array([tri.vertices[:] for tri in surface.data.loop_triangles], dtype=np.int32)
+    loops = np.array([tri.loops[:] for tri in surface.data.loop_triangles], dtype=np.int32)
     records, solve = addon_host.part("core.records"), addon_host.part("core.solve")
     store = addon_host.part("blender.data.store")
     reading = addon_host.part("blender.surface.surface_mesh")
     count = len(corners)
-    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
+    binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count), loops)
     ids = np.arange(count, dtype=np.int32)
     columns = solve.point_columns(ids, np.zeros_like(ids), seed=0)
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
@@ -29,6 +30,13 @@ def bound_to_every_triangle(surface):
     store.write_scattered(obj, arrays, solved)
     obj.dapple.turn_randomness = 0.0
     return obj, corners
+
+
+def smooth_sphere(scale=(1, 1, 1)):
+    """Sphere whose normals are those of its vertices."""
+    surface = scenes.sphere(scale)
+    bpy.ops.object.shade_smooth()
+    return surface
 
 
 def centers(surface, corners):
@@ -56,12 +64,12 @@ def test_the_scatter_object_may_be_moved_and_parented():
 
 
 def test_x_runs_along_the_first_edge_and_z_along_the_interpolated_normal():
-    surface = scenes.sphere((1, 1, 1.5))
+    surface = smooth_sphere((1, 1, 1.5))
     obj, corners = bound_to_every_triangle(surface)
     frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
     vertices, count = scenes.world_vertices(surface), len(corners)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
-    expected = frames.frames(binding, vertices, frames.vertex_normals(vertices, corners))
+    expected = frames.frames(binding, vertices, frames.smooth(vertices, corners))
     axes = scenes.rotations(obj)
     assert np.einsum("nd,nd->n", axes[:, :, 0], expected.tangent).min() > 0.999
     assert np.einsum("nd,nd->n", axes[:, :, 2], expected.normal).min() > 0.999
@@ -81,7 +89,7 @@ def placed(surface, case):
 @pytest.mark.parametrize("moved", [False, True])
 def test_instances_stand_on_a_surface_that_is_turned_scaled_or_sheared(case, moved):
     """Where it is neither sheared nor mirrored, they are placed in its own space and moved."""
-    surface = scenes.sphere()
+    surface = smooth_sphere()
     parent = placed(surface, case)
     obj, corners = bound_to_every_triangle(surface)
     if moved:
@@ -91,7 +99,7 @@ def test_instances_stand_on_a_surface_that_is_turned_scaled_or_sheared(case, mov
     bpy.context.view_layer.update()
     vertices, count = scenes.world_vertices(surface), len(corners)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), np.zeros(count))
-    expected = frames.frames(binding, vertices, frames.vertex_normals(vertices, corners))
+    expected = frames.frames(binding, vertices, frames.smooth(vertices, corners))
     axes = scenes.rotations(obj)
     assert np.allclose(scenes.positions(obj), centers(surface, corners), rtol=0, atol=1e-5)
     assert np.einsum("nd,nd->n", axes[:, :, 0], expected.tangent).min() > 0.999
@@ -150,7 +158,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
     assert parts == [
         f"Dapple {part}"
         for part in (
-            "Bound Point",
+            "Bound Place",
             "Fit",
             "Fitting",
             "Instances",
@@ -160,6 +168,7 @@ def test_groups_are_built_once_and_have_no_broken_link():
             "Posture",
             "Rest Place",
             "Rest Shape",
+            "Shading",
             "Standing",
             "Surface",
             "Viewport",
@@ -224,7 +233,7 @@ def test_things_stand_on_the_surface_or_upright_in_the_world():
 
 @pytest.mark.parametrize("align", [1.0, 1.0 - 1e-6])
 def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
-    surface = scenes.sphere((1, 1, 1.5))
+    surface = smooth_sphere((1, 1, 1.5))
     obj, corners = bound_to_every_triangle(surface)
     frames, records = addon_host.part("core.frames"), addon_host.part("core.records")
     vertices, count = scenes.world_vertices(surface), len(corners)
@@ -233,7 +242,7 @@ def test_a_thing_is_turned_by_the_angle_of_its_key_and_its_own(align):
     own = np.empty(count, dtype=np.float32)
     obj.data.attributes["dapple_turn"].data.foreach_get("value", own)
     binding = records.Binding(corners, np.full((count, 3), 1.0 / 3.0), carry)
-    normals = frames.vertex_normals(vertices, corners)
+    normals = frames.smooth(vertices, corners)
     expected = frames.frames(binding, vertices, normals).direction(carry + 0.5 * own)
     found = rotations_with(obj, align=align, turn_randomness=0.5)
     assert np.einsum("nd,nd->n", found[:, :, 0], expected).min() > 0.999

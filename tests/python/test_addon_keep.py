@@ -16,7 +16,7 @@ from addon.core.settings import ClassSettings, DensitySettings, Settings
 from addon.core.solve import Scattered, scatter
 from addon.core.surface import SurfaceArrays, Surroundings
 
-ROWS = ("corners", "barycentric", "carry")
+ROWS = ("corners", "barycentric", "carry", "loops")
 BY_AREA = Settings(per_area=60.0)
 PAINTED = DensitySettings(attribute="Grass")
 

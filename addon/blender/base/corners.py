@@ -8,6 +8,7 @@ for a property, which takes a hundred times as long.
 import bpy
 import numpy as np
 
+from ...core.raw import Singles
 from ...core.surface import Ints
 
 
@@ -19,12 +20,33 @@ def corner_vertices(mesh: bpy.types.Mesh) -> Ints:
     return vertices
 
 
-def triangles(mesh: bpy.types.Mesh) -> Ints:
-    """Vertices (f, 3) of the triangles that Blender cuts the faces into."""
+def polygon_starts(mesh: bpy.types.Mesh) -> Ints:
+    """First corner (p,) of each polygon."""
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return starts
+
+
+def triangle_corners(mesh: bpy.types.Mesh) -> Ints:
+    """Corners (f, 3) of the triangles that Blender cuts the faces into."""
     mesh.calc_loop_triangles()
-    vertices, count = corner_vertices(mesh), len(mesh.loop_triangles)
+    count = len(mesh.loop_triangles)
     if count == len(mesh.polygons):  # every face is a triangle
-        return vertices.reshape(-1, 3)
+        return np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
     corners = np.empty(3 * count, dtype=np.int32)
     mesh.loop_triangles.foreach_get("loops", corners)
-    return vertices[corners].reshape(-1, 3)
+    return corners.reshape(-1, 3)
+
+
+def shading_normals(mesh: bpy.types.Mesh) -> Singles | None:
+    """Unit normals (c, 3) of the corners, or (p, 3) of the faces where all of them are flat.
+
+    None where all vertices have one normal each: the mesh is smooth everywhere.
+    """
+    if mesh.normals_domain == "POINT":
+        return None
+    flat = mesh.normals_domain == "FACE"
+    normals = mesh.polygon_normals if flat else mesh.corner_normals
+    found = np.empty((len(normals), 3), dtype=np.float32)
+    normals.foreach_get("vector", found.ravel())
+    return found

@@ -12,6 +12,7 @@ from ...core.records import (
     REST_ATTRIBUTES,
     RESULT_KEY,
     ROW_ATTRIBUTES,
+    TRIANGLE_ATTRIBUTES,
     Binding,
     Columns,
     binding_from,
@@ -28,7 +29,7 @@ from ...core.surface import Floats
 from ..base.meshio import read_columns, read_points, to_world
 
 # What check_binding looks at, which knows points that were added by hand, and the surface.
-_BOUND = {"dapple_v0", "dapple_v1", "dapple_v2", "dapple_barycentric"}
+_BOUND = {*TRIANGLE_ATTRIBUTES, "dapple_barycentric"}
 
 
 def own_points(obj: bpy.types.Object) -> NDArray[np.bool_]:

@@ -60,8 +60,7 @@ def binding_now(obj: bpy.types.Object, surface: bpy.types.Object, arrays: Surfac
     stored = binding_from(own_columns(obj, ROW_ATTRIBUTES))
     blank = unbound(stored)
     if not reason:
-        there = Binding(stored.corners[~blank], stored.barycentric[~blank], stored.carry[~blank])
-        check_binding(there, len(arrays.vertices), obj.name)
+        check_binding(stored.rows_at(~blank), len(arrays.vertices), obj.name)
         return stored
     rest = read_at_rest(obj)
     found = bound_at_rest(rest.columns, replace(with_rest(arrays, surface), rest_parts=rest.parts))

@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import ScatterError
 from ...core.raw import RawMesh, RawValues
 from ...core.steps import PAUSE, Task
-from ..base.corners import corner_vertices
+from ..base.corners import corner_vertices, polygon_starts, shading_normals
 from ..base.held import Held
 from ..data.scatter import is_fluid
 from .surface_mesh import evaluated_mesh
@@ -24,18 +24,24 @@ _AT_ONCE = 60_000  # vertices whose weights are read in one part, which takes ha
 Parts = Generator[Task, Any, Any]
 
 
-def mesh_parts(surface: Held, known: RawMesh | None = None) -> Parts:
-    """Read a mesh; what polygons it has, only where they are not those of one known before."""
+def mesh_parts(surface: Held, known: RawMesh | None = None, *, shaded: bool = True) -> Parts:
+    """Read a mesh, with its normals if they matter; what polygons it has, only where they are not
+    those of one known before.
+    """
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
         positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
         if len(positions):
             mesh.attributes["position"].data.foreach_get("vector", positions.ravel())
         corners, count = corner_vertices(mesh), len(mesh.polygons)
+        has_own = shaded and mesh.normals_domain != "POINT"
     matrix = np.array(obj.evaluated_get(evaluated()).matrix_world, dtype=np.float64)
     fluid = is_fluid(obj)
+    normals = (yield from _normals(surface, len(corners))) if has_own else None
     if known is not None and len(known.starts) == count:
-        found = RawMesh(obj.name, positions, corners, known.starts, known.cut, matrix, fluid)
+        found = RawMesh(
+            obj.name, positions, corners, known.starts, known.cut, matrix, fluid, normals
+        )
         if found.same_faces(known):
             return found
     yield PAUSE
@@ -44,17 +50,23 @@ def mesh_parts(surface: Held, known: RawMesh | None = None) -> Parts:
     if np.max(np.diff(np.append(starts, len(corners))), initial=3) > 4:
         yield PAUSE
         cut = _cut(surface, len(corners))
-    return RawMesh(obj.name, positions, corners, starts, cut, matrix, fluid)
+    return RawMesh(obj.name, positions, corners, starts, cut, matrix, fluid, normals)
+
+
+def _normals(surface: Held, corner_count: int) -> Parts:
+    """Shading normals of the corners or the polygons."""
+    yield PAUSE
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.loops), corner_count)
+        return shading_normals(mesh)
 
 
 def _starts(surface: Held, corner_count: int, count: int) -> Any:
     if corner_count == 3 * count:  # all are triangles
         return np.arange(0, corner_count, 3, dtype=np.int32)
-    starts = np.empty(count, dtype=np.int32)
     with evaluated_mesh(surface.get(), evaluated()) as mesh:
         _check_count(surface, len(mesh.polygons), count)
-        mesh.polygons.foreach_get("loop_start", starts)
-    return starts
+        return polygon_starts(mesh)
 
 
 def _cut(surface: Held, corner_count: int) -> Any:

@@ -84,7 +84,7 @@ def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
         others = obstacles_of(density.obstacles, surface.get(), own.get())
         found.points, found.radii = balls(others, density.obstacle_margin)
         for other in [Held(one) for one in others if not is_scatter(one)]:
-            found.obstacles.append((yield from mesh_parts(other)))
+            found.obstacles.append((yield from mesh_parts(other, shaded=False)))
     yield from _target_parts(found, density, surface, own)
     return found
 
@@ -94,7 +94,7 @@ def _target_parts(found: Read, density: DensitySettings, surface: Held, own: Hel
     for other in [Held(one) for one in targets_of(density, surface.get(), own.get())]:
         lines = read_lines(other.get(), evaluated())
         if lines is None:
-            found.targets.append((yield from mesh_parts(other)))
+            found.targets.append((yield from mesh_parts(other, shaded=False)))
         else:
             found.lines.append(lines)
         yield PAUSE

@@ -24,8 +24,7 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
     arrays = read_surface(surface, context.evaluated_depsgraph_get())
     if not obj.dapple.baked_keys:
         binding, _ = current_binding(obj, surface, arrays)
-        own = Binding(binding.corners[rows], binding.barycentric[rows], binding.carry[rows])
-        return own.positions(arrays.vertices)
+        return binding.rows_at(rows).positions(arrays.vertices)
     check_keys(obj)
     first, second, share = _around(obj, rows, time_of(context.scene))
     corners = np.concatenate([first.corners, second.corners])

@@ -9,8 +9,9 @@ import bpy
 import numpy as np
 
 from ...core.errors import ScatterError
+from ...core.raw import sizes, world_normals
 from ...core.surface import Floats, SurfaceArrays, topology_digest
-from ..base.corners import corner_vertices, triangles
+from ..base.corners import corner_vertices, polygon_starts, shading_normals, triangle_corners
 from ..base.meshio import matrix_of, read_columns, read_points
 from ..data.joined import parts_of
 from ..data.scatter import is_fluid
@@ -49,18 +50,29 @@ def read_surface(
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = matrix_of(obj.evaluated_get(depsgraph))
         vertices = read_points(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
-        faces = triangles(mesh) if cut else np.empty((0, 3), dtype=np.int32)
+        loops = triangle_corners(mesh) if cut else np.empty((0, 3), dtype=np.int32)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
-            faces = faces[:, ::-1]
+            loops = np.ascontiguousarray(loops[:, ::-1])
         return SurfaceArrays(
             obj.name,
             np.ascontiguousarray(vertices),
-            np.ascontiguousarray(faces),
+            corner_vertices(mesh)[loops],
             _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
             matrix,
             {name: read_weights(obj, mesh, name) for name in names},
+            loops=loops,
+            normals=_world_normals(mesh, matrix) if cut else None,
             time=float(depsgraph.scene.frame_current_final),
         )
+
+
+def _world_normals(mesh: bpy.types.Mesh, matrix: Floats) -> Floats | None:
+    """Shading normals (c, 3) of the corners in world space; None where all is smooth."""
+    normals = shading_normals(mesh)
+    if normals is None:
+        return None
+    starts = polygon_starts(mesh)
+    return world_normals(normals, matrix, sizes(starts, len(mesh.loops)))
 
 
 def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:
@@ -84,9 +96,7 @@ def _check_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, name: str
 
 def topology(mesh: bpy.types.Mesh) -> str:
     """Digest of a mesh's polygons."""
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    return topology_digest(len(mesh.vertices), corner_vertices(mesh), starts)
+    return topology_digest(len(mesh.vertices), corner_vertices(mesh), polygon_starts(mesh))
 
 
 def _fluid_topology(mesh: bpy.types.Mesh) -> str:

@@ -60,7 +60,9 @@ def follow_steps(preview: Preview) -> Steps:
     if mesh.same_place(preview.mesh) and is_shown(obj):
         return None
     budget = obj.dapple.preview_budget / 1000.0
-    binding = yield Task(lambda context: follower.follow(mesh.vertices(), budget, context))
+    binding = yield Task(
+        lambda context: follower.follow(mesh.vertices(), budget, context, mesh.world_normals())
+    )
     obj, preview.mesh = preview.scatter.get(), mesh
     if binding is not None or not is_shown(obj):
         show_binding(obj, follower.binding)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: a binding -> position and rotation on a surface whose shading is known."""
+
+import bpy
+
+from . import standing
+from .builder import Builder, Socket, new_group
+from .groups import inner
+from .shading import normal_of_corners
+
+NAME = "Dapple Bound Place"
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; the vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and
+    Turn are fields (core/records.py), Hard and Shaded what shading.py says of the surface.
+    """
+    tree = new_group(
+        NAME,
+        [
+            ("Surface", "NodeSocketGeometry"),
+            ("Hard", "NodeSocketBool"),
+            ("Shaded", "NodeSocketGeometry"),
+            *((f"{kind}{k}", "NodeSocketInt") for kind in "VC" for k in range(3)),
+            *((f"W{k}", "NodeSocketFloat") for k in range(3)),
+            ("Turn", "NodeSocketFloat"),
+            ("Side", "NodeSocketFloat"),
+        ],
+        [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
+    )
+    b = Builder(tree)
+    weights = [b.input(f"W{k}") for k in range(3)]
+    positions = _at_vertices(b, b.out("GeometryNodeInputPosition"))
+    smooth = _weighted(b, _at_vertices(b, b.out("GeometryNodeInputNormal")), weights)
+    normal = b.switch("VECTOR", b.input("Hard"), smooth, _weighted(b, _of_corners(b), weights))
+    b.output("Position", _weighted(b, positions, weights))
+    b.output("Rotation", _rotation(b, positions, normal))
+    b.arrange()
+    return tree
+
+
+def _at_vertices(b: Builder, field: Socket) -> list[Socket]:
+    surface = b.input("Surface")
+    return [b.sample(surface, field, b.input(f"V{k}"), "FLOAT_VECTOR") for k in range(3)]
+
+
+def _of_corners(b: Builder) -> list[Socket]:
+    """The normals of the face corners."""
+    shaded, field = b.input("Shaded"), normal_of_corners(b)
+    corners = [b.input(f"C{k}") for k in range(3)]
+    return [b.sample(shaded, field, corner, "FLOAT_VECTOR", "CORNER") for corner in corners]
+
+
+def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket:
+    parts = [b.scaled(v, w) for v, w in zip(values, weights, strict=True)]
+    return b.vector("ADD", b.vector("ADD", parts[0], parts[1]), parts[2])
+
+
+def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
+    """Z along the interpolated normal, X along the first edge, turned by an angle."""
+    edge = b.vector("SUBTRACT", positions[1], positions[0])
+    return inner(b, standing, normal, edge, b.input("Turn"), b.input("Side")).outputs["Rotation"]

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node group: a surface -> the same, whose face corners have the normals that it is shaded with.
+
+Flat faces, sharp edges and custom normals give the corners at a vertex different normals. From
+Blender 4.4 on, the Normal node knows them. Before, it only knows those of vertices: there, edges
+are split where corners differ, which keeps the order of faces and corners, and custom normals are
+not known. Which of both it is is tried out on a cube, as a file may be opened in another version.
+"""
+
+import bpy
+
+from .builder import Builder, Socket, new_group
+
+NAME = "Dapple Shading"
+_NEARLY_1 = 0.99
+
+
+def build() -> bpy.types.NodeTree:
+    """New group; Hard is whether corners differ. A smooth surface needs the normals of vertices
+    only, which are faster.
+    """
+    tree = new_group(
+        NAME,
+        [("Surface", "NodeSocketGeometry")],
+        [("Hard", "NodeSocketBool"), ("Shaded", "NodeSocketGeometry")],
+    )
+    b = Builder(tree)
+    surface = b.input("Surface")
+    face, edge = (b.attribute(name, "BOOLEAN") for name in ("sharp_face", "sharp_edge"))
+    custom = b.attribute("custom_normal", "FLOAT").node.outputs["Exists"]
+    sharp = b.boolean("OR", _any(b, face, "FACE"), _any(b, edge, "EDGE"))
+    b.output("Hard", b.boolean("OR", sharp, b.sample(surface, custom, 0, "BOOLEAN")))
+    split = b.out("GeometryNodeSplitEdges", surface, b.boolean("OR", face, edge))
+    b.output("Shaded", b.switch("GEOMETRY", _knows_corners(b), split, surface))
+    b.arrange()
+    return tree
+
+
+def normal_of_corners(b: Builder) -> Socket:
+    """The field of the corners' normals, where Blender knows them."""
+    node = b.node("GeometryNodeInputNormal")
+    if hasattr(node, "legacy_corner_normals"):
+        node.legacy_corner_normals = False
+    return node.outputs[0]
+
+
+def _any(b: Builder, value: Socket, domain: str) -> Socket:
+    """Whether an attribute is set somewhere; most surfaces do not even have it."""
+    surface = b.input("Surface")
+    there = b.sample(surface, value.node.outputs["Exists"], 0, "BOOLEAN")
+    statistic = b.node("GeometryNodeAttributeStatistic", surface, True, value, domain=domain)
+    some = b.compare("GREATER_THAN", statistic.outputs["Sum"], 0.0, "FLOAT")
+    return b.switch("BOOLEAN", there, False, some)
+
+
+def _knows_corners(b: Builder) -> Socket:
+    """Whether the normal at the corner of a cube is that of its face: along an axis."""
+    cube = b.out("GeometryNodeMeshCube")
+    normal = b.sample(cube, normal_of_corners(b), 0, "FLOAT_VECTOR", "CORNER")
+    x, y, z = (b.number("ABSOLUTE", part) for part in b.parts(normal))
+    most = b.number("MAXIMUM", b.number("MAXIMUM", x, y), z)
+    return b.compare("GREATER_THAN", most, _NEARLY_1, "FLOAT")

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Instances stand on a surface as it is shaded: flat faces, sharp edges, custom normals, smooth."""
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+from mathutils.geometry import barycentric_transform
+
+
+def degrees_off(obj, surface, offset=0.0):
+    """Angles (n,) between the instances and the surface's shading normals where they stand."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    matrices = scenes.instance_matrices(obj, depsgraph)
+    axes = matrices[:, :3, 2] / np.linalg.norm(matrices[:, :3, 2], axis=1, keepdims=True)
+    places = matrices[:, :3, 3] - offset * axes
+    evaluated = surface.evaluated_get(depsgraph)
+    matrix, mesh = evaluated.matrix_world, evaluated.to_mesh()
+    mesh.calc_loop_triangles()
+    vertices = [matrix @ vertex.co for vertex in mesh.vertices]
+    triangles = [list(triangle.vertices) for triangle in mesh.loop_triangles]
+    turned = matrix.to_3x3().inverted().transposed()
+    normals = [(turned @ normal.vector).normalized() for normal in mesh.corner_normals]
+    loops = [triangle.loops[:] for triangle in mesh.loop_triangles]
+    tree, found = BVHTree.FromPolygons(vertices, triangles), []
+    for place, axis in zip(places, axes, strict=True):
+        near = tree.find_nearest_range(Vector(place), 2e-4)
+        assert near, f"an instance at {place} is off the surface"
+        angles = []
+        for *_, index, _ in near:
+            where = [vertices[v] for v in triangles[index]]
+            normal = barycentric_transform(
+                Vector(place), *where, *(normals[k] for k in loops[index])
+            )
+            cosine = np.clip(np.dot(normal.normalized(), axis), -1.0, 1.0)
+            angles.append(np.degrees(np.arccos(cosine)))
+        found.append(min(angles))
+    evaluated.to_mesh_clear()
+    return np.array(found)
+
+
+def cube():
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+def smooth_cube_with_sharp_edges():
+    obj = cube()
+    bpy.ops.object.shade_smooth()
+    for edge in obj.data.edges:
+        edge.use_edge_sharp = True
+    return obj
+
+
+def cube_with_one_flat_face():
+    obj = cube()
+    bpy.ops.object.shade_smooth()
+    obj.data.polygons[3].use_smooth = False
+    return obj
+
+
+def beveled_cube():
+    obj = cube()
+    bevel = obj.modifiers.new("Bevel", "BEVEL")
+    bevel.width, bevel.segments = 0.05, 2
+    return obj
+
+
+def flat_cylinder():
+    bpy.ops.mesh.primitive_cylinder_add(vertices=12)
+    return bpy.context.object
+
+
+def cylinder_smooth_by_angle():
+    obj = flat_cylinder()
+    bpy.ops.object.shade_smooth()
+    obj.data.set_sharp_from_angle(angle=0.6)
+    return obj
+
+
+def smooth_monkey():
+    bpy.ops.mesh.primitive_monkey_add()
+    bpy.ops.object.shade_smooth()
+    return bpy.context.object
+
+
+def flat_monkey():
+    bpy.ops.mesh.primitive_monkey_add()
+    return bpy.context.object
+
+
+def text():
+    bpy.ops.object.text_add()
+    bpy.context.object.data.extrude = 0.2
+    return bpy.context.object
+
+
+def cube_with_custom_normals():
+    obj = cube()
+    bpy.ops.object.shade_smooth()
+    random = np.random.default_rng(4)
+    own = random.normal(size=(len(obj.data.loops), 3)) * 0.3
+    own += [polygon.normal for polygon in obj.data.polygons for _ in polygon.loop_indices]
+    obj.data.normals_split_custom_set((own / np.linalg.norm(own, axis=1)[:, None]).tolist())
+    return obj
+
+
+def subdivided_cube():
+    obj = smooth_cube_with_sharp_edges()
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.subdivision_type, modifier.render_levels = "SIMPLE", 1
+    return obj
+
+
+SURFACES = [
+    cube,
+    smooth_cube_with_sharp_edges,
+    cube_with_one_flat_face,
+    beveled_cube,
+    flat_cylinder,
+    cylinder_smooth_by_angle,
+    smooth_monkey,
+    flat_monkey,
+    text,
+    subdivided_cube,
+]
+if bpy.app.version >= (4, 4):  # before, the nodes of Blender do not know custom normals
+    SURFACES.append(cube_with_custom_normals)
+
+
+@pytest.mark.parametrize("make", SURFACES, ids=lambda make: make.__name__)
+@pytest.mark.parametrize("bound", ["FACES", "REST"])
+def test_instances_stand_along_the_shading_normal(make, bound):
+    surface = make()
+    if bound == "REST" and surface.type != "MESH":
+        pytest.skip("only meshes have rest positions")
+    assert bpy.ops.dapple.add(count=150, bind_to=bound) == {"FINISHED"}
+    obj = bpy.context.object
+    assert obj.dapple.bound_to == bound
+    assert degrees_off(obj, surface).max() < 0.5
