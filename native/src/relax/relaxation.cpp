@@ -11,6 +11,7 @@
 #include "base/validate.hpp"
 #include "relax/part_domain.hpp"
 #include "relax/widest_gaps.hpp"
+#include "sample/lead_to_density.hpp"
 #include "sample/rebalance.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -249,7 +250,7 @@ double Relaxation::wanted_capacity(const Region& region, const RestrictedVoronoi
   }
   const auto given = static_cast<std::int64_t>(given_);
   const std::int64_t more = static_cast<std::int64_t>(*options_.count) - given;
-  if (more == 0) return 0.0;
+  if (more == 0 && !has_stranded(region)) return 0.0;
   const auto refuse = [&](std::int64_t some, const char* why) {
     throw ArgumentError("count is " + std::to_string(*options_.count) + " and there are " +
                         std::to_string(given) + " samples, " + std::to_string(some) + why);
@@ -259,6 +260,14 @@ double Relaxation::wanted_capacity(const Region& region, const RestrictedVoronoi
   if (open + more < 1 || !(sum > 0.0))
     refuse(free, " of which are where something has changed and may go: one of these has to stay");
   return sum / static_cast<double>(open + more);
+}
+
+/// Whether a site that may go is where there is no density any more: others come elsewhere.
+bool Relaxation::has_stranded(const Region& region) {
+  for (std::size_t k = 0; k < region.members.size(); ++k)
+    if (!region.members[k].fixed && !has_density(region.part.surface(), region.sites.faces[k]))
+      return true;
+  return false;
 }
 
 void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) {
@@ -304,7 +313,9 @@ Relaxation::Indices Relaxation::even_out(const Region& region, Context* context)
                                        .repulsion_radius = optimizer.repulsion_radius,
                                        .repulsion_weight = optimizer.repulsion_weight}},
                             .locked = region.fixed()};
-  const Minimum found = minimize(objective, region.sites, optimizer, context);
+  Sites start = region.sites;
+  lead_to_density(region.part.surface(), domain, start, objective.locked);
+  const Minimum found = minimize(objective, start, optimizer, context);
   store(region, found.state.sites);
   note(region, found);
   return uneven(region, found.state.diagram());

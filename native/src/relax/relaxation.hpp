@@ -47,6 +47,7 @@ class Relaxation {
   [[nodiscard]] double capacity_elsewhere() const;
   [[nodiscard]] double wanted_capacity(const Region& region,
                                        const RestrictedVoronoi& diagram) const;
+  [[nodiscard]] static bool has_stranded(const Region& region);
   [[nodiscard]] static std::size_t lacking_beside_locked(const Region& region,
                                                          const RestrictedVoronoi& diagram,
                                                          double capacity);

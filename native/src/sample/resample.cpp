@@ -6,10 +6,10 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
 #include "sample/timed_call.hpp"
-#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -28,18 +28,6 @@ struct Beginning {
 Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t seed,
                      Context* context) {
   return {bind_samples(surface, {}, {}), poisson_start(surface, count, seed, context)};
-}
-
-/// Those on faces without density go to the nearest with some: there may be no step that does it.
-void lead_to_density(const Surface& surface, const Domain& domain, Sites& sites) {
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
-    if (surface.ordered().geometry(face).moments.capacity > 0.0) continue;
-    const Sites found = domain.project(std::span(sites.positions).subspan(k, 1), {});
-    sites.positions[k] = found.positions[0];
-    sites.faces[k] = found.faces[0];
-    sites.barycentric[k] = found.barycentric[0];
-  }
 }
 
 Beginning begin(const Surface& surface, const Domain& domain, const Samples& samples,

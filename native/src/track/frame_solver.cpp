@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
+#include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/ordered_surface.hpp"
@@ -37,16 +39,45 @@ std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClas
 
 /// What is minimized on one frame, over domains that it owns.
 struct Frame {
-  Frame(const Surface& surface, std::span<const SampleClass> classes,
+  Frame(const Surface& surface, std::vector<SampleClass> members,
         const std::vector<std::int32_t>& class_of, const TrackerOptions& options)
-      : problem(surface_classes(surface, classes, options.cells, Steps::kConnected)),
+      : classes(std::move(members)),
+        problem(surface_classes(surface, classes, options.cells, Steps::kConnected)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
             {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
 
+  std::vector<SampleClass> classes;
   ClassProblem problem;
   Objective objective;
 };
+
+/// Where the search of a frame begins, and where its sites are held.
+struct Beginning {
+  Sites start;
+  std::optional<Sites> home;  // none: where the search begins
+};
+
+/// Sites that are where their class has no density begin, and are held, at the nearest place that
+/// has some: max_slide would leave them there.
+Beginning on_density(const Surface& surface, const Frame& frame,
+                     std::span<const std::int32_t> class_of, const Sites& start,
+                     const Sites* home) {
+  Beginning result{start, home ? std::optional(*home) : std::nullopt};
+  for (std::size_t c = 0; c < frame.classes.size(); ++c) {
+    const Surface& own = frame.classes[c].surface ? *frame.classes[c].surface : surface;
+    std::vector<bool> others(start.size(), false);
+    if (frame.classes.size() > 1)
+      for (std::size_t k = 0; k < start.size(); ++k)
+        others[k] = class_of[k] != static_cast<std::int32_t>(c);
+    lead_to_density(own, *frame.problem.classes[c].domain, result.start, others);
+  }
+  std::vector<std::int32_t> led;
+  for (std::size_t k = 0; k < start.size(); ++k)
+    if (result.start.faces[k] != start.faces[k]) led.push_back(static_cast<std::int32_t>(k));
+  if (result.home) put(*result.home, led, select(result.start, led));
+  return result;
+}
 
 /// A needle has no area, however far it takes the samples on it.
 void check_extent(const Surface& surface, const Sites& sites) {
@@ -126,6 +157,15 @@ Vectors FrameSolver::recall(const Surface& surface, const Sites& before, const S
                         {now.positions, normals}, options_.pattern_strength);
 }
 
+bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const {
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const auto c = static_cast<std::size_t>(classes_.size() > 1 ? class_of_[k] : 0);
+    const std::optional<Surface>& own = classes_[c].surface;
+    if (!has_density(own ? *own : surface, sites.faces[k])) return true;
+  }
+  return false;
+}
+
 OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
   if (options.method == Method::kLineSearch)  // which knows no restoration
@@ -140,8 +180,10 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context),
-                                 options, context, {.home = home, .restoration = &restoration_});
+  const Beginning first = on_density(surface, frame, class_of_, start, home);
+  const Minimum found = minimize(
+      frame.objective, move(first.start, moves, frame.objective, context), options, context,
+      {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
@@ -153,8 +195,9 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       Context* context) const {
   check_extent(surface, start);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
-  Minimum found = minimize(frame.objective, move(start, moves, frame.objective, context), aims(),
-                           context, {.home = &home, .restoration = &restoration_});
+  const Beginning first = on_density(surface, frame, class_of_, start, &home);
+  Minimum found = minimize(frame.objective, move(first.start, moves, frame.objective, context),
+                           aims(), context, {.home = &*first.home, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
 

@@ -66,6 +66,9 @@ class FrameSolver {
   /// \param first, memory its first() and memory()
   [[nodiscard]] FrameSolver replaced(const Samples& now, Sites first, PatternMemory memory) const;
 
+  /// Whether a sample is where its class has no density.
+  [[nodiscard]] bool any_stranded(const Surface& surface, const Sites& sites) const;
+
   /// Where the samples were on the first frame, on the present faces.
   [[nodiscard]] const Sites& first() const { return first_; }
   [[nodiscard]] const PatternMemory& memory() const { return memory_; }

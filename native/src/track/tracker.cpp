@@ -71,6 +71,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
                                                   evaluating.context());
   });
   measured_ = solver_->first_report();
+  settled_ = !solver_->any_stranded(surface_, sites_of(samples_));
   if (context) context->advance(1.0);
 }
 

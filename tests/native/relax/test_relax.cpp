@@ -333,6 +333,44 @@ TEST(Relax, PutsSamplesBetweenLockedOnesWhereTheDensityRises) {
   EXPECT_NEAR(all, static_cast<double>(count({})), 0.05 * all);
 }
 
+/// Whether no sample but locked ones is on a face without density.
+void expect_on_density(const Surface& surface, const Samples& samples, std::size_t locked = 0) {
+  for (std::size_t k = locked; k < samples.size(); ++k)
+    EXPECT_GT(surface.ordered()
+                  .geometry(surface.ordered().ordered_face(samples.faces[k]))
+                  .moments.capacity,
+              0.0)
+        << k;
+}
+
+/// A cell without capacity has no gradient: samples in the middle of what is emptied stayed there.
+TEST(Relax, LeavesNoSampleWhereTheDensityIsZeroForAnUnchangedCount) {
+  const Surface surface = icosphere(4).surface();
+  const Samples before = sample(surface, 400);
+  for (const double radius : {0.3, 0.8, 1.4}) {
+    const Surface after = with_ball(surface, before.positions[3], radius, 0.0);
+    const Indices changed = changed_faces(surface, after);
+    for (const std::size_t count : {400U, 401U, 399U}) {
+      const Samples relaxed = relax(after, before, changed, {.count = count});
+      EXPECT_EQ(relaxed.size(), count);
+      expect_on_density(after, relaxed);
+      EXPECT_LT(relaxed.report.evenness.capacity_variation, 0.05) << radius << ", " << count;
+    }
+  }
+}
+
+TEST(Relax, LeavesNoSampleBesideLockedOnesWhereTheDensityIsZero) {
+  const Surface surface = icosphere(4).surface();
+  const Samples before = sample(surface, 200);
+  const Surface after = with_ball(surface, before.positions[150], 0.8, 0.0);
+  Indices everything(surface.face_count());
+  std::iota(everything.begin(), everything.end(), 0);
+  const Samples relaxed =
+      relax(after, before, everything, {.count = 200, .locked = {0, 1, 2, 3, 4}});
+  EXPECT_EQ(relaxed.size(), 200U);
+  expect_on_density(after, relaxed, 5);
+}
+
 TEST(Relax, KeepsWhatSamplesCarry) {
   const Surface surface = blob(3).surface();
   Samples before = sample(surface, 200);

@@ -52,6 +52,19 @@ TEST_P(TrackerOn, ReturnsTheSameBytesForNoMotion) {
   }
 }
 
+/// As on the new faces of a bake: a sample without a cell has no gradient that leads it away.
+TEST(Tracker, LeadsSamplesAwayFromWhereTheDensityIsZero) {
+  const Shape shape = icosphere(3);
+  const Surface surface = shape.surface();
+  const Samples samples = sample(surface, 100);
+  std::vector<double> density;
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(surface.face_count()); ++f)
+    density.push_back(surface.point(f, Vec3::Constant(1.0 / 3.0)).z() < 0.3 ? 1.0 : 0.0);
+  Tracker tracker(surface.with_density({DensityAt::kFaces, density}), samples);
+  for (const std::int32_t face : tracker.advance(shape.vertices).faces)
+    EXPECT_GT(density[static_cast<std::size_t>(face)], 0.0);
+}
+
 /// To a frame, and on it until nothing is left to be caught up.
 std::vector<Vec3> settle(Tracker& tracker, const Shape& shape) {
   const std::vector<Vec3> vertices = deformed(shape.vertices, 0.3);
