@@ -49,6 +49,7 @@ DATA = {
     Kind.SURFACE: "an object",
     Kind.IMAGE: "an image",
     Kind.COLLECTION: "a collection",
+    Kind.MATERIALS: "materials",
 }
 
 
@@ -87,7 +88,7 @@ def row(setting: Setting) -> str:
 
 
 def _default(setting: Setting) -> str:
-    return "" if setting.default == "" else f"`{setting.default}`"
+    return "" if setting.default in ("", ()) else f"`{setting.default}`"
 
 
 def _range(setting: Setting) -> str:

@@ -14,8 +14,8 @@ DENSITY = (
         "",
         "Attribute",
         "Attribute or vertex group of the evaluated surface that multiplies the density: there "
-        "are no points where it is 0, and twice as many where it is twice as large. Colors count "
-        "by their brightness",
+        "are no points where it is 0, and twice as many where it is twice as large. Values of "
+        "faces and of face corners count where they are. Colors count by their brightness",
         own_words=True,
     ),
     Setting(

@@ -19,6 +19,7 @@ class Kind(Enum):
     SURFACE = auto()  # an object that points can be on
     IMAGE = auto()
     COLLECTION = auto()
+    MATERIALS = auto()  # several
 
 
 class Changes(Enum):
@@ -31,7 +32,7 @@ class Changes(Enum):
     INDIRECTLY = auto()  # the solution, by way of a field that other settings make too
 
 
-DATA_BLOCKS = frozenset({Kind.OBJECT, Kind.SURFACE, Kind.IMAGE, Kind.COLLECTION})
+DATA_BLOCKS = frozenset({Kind.OBJECT, Kind.SURFACE, Kind.IMAGE, Kind.COLLECTION, Kind.MATERIALS})
 Choices = tuple[tuple[Any, ...], ...]  # as Blender lists them: name, label, tooltip (and number)
 
 
@@ -41,7 +42,7 @@ class Setting:
 
     name: str
     kind: Kind
-    default: Any  # of a data-block its name, ""
+    default: Any  # of a data-block its name, ""; of several their names, ()
     label: str
     tooltip: str
     changes: Changes = Changes.SOLUTION

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .density import density_of
+from .density import density_of, product
 from .fine import Term, blocked, fine_terms, to_cut
 from .native import package
 from .settings import Settings
@@ -76,7 +76,7 @@ class Ground:
     @property
     def uncut(self) -> Floats:
         """Density (m, 3) at the corners of the faces that were read, as long as none is cut."""
-        return _at_corners(self._base.density, self._base.faces)
+        return _at_corners(_density(self._base), self._base.faces)
 
     @property
     def original(self) -> Any:
@@ -94,25 +94,30 @@ class Ground:
         """Options of a dapple.SampleClass whose density is multiplied by values of the surface."""
         if not name:
             return {}
-        own = self._carried(self._arrays.weights[name])
-        density, place = self.surface.density, self.surface.density_at
-        if density is not None:
-            own = own[self.surface.faces] * density if place == "corners" else own * density
-        return {"density": own, "density_at": place}
+        own, common = self._carried(self._arrays.weights[name]), _density(self.surface)
+        found = own if common is None else product([own, common], self.surface.faces)
+        values, place = _placed(found)
+        return {"density": values, "density_at": place}
 
     def at_corners(self, name: str = "") -> Floats:
         """Density (m, 3) at the corners of the faces, of a class with values of that name."""
-        surface, own = self.surface, self.class_density(name)
-        density = own.get("density", surface.density)
-        return _at_corners(density, surface.faces)
+        own, common = [], _density(self.surface)
+        if name:
+            own.append(self._carried(self._arrays.weights[name]))
+        if common is not None:
+            own.append(common)
+        faces = self.surface.faces
+        return _at_corners(product(own, faces) if own else None, faces)
 
     def densities(self, samples: Any) -> Floats:
         """Density (n,) at samples of the surface; 1 where it is the same everywhere."""
-        density, at = self.surface.density, samples.faces
+        density, at = _density(self.surface), samples.faces
         if density is None:
             return np.ones(len(samples))
         values = density[at] if density.ndim == 2 else density[self.surface.faces[at]]
-        found: Floats = np.einsum("nk,nk->n", samples.barycentric, values)
+        found: Floats = np.einsum(
+            "nk,nk->n", samples.barycentric, np.broadcast_to(values, (len(at), 3))
+        )
         return found
 
     def shares(self, densities: Floats) -> Floats:
@@ -121,9 +126,13 @@ class Ground:
         return densities if density is None else densities / density.max()
 
     def _carried(self, values: Floats) -> Floats:
-        """Values (v,) of the vertices that were read, at all vertices."""
+        """Values of what was read, as they are on the faces that are sampled."""
         if self._refined is None:
             return values
+        if values.ndim == 2:
+            parents, corners = self.pieces
+            own = values[parents]
+            return own if own.shape[1] == 1 else np.einsum("mkc,mc->mk", corners, own)
         fine: Floats = self._refined.vertices(np.repeat(values[:, None], 3, axis=1))[:, 0]
         return fine
 
@@ -181,21 +190,38 @@ class Ground:
 
 
 def _at_corners(density: Floats | None, faces: Ints) -> Floats:
-    """A density of vertices or corners, at the corners (m, 3)."""
+    """A density of vertices, faces or corners, at the corners (m, 3)."""
     if density is None:
         return np.ones((len(faces), 3))
-    found: Floats = density if density.ndim == 2 else density[faces]
+    if density.ndim == 1:
+        return density[faces]
+    found: Floats = np.broadcast_to(density, (len(faces), 3))
     return found
+
+
+def _density(surface: Any) -> Floats | None:
+    """Of a dapple.Surface: (v,) at its vertices, (m, 1) on its faces, (m, 3) at their corners."""
+    density: Floats | None = surface.density
+    if density is None or surface.density_at != "faces":
+        return density
+    return density[:, None]
+
+
+def _placed(density: Floats | None) -> tuple[Floats | None, str]:
+    """A density as dapple.Surface takes it, and where its values are."""
+    if density is None or density.ndim == 1:
+        return density, "vertices"
+    return (density[:, 0], "faces") if density.shape[1] == 1 else (density, "corners")
 
 
 def _measured(arrays: SurfaceArrays, density: Floats | None, like: Any) -> Any:
     """dapple.Surface of what was read; that of the same faces saves most of the work."""
-    at = "vertices" if density is None or density.ndim == 1 else "corners"
+    values, at = _placed(density)
     if like is None or not np.array_equal(like.faces, arrays.faces):
-        return package().Surface(arrays.vertices, arrays.faces, density, density_at=at)
+        return package().Surface(arrays.vertices, arrays.faces, values, density_at=at)
     if not np.array_equal(like.vertices, arrays.vertices):
         like = like.deformed(arrays.vertices)
-    return like.with_density(density, density_at=at)
+    return like.with_density(values, density_at=at)
 
 
 def _wanted(surface: Any, settings: Settings) -> int:

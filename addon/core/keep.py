@@ -17,7 +17,7 @@ from .details import Details, details_of
 from .forward import pointing
 from .frames import carried, shading
 from .ground import Ground
-from .kinds import counted
+from .kinds import counted, sampled
 from .locked import Locked
 from .native import package
 from .records import Binding, Columns, own_random
@@ -33,6 +33,7 @@ _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no me
 _HANDFUL = 3  # points that come or go at a place without many others giving way
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
+_STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
 _MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
 
 _ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
@@ -150,12 +151,19 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
 def _cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
     """With quads cut along the same diagonals as before, which may be others once they are bent.
 
-    A picture lies on the triangles as they were read.
+    A picture and values of face corners lie on the triangles as they were read.
     """
-    if solved is None or arrays.around.uv is not None or arrays.topology != solved.arrays.topology:
+    laid = arrays.around.uv is not None or any(map(_is_of_corners, arrays.weights.values()))
+    if solved is None or laid or arrays.topology != solved.arrays.topology:
         return arrays
     mirrored = np.linalg.det(arrays.matrix[:3, :3]) * np.linalg.det(solved.arrays.matrix[:3, :3])
-    return arrays if mirrored < 0.0 else replace(arrays, faces=solved.arrays.faces)
+    if mirrored < 0.0:
+        return arrays
+    return replace(arrays, faces=solved.arrays.faces, loops=solved.arrays.loops)
+
+
+def _is_of_corners(values: Floats) -> bool:
+    return values.ndim == 2 and values.shape[1] == 3
 
 
 def _given(before: Before, arrays: SurfaceArrays, ground: Ground) -> tuple[Any, Ints]:
@@ -245,6 +253,8 @@ def _relaxed(
     everything = len(changed) == len(ground.surface.faces)
     if not len(changed) and wanted == len(given):
         return given
+    if locked is None and _stranded(ground, given) > _STRANDED:
+        return sampled(ground, settings, context)
     if everything or not len(changed) or not len(given):
         return _resampled(ground, given, settings, context, locked)
     if not settings.per_area and _coming(ground, given, changed) > _MANY * wanted:
@@ -255,6 +265,13 @@ def _relaxed(
     if missing and missing <= _FEW * np.count_nonzero(~_stays(given, found)):
         return package().relax(ground.surface, given, changed, count=wanted, **options)
     return found
+
+
+def _stranded(ground: Ground, given: Any) -> float:
+    """Share of the points that are where the density is 0 now."""
+    if not len(given):
+        return 0.0
+    return float((ground.at_corners()[given.faces] == 0.0).all(axis=1).mean())
 
 
 def _coming(ground: Ground, given: Any, changed: Ints) -> float:

@@ -22,7 +22,9 @@ def _number(name: str, of: str, default: float, label: str, tooltip: str, **more
     )
 
 
-def _ends(name: str) -> tuple[Setting, ...]:
+def _ends(
+    name: str, inverted: str = "Full density outside of the range in place of inside"
+) -> tuple[Setting, ...]:
     """What all masks have in the end."""
     return (
         Setting(
@@ -30,7 +32,7 @@ def _ends(name: str) -> tuple[Setting, ...]:
             Kind.SWITCH,
             False,
             "Invert",
-            "Full density outside of the range in place of inside",
+            inverted,
             under=f"use_{name}",
         ),
         _number(
@@ -45,11 +47,28 @@ def _ends(name: str) -> tuple[Setting, ...]:
     )
 
 
+MATERIAL = (
+    _switch(
+        "material",
+        "Material",
+        "Only scatter points on the faces of chosen materials. No effect until one is chosen",
+    ),
+    Setting(
+        "materials",
+        Kind.MATERIALS,
+        (),
+        "Materials",
+        "Materials of the surface whose faces have full density",
+        under="use_material",
+    ),
+    *_ends("material", "Full density on the faces of all other materials in place of these"),
+)
 SLOPE = (
     _switch(
         "slope",
         "Slope",
-        "Only scatter points where the angle between the normal and world Z is in a range",
+        "Only scatter points where the angle between the normal and world Z is in a range. Flat "
+        "faces have one angle each, smooth ones that of the shading",
     ),
     _number(
         "slope",
@@ -303,6 +322,7 @@ NOISE = (
 )
 # By name, in the order of the panel.
 MASKS = {
+    "material": MATERIAL,
     "slope": SLOPE,
     "height": HEIGHT,
     "distance": DISTANCE,

@@ -5,12 +5,15 @@ Reading has to be done in the main thread, where the artist waits for it; the re
 """
 
 import hashlib
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ScatterError
+from .sources import digest_of
 from .surface import Floats, Ints, SurfaceArrays, Surroundings, topology_digest
 
 Singles = NDArray[np.float32]
@@ -121,70 +124,91 @@ def _bent_inwards(corners: Singles) -> NDArray[np.bool_]:
 
 def surface_of_raw(
     mesh: RawMesh,
-    weights: dict[str, Floats] | None = None,
+    values: Iterable["RawValues"] = (),
     around: Surroundings | None = None,
     uv: Singles | None = None,
 ) -> SurfaceArrays:
-    """The surface in world space; uv (c, 2) are texture coordinates of the corners."""
+    """The surface in world space; uv (c, 2) are texture coordinates of the corners.
+
+    Raises:
+        ScatterError: values can be no density.
+    """
     cut = triangle_corners(mesh)
     if mesh.is_mirrored:  # a mirrored surface still faces outwards
         cut = cut[:, ::-1]
     around = Surroundings() if around is None else around
     if uv is not None:
         around = replace(around, uv=np.ascontiguousarray(uv[cut], dtype=np.float64))
+    weights, digests = placed_values(mesh.name, values, mesh.starts, cut)
     return SurfaceArrays(
         mesh.name,
         mesh.vertices(),
         np.ascontiguousarray(mesh.corners[cut]),
         mesh.topology(),
         mesh.matrix,
-        weights or {},
+        weights,
         around,
         loops=np.ascontiguousarray(cut),
         normals=mesh.world_normals(),
+        digests=digests,
     )
 
 
 @dataclass(frozen=True)
 class RawValues:
-    """Numbers (k,) or colors (k, 4) of a mesh's points, faces or corners."""
+    """Numbers (k,) or colors (k, 4) of a mesh's vertices, polygons or polygons' corners."""
 
     name: str
     domain: str  # POINT, FACE or CORNER
-    values: NDArray[np.float32]
+    values: NDArray[Any]
+
+    def numbers(self, surface: str) -> Floats:
+        """Those (k,) that a density of a surface is multiplied by, colors by their brightness.
+
+        Raises:
+            ScatterError: one is negative or not finite.
+        """
+        found = np.asarray(self.values, dtype=np.float64)
+        if found.ndim == 2:
+            found = found[:, :3].mean(axis=1)
+        wrong = ~(np.isfinite(found) & (found >= 0.0))
+        if wrong.any():
+            first = int(np.argmax(wrong))
+            raise ScatterError(
+                f"Surface '{surface}': '{self.name}' is {found[first]:.6g} at "
+                f"{_PLACES[self.domain]} {first}; a density must be finite and not negative"
+            )
+        return found
 
 
-def at_vertices(raw: RawValues, count: int, corners: Ints, totals: Ints) -> Floats:
-    """Values (v,) of so many vertices: means where faces of totals corners, or these, have them."""
-    values = np.asarray(raw.values, dtype=np.float64)
-    if values.ndim == 2:
-        values = values[:, :3].mean(axis=1)
-    if raw.domain == "POINT":
-        return values
-    if raw.domain == "FACE":
-        values = np.repeat(values, totals)
-    sums = np.bincount(corners, values, minlength=count)
-    found: Floats = sums / np.maximum(np.bincount(corners, minlength=count), 1)
-    return found
+_PLACES = {"POINT": "vertex", "FACE": "face", "CORNER": "face corner"}
 
 
-def density_at_vertices(mesh: RawMesh, raw: RawValues) -> Floats:
-    """The same of a mesh; ScatterError if they can be no density."""
-    totals = sizes(mesh.starts, len(mesh.corners))
-    values = at_vertices(raw, len(mesh.positions), mesh.corners, totals)
-    return checked_density(mesh.name, raw.name, values)
+def placed_values(
+    surface: str, values: Iterable[RawValues], starts: Ints, cut: Ints
+) -> tuple[dict[str, Floats], dict[str, str]]:
+    """Values of a surface, by name: (v,) of vertices, (m, 1) of triangles or (m, 3) of their
+    corners; and digests of those that are not of vertices, the same however quads are cut.
 
+    Polygons begin at the corners `starts`, `cut` (m, 3) are corners of triangles, polygon after
+    polygon.
 
-def checked_density(surface: str, name: str, values: Floats) -> Floats:
-    """Values of a surface's vertices; ScatterError if they can be no density."""
-    wrong = ~(np.isfinite(values) & (values >= 0.0))
-    if wrong.any():
-        vertex = int(np.argmax(wrong))
-        raise ScatterError(
-            f"Surface '{surface}': '{name}' is {values[vertex]:.6g} at vertex {vertex}; a density "
-            "must be finite and not negative"
-        )
-    return values
+    Raises:
+        ScatterError: values can be no density.
+    """
+    weights, digests = {}, {}
+    for raw in values:
+        numbers = raw.numbers(surface)
+        if raw.domain == "POINT":
+            weights[raw.name] = numbers
+            continue
+        digests[raw.name] = digest_of([numbers])
+        if raw.domain == "CORNER":
+            weights[raw.name] = numbers[cut]
+        else:
+            owners = np.searchsorted(starts, cut[:, 0], side="right") - 1
+            weights[raw.name] = numbers[owners][:, None]
+    return weights, digests
 
 
 @dataclass(frozen=True)

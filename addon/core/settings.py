@@ -65,6 +65,15 @@ class DensitySettings(_Values):
         return DensitySettings(**{name: getattr(self, name) for name in settings_of_term(term)})
 
 
+MATERIAL = "material_index"  # in whose name values say where chosen materials are
+
+
+def materials_of(density: DensitySettings) -> tuple[str, ...]:
+    """Names of the materials that a density asks for; none where they have no effect."""
+    counts = density.use_material and density.material_strength > 0.0
+    return tuple(density.materials) if counts else ()
+
+
 @_fields_of(TILES)
 class TileSettings(_Values):
     """How tiles are cut; lengths in spacings of the points."""

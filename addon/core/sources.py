@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .settings import DensitySettings, Settings
+from .settings import MATERIAL, DensitySettings, Settings, materials_of
 from .surface import Floats, SurfaceArrays, Surroundings, turn_of
 
 # Roles that depend on the frame for most scenes: shapes and places.
@@ -116,7 +116,9 @@ def outline_of(arrays: SurfaceArrays) -> Outline:
 def sources_of(arrays: SurfaceArrays, settings: Settings, mass: float = 0.0) -> Sources:
     """Of a surface that was read with all that these settings take."""
     outline = outline_of(arrays)
-    values = {name: digest_of([one]) for name, one in arrays.weights.items()}
+    values = {
+        name: arrays.digests.get(name) or digest_of([one]) for name, one in arrays.weights.items()
+    }
     own = surface_sources(outline, values, settings)
     beside = around_sources(outline.pose, arrays.around)
     return replace(joined(own, beside), frame=arrays.time, mass=mass)
@@ -167,12 +169,13 @@ def on_faces(stored: str, arrays: SurfaceArrays) -> str:
 
 def is_of_faces(role: str) -> bool:
     """Whether a role can be compared only on the same faces."""
-    return role in ("shape", "density", "blocked", "uv") or role.startswith("class ")
+    return role in ("shape", "density", "blocked", "material", "uv") or role.startswith("class ")
 
 
 def value_roles(settings: Settings) -> dict[str, str]:
     """Names of the surface's values by their roles."""
     named = {"density": settings.density.attribute, "blocked": settings.density.blocked}
+    named["material"] = MATERIAL if materials_of(settings.density) else ""
     named |= {f"class {k}": kind.density for k, kind in enumerate(settings.classes)}
     return {role: name for role, name in named.items() if name}
 

@@ -49,7 +49,8 @@ class SurfaceArrays:
     faces: Ints  # (m, 3), triangulated as of this frame
     topology: str  # digest of the polygons' corners, the same however quads are cut
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # (4, 4) own space to world space
-    weights: dict[str, Floats] = field(default_factory=dict)  # (v,) values of the vertices, by name
+    # Values by name: (v,) of the vertices, (m, 1) of the faces or (m, 3) of the faces' corners.
+    weights: dict[str, Floats] = field(default_factory=dict)
     around: Surroundings = field(default_factory=Surroundings)
     rest: Floats | None = None  # (v, 3) the vertices on the rest shape, if points are bound to it
     # Face corners (m, 3) of the mesh at the corners of the triangles; None: 0, 1, 2 and so on.
@@ -59,6 +60,8 @@ class SurfaceArrays:
     normals: Floats | None = None
     rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
     time: float = 0.0  # frame of the animation, with its fraction
+    # Of values that are not of the vertices, the same however quads are cut.
+    digests: dict[str, str] = field(default_factory=dict)
 
     @cached_property
     def face_corners(self) -> Ints:

@@ -27,7 +27,7 @@ def waiting(monkeypatch):
     for name in ("_PAUSE", "_PATIENCE", "_RARELY", "_GLANCE"):
         monkeypatch.setattr(freshness, name, 0.0)
     counted = {
-        "blender.status.present": ("read_surface", "read_weights", "read_around", "points_digest"),
+        "blender.status.present": ("read_surface", "value_digests", "read_around", "points_digest"),
         "blender.status.freshness": ("verdict", "all_work_files", "unfinished", "picture_digest"),
         "blender.surface.surface_mesh": ("evaluated_mesh", "topology"),
         "blender.ops.bake_operators": ("all_work_files",),

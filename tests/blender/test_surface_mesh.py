@@ -49,12 +49,12 @@ def test_weights_of_a_group_are_those_of_each_vertex():
             sum(element.weight for element in vertex.groups if element.group == index)
             for vertex in mesh.vertices
         ]
-        assert weights.read_weights(obj, mesh, name).tolist() == expected
+        assert weights.read_weights(obj, mesh, name).values.tolist() == expected
     assert max(expected) == 0.25
     empty = scenes.sphere()
     empty.vertex_groups.new(name="unused")
     mesh = empty.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    assert not weights.read_weights(empty, mesh, "unused").any()
+    assert not weights.read_weights(empty, mesh, "unused").values.any()
 
 
 @pytest.mark.parametrize("kind", ["ico", "quads", "concave", "ngons", "mirrored", "meta"])

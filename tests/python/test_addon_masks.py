@@ -2,18 +2,19 @@
 """Masks of a density against other computations of the same, also within large faces."""
 
 import math
+from dataclasses import replace
 
 import dapple3d as dapple
 import numpy as np
 import pytest
 
-from addon.core import aspect, density_colors, masks, nearest, raw, sources, stale
+from addon.core import aspect, density_colors, frames, masks, nearest, raw, sources, stale
 from addon.core.density_table import DENSITY
 from addon.core.fields import fields_of
 from addon.core.ground import Ground
 from addon.core.noise import bend, noise
 from addon.core.settings import DensitySettings, Settings
-from addon.core.surface import SurfaceArrays, Surroundings
+from addon.core.surface import Floats, SurfaceArrays, Surroundings
 
 RANDOM = np.random.default_rng(7)
 SQUARE = np.array([[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], dtype=float)
@@ -239,16 +240,27 @@ def roof(pitch: float) -> SurfaceArrays:
         [[-1, -1, -rise], [1, -1, -rise], [1, 0, 0], [-1, 0, 0], [1, 1, -rise], [-1, 1, -rise]]
     )
     faces = np.array([[0, 1, 2], [0, 2, 3], [3, 2, 4], [3, 4, 5]], dtype=np.int32)
-    return SurfaceArrays("Roof", vertices, faces, "same")
+    return shaded_flat(SurfaceArrays("Roof", vertices, faces, "same"))
+
+
+def shaded_flat(surface: SurfaceArrays) -> SurfaceArrays:
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    flat = np.cross(b - a, c - a)
+    flat /= np.linalg.norm(flat, axis=1)[:, None]
+    return replace(surface, normals=np.repeat(flat, 3, axis=0))
+
+
+def aspect_of(surface: SurfaceArrays, mask: masks.Mask, direction: float) -> Floats:
+    return aspect.aspect_factors(frames.corner_normals(surface), mask, direction)
 
 
 def test_aspect_tells_the_sides_of_a_roof_apart():
     mask = masks.Mask(0.0, 0.5, 0.0)
-    north = aspect.aspect_factors(roof(0.6), mask, 0.0)
+    north = aspect_of(roof(0.6), mask, 0.0)
     np.testing.assert_allclose(north, np.repeat([[0.0], [0.0], [1.0], [1.0]], 3, axis=1))
-    south = aspect.aspect_factors(roof(0.6), mask, math.pi)
+    south = aspect_of(roof(0.6), mask, math.pi)
     np.testing.assert_allclose(south, 1.0 - north)
-    assert not aspect.aspect_factors(roof(0.6), mask, math.pi / 2).any()
+    assert not aspect_of(roof(0.6), mask, math.pi / 2).any()
 
 
 @pytest.mark.parametrize(("facing", "direction"), [((1, 0), 90), ((0, 1), 0), ((-1, -1), 225)])
@@ -259,16 +271,14 @@ def test_aspect_is_an_angle_on_the_compass(facing, direction):
     vertices[:, 2] = -(SQUARE[:, 0] * x + SQUARE[:, 1] * y)
     surface = SurfaceArrays("Slope", vertices, TWO, "same")
     for off in (0.0, 20.0, -35.0, 120.0):
-        found = aspect.aspect_factors(
-            surface, masks.Mask(0.0, 0.2, 1.0), math.radians(direction + off)
-        )
+        found = aspect_of(surface, masks.Mask(0.0, 0.2, 1.0), math.radians(direction + off))
         np.testing.assert_allclose(found, falls(math.radians(abs(off)), 0.0, 0.2, 1.0), atol=1e-7)
 
 
 def test_level_ground_faces_no_direction():
     none = masks.Mask(0.0, 0.1, 0.0)
-    assert (aspect.aspect_factors(plane(), none, 0.0) == 1.0).all()
-    half = aspect.aspect_factors(roof(0.5 * aspect.LEVEL), none, math.pi / 2)
+    assert (aspect_of(plane(), none, 0.0) == 1.0).all()
+    half = aspect_of(roof(0.5 * aspect.LEVEL), none, math.pi / 2)
     eaves = np.array([half[0, 0], half[0, 1], half[3, 1], half[3, 2]])
     np.testing.assert_allclose(eaves, 0.5, atol=1e-6)
 
@@ -276,7 +286,7 @@ def test_level_ground_faces_no_direction():
 def test_aspect_and_other_terms_are_multiplied():
     weights = {"Grass": np.array([0.2, 0.4, 0.6, 0.8, 1.0, 1.0])}
     surface = roof(0.6)
-    surface = SurfaceArrays("Roof", surface.vertices, surface.faces, "same", weights=weights)
+    surface = replace(surface, weights=weights)
     density = DensitySettings(use_aspect=True, attribute="Grass", aspect_strength=0.5)
     ground = Ground(surface, Settings(density=density))
     own = weights["Grass"][surface.faces]

@@ -6,7 +6,7 @@ from dataclasses import fields
 import bpy
 
 from ...core.density_table import DENSITY
-from ...core.descriptors import DATA_BLOCKS
+from ...core.descriptors import DATA_BLOCKS, Kind
 from ...core.errors import ScatterError
 from ...core.records import SCHEMA_KEY
 from ...core.room import largest_scale
@@ -24,7 +24,7 @@ from ..base.translation import Say, label_of, told
 
 # Fields of the core's settings and their properties.
 _PROPERTIES = {setting.field_name: setting.name for setting in SCATTER}
-_DATA_BLOCKS = [setting.name for setting in DENSITY if setting.kind in DATA_BLOCKS]
+_DATA_BLOCKS = {one.name: one.kind for one in DENSITY if one.kind in DATA_BLOCKS}
 _QUICK = 1000.0  # milliseconds
 _COUNTED = ("count", "spacing", "evaluations", "milliseconds", "converged", "measured")
 _SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -145,9 +145,17 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
     """Data-blocks by their full names: two files may have one of the same name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}
-    for name in _DATA_BLOCKS:
-        values[name] = values[name].name_full if values[name] else ""
+    for name, kind in _DATA_BLOCKS.items():
+        if kind is Kind.MATERIALS:
+            values[name] = tuple(map(material_name, values[name]))
+        else:
+            values[name] = values[name].name_full if values[name] else ""
     return DensitySettings(**values)
+
+
+def material_name(chosen: bpy.types.PropertyGroup) -> str:
+    """Full name of a material that was chosen; of one that was deleted, the name that it had."""
+    return str(chosen.material.name_full if chosen.material else chosen.name)
 
 
 def tile_settings_of(obj: bpy.types.Object) -> TileSettings:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that are done at once: the list of classes, locks, the worst overlap."""
+"""Operators that are done at once: the list of classes, materials, locks, the worst overlap."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import ScatterError
 from ..base.job import OPTIONS, Status
@@ -10,6 +10,7 @@ from ..base.translation import reported, told
 from ..data.locking import lock_points
 from ..settings.updates import settings_changed
 from ..steps.classes import change_classes, select_overlap
+from ..surface.beside import by_full_name
 from .polls import writable
 
 
@@ -46,6 +47,52 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> Status:
         change_classes(context.object, self.action)
+        settings_changed(context.object.dapple, context)
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_add_material(bpy.types.Operator):
+    """Add a material of the surface to those whose faces have points"""
+
+    bl_idname = "dapple.add_material"
+    bl_label = "Add Material"
+    bl_options = OPTIONS
+
+    material: StringProperty(name="Material", description="Full name of the material")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        found = by_full_name(bpy.data.materials, self.material)
+        chosen = context.object.dapple.density.materials
+        if found is None:
+            self.report({"ERROR"}, reported("There is no material '{name}'", name=self.material))
+            return {"CANCELLED"}
+        if all(one.material != found for one in chosen):
+            chosen.add().material = found  # which has an update function
+        return {"FINISHED"}
+
+
+class DAPPLE_OT_remove_material(bpy.types.Operator):
+    """Remove the material from those whose faces have points"""
+
+    bl_idname = "dapple.remove_material"
+    bl_label = "Remove Material"
+    bl_options = OPTIONS
+
+    index: IntProperty(name="Index", description="Index of the material in the list", min=0)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return writable(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        chosen = context.object.dapple.density.materials
+        if self.index >= len(chosen):
+            return {"CANCELLED"}
+        chosen.remove(self.index)
         settings_changed(context.object.dapple, context)
         return {"FINISHED"}
 
@@ -105,6 +152,8 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
 
 CLASSES = (
     DAPPLE_OT_edit_classes,
+    DAPPLE_OT_add_material,
+    DAPPLE_OT_remove_material,
     DAPPLE_OT_lock,
     DAPPLE_OT_select_overlap,
 )

@@ -5,7 +5,7 @@ from .advanced import DAPPLE_PT_advanced
 from .amount import DAPPLE_PT_amount
 from .animation import DAPPLE_PT_animation
 from .collections import DAPPLE_MT_over_collection
-from .density import DAPPLE_PT_density
+from .density import DAPPLE_MT_materials, DAPPLE_PT_density
 from .details import DAPPLE_PT_details
 from .display import DAPPLE_PT_display
 from .instances import DAPPLE_PT_instances, DAPPLE_UL_classes
@@ -15,6 +15,7 @@ from .tiles import DAPPLE_PT_tiles
 CLASSES = (  # in the order in which the sidebar shows them
     DAPPLE_UL_classes,
     DAPPLE_MT_over_collection,
+    DAPPLE_MT_materials,
     DAPPLE_PT_details,
     DAPPLE_PT_instances,
     DAPPLE_PT_amount,

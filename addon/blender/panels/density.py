@@ -12,13 +12,17 @@ from ...core.mask_table import MASKS
 from ..base.labels import lines_of
 from ..base.translation import told
 from ..data.joined import parts_of
+from ..data.scatter import material_name
 from ..ops.paint_operators import DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_density
+from ..ops.tools import DAPPLE_OT_add_material, DAPPLE_OT_remove_material
 from ..ops.viewport_operators import DAPPLE_OT_show_density
+from ..surface.beside import by_full_name
 from ..viewport import overlay
 from . import shown
 from .base import ScatterPanel, draw_in_header
 
 SWITCHES = (*(f"use_{mask}" for mask in MASKS), "use_camera")
+_ENDS = ("_invert", "_strength")  # which are in a row of their own
 _AVOIDED = [one for one in DENSITY if "obstacles" in (one.name, one.under)]
 _PLAIN = [
     one for one in DENSITY if not {one.name, one.under} & set(SWITCHES) and one not in _AVOIDED
@@ -69,10 +73,46 @@ def _draw_masks(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         if getattr(density, switch):
             box = column.box().column(align=True)
             for setting in DENSITY:
-                if setting.under == switch and not setting.name.endswith(("_invert", "_strength")):
+                if setting.kind is Kind.MATERIALS and setting.under == switch:
+                    _draw_materials(box, obj)
+                elif setting.under == switch and not setting.name.endswith(_ENDS):
                     box.prop(density, setting.name)
             _draw_ends(box, density, switch.removeprefix("use_"))
             _draw_note(box, obj, switch)
+
+
+def _draw_materials(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """A line for each chosen material, and the menu that adds one."""
+    for index, one in enumerate(obj.dapple.density.materials):
+        row = box.row(align=True)
+        icon = {"icon": "ERROR"} if one.material is None else {"icon_value": row.icon(one.material)}
+        row.label(text=material_name(one), translate=False, **icon)
+        remove = DAPPLE_OT_remove_material.bl_idname
+        row.operator(remove, text="", icon="X", emboss=False).index = index
+    shown.MATERIALS.of(obj)  # a menu is drawn once only, when it is opened: by then they are known
+    box.menu(DAPPLE_MT_materials.__name__, icon="ADD")
+
+
+class DAPPLE_MT_materials(bpy.types.Menu):
+    """Materials of the surface that are not chosen yet"""
+
+    bl_label = "Add Material"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, obj = self.layout, context.object
+        chosen = {material_name(one) for one in obj.dapple.density.materials}
+        names = [name for name in shown.MATERIALS.of(obj) or () if name not in chosen]
+        for name in names:
+            found = by_full_name(bpy.data.materials, name)
+            icon = layout.icon(found) if found is not None else 0
+            add = DAPPLE_OT_add_material.bl_idname
+            layout.operator(add, text=name, translate=False, icon_value=icon).material = name
+        if not names:
+            layout.label(
+                text="The surface has no other materials"
+                if chosen
+                else "The surface has no materials"
+            )
 
 
 def _draw_ends(box: bpy.types.UILayout, density: bpy.types.AnyType, mask: str) -> None:
@@ -87,8 +127,21 @@ def _draw_note(box: bpy.types.UILayout, obj: bpy.types.Object, switch: str) -> N
     density = obj.dapple.density
     if switch == "use_distance" and not (density.distance_object or density.distance_collection):
         lines_of(box, told("No effect yet: choose an object or a collection"), "INFO")
+    if switch == "use_material":
+        _draw_material_note(box, obj)
     if switch == "use_border" and shown.IS_CLOSED.of(obj):
         lines_of(box, told("No effect: the surface is closed and has no border"), "INFO")
+
+
+def _draw_material_note(box: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    """Which of the chosen materials the surface does not have."""
+    chosen = [material_name(one) for one in obj.dapple.density.materials]
+    there = shown.MATERIALS.of(obj)
+    if not chosen:
+        lines_of(box, told("No effect yet: choose a material"), "INFO")
+    for name in chosen if there is not None else ():
+        if name not in there:
+            lines_of(box, told("The surface has no material '{name}'", name=name), "ERROR")
 
 
 def _draw_shown(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:

@@ -15,6 +15,7 @@ from ..steps.classes import count_labels
 from ..steps.presets import folder
 from ..steps.scatters import is_solo, scatters_of
 from ..surface.borders import is_closed
+from ..surface.materials import surface_materials
 from ..surface.topology import differences
 from . import pictures
 from .asset_library import library, missing_assets
@@ -60,6 +61,14 @@ def _pictured(obj: bpy.types.Object) -> Pictured:
     return Pictured(details.energies, pictures.energy_icon(details), pictures.gaps_icon(details))
 
 
+def _materials(obj: bpy.types.Object) -> tuple[str, ...]:
+    surface = obj.dapple.surface
+    if surface is None:
+        return ()
+    found = surface_materials(surface, bpy.context.evaluated_depsgraph_get())
+    return tuple(one.name_full for one in found)
+
+
 def _pattern(obj: bpy.types.Object) -> int:
     return pictures.pattern_icon(settings_of(obj))
 
@@ -80,6 +89,7 @@ IS_CLOSED = Prepared(is_closed, False)  # whether the surface of a scatter is
 # Of a surface: by what the viewport and renders differ.
 DIFFERENCES = Prepared(_differences, ())
 SCATTERS = Prepared(_scatters, ())  # of a surface
+MATERIALS = Prepared(_materials, None)  # of the surface of a scatter, by their full names
 DETAILS = Prepared(_pictured, Pictured())
 PATTERN = Prepared(_pattern, 0)  # icon
 CLASS_COUNTS = Prepared(_class_counts, ())

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     IntProperty,
@@ -19,7 +20,7 @@ from ...core.descriptors import DATA_BLOCKS, Changes, Kind, Setting
 from ..base.translation import OWN
 from ..data.scatter import is_surface
 from ..surface.weights import weight_names
-from .updates import instance_changed, settings_changed
+from .updates import instance_changed, material_changed, settings_changed
 
 STILL: set[str] = set()  # not animatable: update functions do not run during playback
 _Class = TypeVar("_Class", bound=type)
@@ -27,6 +28,17 @@ _Class = TypeVar("_Class", bound=type)
 
 def _is_surface(settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
     return is_surface(obj)
+
+
+class DAPPLE_PG_material(bpy.types.PropertyGroup):
+    """A material of the surface; its `name` is what is said of one that was deleted."""
+
+    material: PointerProperty(
+        name="Material",
+        description="Material of the surface",
+        type=bpy.types.Material,
+        update=material_changed,
+    )
 
 
 def _weight_names(settings: Any, context: bpy.types.Context, text: str) -> list[str]:
@@ -48,6 +60,7 @@ _PROPERTIES: dict[Kind, tuple[Callable[..., Any], dict[str, Any]]] = {
     Kind.SURFACE: (PointerProperty, {"type": bpy.types.Object, "poll": _is_surface}),
     Kind.IMAGE: (PointerProperty, {"type": bpy.types.Image}),
     Kind.COLLECTION: (PointerProperty, {"type": bpy.types.Collection}),
+    Kind.MATERIALS: (CollectionProperty, {"type": DAPPLE_PG_material}),
 }
 _UPDATES = {
     Changes.INSTANCES: instance_changed,
@@ -79,7 +92,7 @@ def _property(setting: Setting) -> Any:
     make, words = _keywords(setting)
     if setting.kind not in DATA_BLOCKS:
         words["options"] = STILL
-    if setting.changes in _UPDATES:
+    if setting.changes in _UPDATES and setting.kind is not Kind.MATERIALS:  # each has its own
         words["update"] = _UPDATES[setting.changes]
     return make(**words)
 

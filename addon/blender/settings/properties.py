@@ -15,7 +15,7 @@ from ...core.quality import CUSTOM, QUALITIES
 from ...core.tables import BOUND_TO, GROUPS
 from ...nodes import GROUP_NAME
 from ..base.translation import OWN
-from .making import STILL, with_settings
+from .making import STILL, DAPPLE_PG_material, with_settings
 from .property_groups import (
     DAPPLE_PG_class,
     DAPPLE_PG_density,
@@ -154,6 +154,7 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
 
 CLASSES = (
     DAPPLE_PG_report,
+    DAPPLE_PG_material,
     DAPPLE_PG_weight,
     DAPPLE_PG_class,
     DAPPLE_PG_density,

@@ -46,6 +46,13 @@ def settings_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Conte
     placing.touch(settings.id_data)
 
 
+def material_changed(chosen: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Update function of a material that a density asks for."""
+    if chosen.material is not None:
+        chosen.name = chosen.material.name
+    settings_changed(chosen, context)
+
+
 def weight_changed(entry: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     """Update function of how often an object of a collection is picked."""
     obj = entry.id_data

@@ -99,6 +99,8 @@ def _said(obj: bpy.types.Object, role: str) -> str:
     """That a role has other contents."""
     settings, surface = settings_of(obj), obj.dapple.surface.name
     named = value_roles(settings)
+    if role == "material":
+        return told("Materials of '{surface}' were assigned to other faces", surface=surface)
     if role in named:
         return told("Values of '{name}' were changed", name=named[role])
     if role == "image":

@@ -14,11 +14,11 @@ import numpy as np
 
 from ...core.density import names_of
 from ...core.keys import wrong_index
+from ...core.settings import materials_of
 from ...core.sources import (
     Outline,
     Sources,
     around_sources,
-    digest_of,
     joined,
     outline_of,
     surface_sources,
@@ -30,9 +30,8 @@ from ..data.members import collections_of, members_of
 from ..data.points import points_digest
 from ..data.scatter import settings_of
 from ..surface.beside import own_objects
-from ..surface.surface_mesh import evaluated_mesh, read_surface
+from ..surface.surface_mesh import read_surface, value_digests
 from ..surface.surroundings import read_around
-from ..surface.weights import read_weights
 
 SURFACE, VALUES, AROUND = "surface", "values", "around"
 POINTS, KEYS = "points", "keys"
@@ -69,8 +68,12 @@ class Present:
         """All that a solution would be solved from now; ScatterError if none can be."""
         settings, surface = settings_of(obj), obj.dapple.surface
         outline, uid = self.surface(obj, depsgraph).outline, surface.session_uid
-        names = names_of(settings)
-        values = self._kept(VALUES, (uid, names), lambda: _value_digests(surface, depsgraph, names))
+        names, materials = names_of(settings), materials_of(settings.density)
+        values = self._kept(
+            VALUES,
+            (uid, names, materials),
+            lambda: value_digests(surface, depsgraph, names, materials),
+        )
         own = sorted(one.session_uid for one in own_objects(obj))
         beside = self._kept(
             AROUND,
@@ -102,15 +105,6 @@ def _look(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
     if trouble:
         arrays = replace(arrays, vertices=np.empty((0, 3)))
     return Looked(arrays.name, count, trouble, outline_of(arrays), sketched(arrays))
-
-
-def _value_digests(
-    surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph, names: list[str]
-) -> dict[str, str]:
-    if not names:
-        return {}
-    with evaluated_mesh(surface, depsgraph) as mesh:
-        return {name: digest_of([read_weights(surface, mesh, name)]) for name in names}
 
 
 def _trouble(arrays: SurfaceArrays) -> str:

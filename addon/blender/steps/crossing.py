@@ -18,7 +18,9 @@ def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> S
     if arrays.rest is None and baker.at_seam:
         before, after = _seam(surface, number, baker.bound.topology)
     then = at_frame(surface, number, settings=baker.start.settings, own=held)
-    baker.cross(before, replace(after, weights=then.weights, around=then.around))
+    # Quads are cut as where values were read: these are of the corners of triangles, too.
+    there = replace(after, faces=then.faces, loops=then.loops, around=then.around)
+    baker.cross(before, replace(there, weights=then.weights, digests=then.digests))
     return replace(at_frame(surface, number), rest=arrays.rest)
 
 

@@ -18,7 +18,7 @@ from ..data.key_stores import STORES
 CATALOG = "0d1cf1b0-2a3e-4e0b-8d53-2f6f6b0c9a71"  # as in assets/blender_assets.cats.txt
 TAGS = ("scatter", "blue noise")
 _PARTS = "dapple_instances"  # custom property: a collection that comes along
-_BLOCKS = (Kind.OBJECT, Kind.COLLECTION)
+_BLOCKS = (Kind.OBJECT, Kind.COLLECTION, Kind.MATERIALS)
 _KEPT = {"rna_type", "name", "auto_update", "quality", "density", "tiles"}
 _KEPT |= {"classes", "class_index", "weights"}  # what is listed
 

@@ -4,7 +4,7 @@
 What was read must be of one mesh: where a count is another one, it has changed meanwhile.
 """
 
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from typing import Any
 
 import bpy
@@ -16,6 +16,7 @@ from ...core.steps import PAUSE, Task
 from ..base.corners import corner_vertices, polygon_starts, shading_normals
 from ..base.held import Held
 from ..data.scatter import is_fluid
+from .materials import read_materials
 from .surface_mesh import evaluated_mesh
 from .surroundings import uv_layer
 from .weights import GROUP_PART, all_group_weights, group_of, group_weights, raw_values
@@ -85,6 +86,7 @@ def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
     obj = surface.get()
     with evaluated_mesh(obj, evaluated()) as mesh:
         _check_count(surface, len(mesh.vertices), len(known.positions))
+        _check_count(surface, len(mesh.loops), len(known.corners))
         found = raw_values(obj, mesh, name)
         if found is None and len(known.positions) <= _AT_ONCE:
             weights = all_group_weights(mesh, group_of(obj, name))
@@ -99,6 +101,13 @@ def value_parts(surface: Held, known: RawMesh, name: str) -> Parts:
             part = slice(first, first + GROUP_PART)
             values[part] = group_weights(surface.get(), mesh, name, part)
     return RawValues(name, "POINT", values)
+
+
+def material_values(surface: Held, known: RawMesh, names: Collection[str]) -> RawValues:
+    """Read which faces have one of these materials."""
+    with evaluated_mesh(surface.get(), evaluated()) as mesh:
+        _check_count(surface, len(mesh.polygons), len(known.starts))
+        return read_materials(surface.get(), mesh, names)
 
 
 def read_uv(surface: Held, known: RawMesh, name: str) -> Any:

@@ -15,18 +15,17 @@ from ...core.raw import (
     RawImage,
     RawMesh,
     RawValues,
-    density_at_vertices,
     shade,
     surface_of_raw,
 )
-from ...core.settings import DensitySettings, Settings
+from ...core.settings import DensitySettings, Settings, materials_of
 from ...core.steps import PAUSE
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.held import Held
 from ..data.scatter import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
 from .lines import read_lines
-from .mesh_parts import Parts, evaluated, mesh_parts, read_uv, value_parts
+from .mesh_parts import Parts, evaluated, material_values, mesh_parts, read_uv, value_parts
 from .surroundings import balls, read_camera, read_image
 
 
@@ -57,8 +56,7 @@ class Read:
             targets=_meshes(self.targets),
             lines=np.concatenate(self.lines),
         )
-        values = {raw.name: density_at_vertices(self.mesh, raw) for raw in self.values}
-        return surface_of_raw(self.mesh, values, around, self.uv)
+        return surface_of_raw(self.mesh, self.values, around, self.uv)
 
 
 def _meshes(raw: list[RawMesh]) -> tuple[tuple[Floats, Ints], ...]:
@@ -73,6 +71,9 @@ def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
     for name in names_of(settings):
         found.values.append((yield from value_parts(surface, found.mesh, name)))
     density = settings.density
+    if materials_of(density):
+        yield PAUSE
+        found.values.append(material_values(surface, found.mesh, materials_of(density)))
     if density.image:
         found.uv = read_uv(surface, found.mesh, density.uv_map)
         yield PAUSE

@@ -2,19 +2,21 @@
 """The evaluated mesh of a surface: its places, faces and rest positions, read at once."""
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 
 import bpy
 import numpy as np
 
 from ...core.errors import ScatterError
-from ...core.raw import sizes, world_normals
+from ...core.raw import RawValues, placed_values, sizes, world_normals
+from ...core.sources import digest_of
 from ...core.surface import Floats, SurfaceArrays, topology_digest
 from ..base.corners import corner_vertices, polygon_starts, shading_normals, triangle_corners
 from ..base.meshio import matrix_of, read_columns, read_points
 from ..data.joined import parts_of
 from ..data.scatter import is_fluid
+from .materials import read_materials
 from .weights import read_weights
 
 
@@ -41,11 +43,12 @@ def read_surface(
     obj: bpy.types.Object,
     depsgraph: bpy.types.Depsgraph,
     names: Iterable[str] = (),
+    materials: Collection[str] = (),
     cut: bool = True,
 ) -> SurfaceArrays:
-    """The evaluated surface in world space, with values of its vertices by name.
+    """The evaluated surface in world space, with values by name, and where materials are.
 
-    Triangulated, which takes most of the time, or without faces.
+    Triangulated, which takes most of the time, or without faces and values.
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = matrix_of(obj.evaluated_get(depsgraph))
@@ -53,16 +56,21 @@ def read_surface(
         loops = triangle_corners(mesh) if cut else np.empty((0, 3), dtype=np.int32)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             loops = np.ascontiguousarray(loops[:, ::-1])
+        raw = _stored_values(obj, mesh, names, materials)
+        on_faces = any(one.domain != "POINT" for one in raw)
+        starts = polygon_starts(mesh) if on_faces else np.empty(0, dtype=np.int32)
+        weights, digests = placed_values(obj.name, raw, starts, loops)
         return SurfaceArrays(
             obj.name,
             np.ascontiguousarray(vertices),
             corner_vertices(mesh)[loops],
             _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
             matrix,
-            {name: read_weights(obj, mesh, name) for name in names},
+            weights,
             loops=loops,
             normals=_world_normals(mesh, matrix) if cut else None,
             time=float(depsgraph.scene.frame_current_final),
+            digests=digests,
         )
 
 
@@ -73,6 +81,27 @@ def _world_normals(mesh: bpy.types.Mesh, matrix: Floats) -> Floats | None:
         return None
     starts = polygon_starts(mesh)
     return world_normals(normals, matrix, sizes(starts, len(mesh.loops)))
+
+
+def _stored_values(
+    obj: bpy.types.Object, mesh: bpy.types.Mesh, names: Iterable[str], materials: Collection[str]
+) -> list[RawValues]:
+    found = [read_weights(obj, mesh, name) for name in names]
+    return [*found, read_materials(obj, mesh, materials)] if materials else found
+
+
+def value_digests(
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    names: Collection[str],
+    materials: Collection[str],
+) -> dict[str, str]:
+    """Digests of values of the evaluated surface, by name; see SurfaceArrays.digests."""
+    if not names and not materials:
+        return {}
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        found = _stored_values(obj, mesh, names, materials)
+    return {raw.name: digest_of([raw.numbers(obj.name)]) for raw in found}
 
 
 def read_rest(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats:

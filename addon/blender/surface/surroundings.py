@@ -10,7 +10,7 @@ from ...core.density import names_of
 from ...core.errors import ScatterError
 from ...core.raw import RawImage, shade
 from ...core.records import check_columns
-from ...core.settings import DensitySettings, Settings
+from ...core.settings import DensitySettings, Settings, materials_of
 from ...core.sources import digest_of
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.meshio import read_columns, read_points, to_world
@@ -30,7 +30,7 @@ def read_with(
 
     own is the scatter that they are for: nothing that it makes or places is its obstacle.
     """
-    arrays = read_surface(obj, depsgraph, names_of(settings))
+    arrays = read_surface(obj, depsgraph, names_of(settings), materials_of(settings.density))
     return replace(arrays, around=read_around(settings, obj, depsgraph, own))
 
 

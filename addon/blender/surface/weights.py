@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of a surface's vertices: attributes of any domain, colors, vertex groups."""
+"""Values of a surface: attributes of vertices, faces and corners, colors, vertex groups."""
+
+from typing import Any
 
 import bmesh
 import bpy
@@ -7,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import ScatterError
-from ...core.raw import RawValues, at_vertices, checked_density
-from ...core.surface import Floats, Ints
-from ..base.corners import corner_vertices
+from ...core.raw import RawValues
+from ...core.settings import MATERIAL
+from ...core.surface import Floats
 from ..data.joined import is_joined, parts_of
 
 GROUP_PART = 5_000  # vertices
 
 _FIELDS = {"FLOAT": "value", "INT": "value", "INT8": "value", "BOOLEAN": "value"}
+# Blender hands out numbers of its own type as one block of memory.
+_NUMPY = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": np.bool_}
 _COLORS = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
 _DOMAINS = {"POINT", "FACE", "CORNER"}
 
@@ -32,32 +36,44 @@ def _attributes(obj: bpy.types.Object) -> list[str]:
         one.name
         for one in getattr(obj.data, "attributes", ())  # curves and the like have none
         if one.data_type in kinds and one.domain in _DOMAINS and not one.is_internal
+        if one.name != MATERIAL
     ]
 
 
-def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> Floats:
-    """Values (v,) of the evaluated mesh of an object; faces and corners are averaged.
+def read_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues:
+    """Values of the evaluated mesh of an object, where they are stored.
 
     Raises:
-        ScatterError: there is no such attribute or vertex group, or a value is below 0.
+        ScatterError: there is no such attribute or vertex group, or it is no density.
     """
     raw = raw_values(obj, mesh, name)
     if raw is None:
-        values = all_group_weights(mesh, group_of(obj, name))
-    else:
-        values = at_vertices(raw, len(mesh.vertices), corner_vertices(mesh), _totals(mesh, raw))
-    return checked_density(obj.name, name, values)
+        weights = all_group_weights(mesh, group_of(obj, name))
+        raw = RawValues(name, "POINT", np.asarray(weights, dtype=np.float32))
+    raw.numbers(obj.name)
+    return raw
 
 
 def raw_values(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> RawValues | None:
     """Values of an attribute as they are stored; None if a vertex group has that name.
 
     Raises:
-        ScatterError: there is neither.
+        ScatterError: there is neither, or it can be no density.
     """
+    if name == MATERIAL:
+        raise ScatterError(
+            f"Surface '{obj.name}': '{name}' is the number of a material and no density: turn on "
+            "Material under Masks, and choose materials there"
+        )
     attribute = mesh.attributes.get(name)
     if attribute is not None and attribute.domain in _DOMAINS:
         return RawValues(name, attribute.domain, _values(obj, attribute))
+    if attribute is not None and name not in obj.vertex_groups:
+        raise ScatterError(
+            f"Surface '{obj.name}': attribute '{name}' is on the domain "
+            f"{attribute.domain.title()}: a density is one on Vertex, Face or Face Corner. Convert "
+            "Attribute changes that"
+        )
     group_of(obj, name)
     return None
 
@@ -90,7 +106,7 @@ def group_weights(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str, part: 
     return np.array(own)
 
 
-def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[np.float32]:
+def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[Any]:
     """Numbers (k,) or colors (k, 4)."""
     kind, count = attribute.data_type, len(attribute.data)
     if kind not in _FIELDS | _COLORS:
@@ -98,17 +114,11 @@ def _values(obj: bpy.types.Object, attribute: bpy.types.Attribute) -> NDArray[np
             f"Surface '{obj.name}': attribute '{attribute.name}' is of the type {kind}: numbers or "
             "colors are needed"
         )
-    values = np.empty((count, 4) if kind in _COLORS else count, dtype=np.float32)
+    shape = (count, 4) if kind in _COLORS else (count,)
+    values: NDArray[Any] = np.empty(shape, dtype=_NUMPY.get(kind, np.float32))
     if count:
         attribute.data.foreach_get((_FIELDS | _COLORS)[kind], values.ravel())
     return values
-
-
-def _totals(mesh: bpy.types.Mesh, raw: RawValues) -> Ints:
-    totals = np.empty(len(mesh.polygons) if raw.domain == "FACE" else 0, dtype=np.int32)
-    if len(totals):
-        mesh.polygons.foreach_get("loop_total", totals)
-    return totals
 
 
 def all_group_weights(mesh: bpy.types.Mesh, index: int) -> Floats:

@@ -1,0 +1,569 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values of faces and of face corners: a face of density 0 has no points, whatever asks for it."""
+
+import math
+
+import addon_host
+import bpy
+import numpy as np
+import pytest
+import scenes
+
+TYPES = ("FLOAT", "INT", "INT8", "BOOLEAN", "FLOAT_COLOR", "BYTE_COLOR")
+FLAT = 1e-4  # lengths
+_NUMPY = {"BOOLEAN": bool, "INT": np.int32, "INT8": np.int32}
+
+
+def cube():
+    bpy.ops.mesh.primitive_cube_add()
+    return bpy.context.object
+
+
+def stairs(steps=5):
+    """Boxes of an array that rises: treads 0.4 deep, 0.2 apart."""
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    obj = bpy.context.object
+    for vertex in obj.data.vertices:
+        vertex.co.x, vertex.co.y, vertex.co.z = (
+            vertex.co.x * 0.4,
+            vertex.co.y * 1.5,
+            vertex.co.z * 0.2,
+        )
+    modifier = obj.modifiers.new("Array", "ARRAY")
+    modifier.count, modifier.relative_offset_displace = steps, (1.0, 0.0, 1.0)
+    return obj
+
+
+def with_faces(surface, name, chosen, kind="FLOAT", domain="FACE", full=1.0):
+    """An attribute that is full on the polygons that are chosen by their middles, 0 elsewhere."""
+    mesh = surface.data
+    wanted = np.array([full if chosen(one.center) else 0.0 for one in mesh.polygons])
+    if domain == "CORNER":
+        wanted = np.repeat(wanted, [one.loop_total for one in mesh.polygons])
+    attribute = mesh.attributes.new(name, kind, domain)
+    if "COLOR" in kind:
+        rows = np.repeat(wanted[:, None], 4, axis=1).astype(np.float32)
+        attribute.data.foreach_set("color", rows.ravel())
+    else:
+        attribute.data.foreach_set("value", wanted.astype(_NUMPY.get(kind, float)))
+    mesh.update()
+    return surface
+
+
+def is_top(center):
+    return center[2] > 0.9
+
+
+def optimized(obj, **density):
+    for name, value in density.items():
+        setattr(obj.dapple.density, name, value)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    return scenes.positions(obj)
+
+
+def on_top(points):
+    return int((points[:, 2] > 1.0 - FLAT).sum())
+
+
+def inside_bottom(points):
+    """Which points (n,) are on the bottom of a cube, and not on its edges."""
+    inside = np.abs(points[:, :2]).max(axis=1) < 1.0 - FLAT
+    return inside & (points[:, 2] < -1.0 + FLAT)
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+@pytest.mark.parametrize("kind", TYPES)
+def test_all_points_are_on_the_face_that_has_the_attribute(kind, domain):
+    surface = with_faces(cube(), "Grass", is_top, kind, domain)
+    obj = scenes.scattered(surface, count=300)
+    assert on_top(optimized(obj, attribute="Grass")) == 300
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+def test_no_point_is_on_a_blocked_face(domain):
+    surface = with_faces(cube(), "Road", is_top, domain=domain, full=1.0)
+    found = optimized(scenes.scattered(surface, count=300), blocked="Road")
+    assert len(found) == 300
+    assert on_top(found) == 0
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+def test_points_per_area_count_the_faces_of_full_density_alone(domain):
+    surface = with_faces(cube(), "Grass", is_top, domain=domain)
+    obj = scenes.scattered(surface, count=30)
+    obj.dapple.amount, obj.dapple.points_per_area = "PER_AREA", 100.0
+    found = optimized(obj, attribute="Grass")
+    assert len(found) == on_top(found) == 400
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+def test_an_object_type_has_points_on_the_faces_of_its_own_density_alone(domain):
+    surface = with_faces(cube(), "Flowers", is_top, domain=domain)
+    with_faces(surface, "Stones", lambda center: center[2] < -0.9, domain=domain)
+    obj = scenes.scattered(surface, count=300)
+    for name in ("Flowers", "", "Stones"):
+        bpy.ops.dapple.edit_classes(action="ADD")
+        obj.dapple.classes[-1].density = name
+    found = optimized(obj)
+    meshio = addon_host.part("blender.base.meshio")
+    kinds = meshio.read_columns(obj.data, {"dapple_class": "INT"})["dapple_class"]
+    assert np.bincount(kinds).tolist() == [100, 100, 100]
+    assert on_top(found[kinds == 0]) == 100
+    assert (found[kinds == 2, 2] < -1.0 + FLAT).all()
+
+
+def test_values_of_vertices_faces_and_corners_are_multiplied():
+    surface = with_faces(cube(), "Grass", lambda center: center[2] > -0.5)
+    with_faces(surface, "Road", lambda center: center[0] > 0.9, domain="CORNER")
+    upper = [1.0 if vertex.co.y > 0.0 else 0.0 for vertex in surface.data.vertices]
+    surface.data.attributes.new("Slowly", "FLOAT", "POINT").data.foreach_set("value", upper)
+    obj = scenes.scattered(surface, count=300)
+    found = optimized(obj, attribute="Grass", blocked="Road")
+    assert (found[:, 2] > -1.0 + FLAT).all()
+    assert (found[:, 0] < 1.0 - FLAT).all()
+    bpy.ops.dapple.edit_classes(action="ADD")
+    obj.dapple.classes[-1].density = "Slowly"
+    found = optimized(obj)
+    assert (found[:, 2] > -1.0 + FLAT).all()
+    assert (found[:, 0] < 1.0 - FLAT).all()
+    assert (found[:, 1] > -1.0 + FLAT).all()
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+def test_face_values_hold_on_a_mirrored_object_and_on_faces_of_many_corners(domain):
+    bpy.ops.mesh.primitive_cylinder_add(vertices=9)
+    surface = with_faces(bpy.context.object, "Grass", is_top, domain=domain)
+    surface.scale = (-1.0, 2.0, 1.0)
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface, count=200)
+    assert on_top(optimized(obj, attribute="Grass")) == 200
+
+
+def test_corner_values_fall_off_within_a_face():
+    surface = cube()
+    mesh = surface.data
+    attribute = mesh.attributes.new("Shade", "FLOAT", "CORNER")
+    top = next(one for one in mesh.polygons if is_top(one.center))
+    for loop in top.loop_indices:
+        place = mesh.vertices[mesh.loops[loop].vertex_index].co
+        attribute.data[loop].value = 1.0 if place.x > 0.0 else 0.0
+    found = optimized(scenes.scattered(surface, count=400), attribute="Shade")
+    assert on_top(found) == 400
+    assert (found[:, 0] > 0.0).mean() == pytest.approx(0.75, abs=0.03)
+
+
+def test_face_values_pass_modifiers():
+    surface = with_faces(cube(), "Grass", is_top)
+    surface.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    surface.modifiers["Subdivision"].subdivision_type = "SIMPLE"
+    obj = scenes.scattered(surface, count=300)
+    assert on_top(optimized(obj, attribute="Grass")) == 300
+
+
+def test_face_values_of_parts_count_on_a_joined_surface():
+    first = with_faces(cube(), "Grass", is_top)
+    bpy.ops.mesh.primitive_cube_add(location=(5.0, 0.0, 0.0))
+    second = with_faces(bpy.context.object, "Grass", is_top)
+    first.select_set(True)
+    second.select_set(True)
+    bpy.context.view_layer.objects.active = first
+    assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
+    found = optimized(bpy.context.object, attribute="Grass")
+    assert on_top(found) == 200
+    assert (found[:, 0] > 2.5).sum() == 100
+
+
+def test_slope_has_no_points_on_the_walls_of_a_cube():
+    found = optimized(scenes.scattered(cube(), count=300), use_slope=True)
+    assert on_top(found) == 300
+
+
+def test_slope_has_points_on_the_treads_of_stairs_alone():
+    obj = scenes.scattered(stairs(), count=300)
+    found = optimized(obj, use_slope=True, slope_to=math.radians(45))
+    heights = 0.1 + 0.2 * np.arange(5)
+    assert len(found) == 300
+    assert np.abs(found[:, 2, None] - heights).min(axis=1).max() < FLAT
+
+
+def test_slope_finds_walls_alone():
+    obj = scenes.scattered(cube(), count=300)
+    found = optimized(obj, use_slope=True, slope_from=math.radians(80), slope_to=math.radians(100))
+    assert (np.abs(found[:, 2]) < 1.0 - FLAT).all()
+
+
+def test_a_face_of_no_density_gets_no_points_while_points_are_kept(live):
+    surface = with_faces(cube(), "Road", is_top)
+    obj = scenes.scattered(surface, count=300)
+    optimized(obj)
+    obj.dapple.auto_update_choice = "ON"
+    obj.dapple.density.blocked = "Road"
+    assert live.settle() > 0
+    assert on_top(scenes.positions(obj)) == 0
+    assert len(scenes.positions(obj)) == 300
+    values = [0.0 if is_top(one.center) else 1.0 for one in surface.data.polygons]
+    surface.data.attributes["Road"].data.foreach_set("value", values)
+    surface.data.update()
+    assert live.settle() > 0
+    assert on_top(scenes.positions(obj)) == 300
+
+
+def test_an_attribute_on_edges_is_refused_in_a_sentence():
+    surface = cube()
+    surface.data.attributes.new("Rim", "FLOAT", "EDGE")
+    obj = scenes.scattered(surface, count=50)
+    obj.dapple.density.attribute = "Rim"
+    said = "attribute 'Rim' is on the domain Edge: a density is one on Vertex, Face or Face Corner"
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.dapple.optimize()
+
+
+@pytest.mark.parametrize(
+    ("domain", "said"), [("FACE", "'Grass' is -1 at face 2"), ("CORNER", "-1 at face corner 8")]
+)
+def test_a_value_that_is_no_density_is_named_where_it_is(domain, said):
+    surface = cube()
+    values = np.ones(6 if domain == "FACE" else 24)
+    values[2 if domain == "FACE" else 8] = -1.0
+    surface.data.attributes.new("Grass", "FLOAT", domain).data.foreach_set("value", values)
+    obj = scenes.scattered(surface, count=50)
+    obj.dapple.density.attribute = "Grass"
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.dapple.optimize()
+
+
+def test_the_number_of_a_material_is_no_density():
+    surface = with_materials(cube(), lambda center: int(is_top(center)))
+    obj = scenes.scattered(surface, count=50)
+    weights = addon_host.part("blender.surface.weights")
+    assert "material_index" not in weights.weight_names(surface)
+    obj.dapple.density.attribute = "material_index"
+    with pytest.raises(RuntimeError, match="is the number of a material and no density"):
+        bpy.ops.dapple.optimize()
+
+
+def test_both_readers_find_the_same_values():
+    bpy.ops.mesh.primitive_cylinder_add(vertices=7)
+    surface = bpy.context.object
+    for domain in ("FACE", "CORNER"):
+        with_faces(surface, domain, is_top, domain=domain)
+    surface.scale = (-1.0, 1.0, 2.0)
+    bpy.context.view_layer.update()
+    with_materials(surface, lambda center: int(is_top(center)))
+    obj = scenes.scattered(surface, count=20)
+    density = obj.dapple.density
+    density.attribute, density.blocked, density.use_material = "FACE", "CORNER", True
+    choose(obj, "Grass")
+    settings = addon_host.part("blender.data.scatter").settings_of(obj)
+    held = addon_host.part("blender.base.held").Held
+    steps = addon_host.part("core.steps")
+    at_once = addon_host.part("blender.surface.reading").read(surface, settings, obj)
+    read_parts = addon_host.part("blender.surface.parts").read_parts
+    in_parts = steps.run_now(read_parts(settings, held(surface), held(obj))).arrays()
+    assert sorted(at_once.weights) == ["CORNER", "FACE", "material_index"]
+    for name, values in at_once.weights.items():
+        assert np.array_equal(values, in_parts.weights[name]), name
+        assert values.shape == (len(at_once.faces), 3 if name == "CORNER" else 1)
+    assert at_once.digests == in_parts.digests
+    assert at_once.fingerprint == in_parts.fingerprint
+
+
+def test_the_panel_says_that_values_of_faces_were_changed():
+    stale = addon_host.part("blender.status.staleness").stale_reason
+    surface = with_faces(cube(), "Grass", is_top)
+    obj = scenes.scattered(surface, count=50)
+    optimized(obj, attribute="Grass")
+    assert stale(obj, bpy.context) == ""
+    surface.data.attributes["Grass"].data[0].value = 1.0
+    surface.data.update()
+    assert stale(obj, bpy.context) == "Values of 'Grass' were changed: optimize again"
+
+
+# Material
+
+
+def with_materials(surface, index_of, names=("Soil", "Grass", "Stone")):
+    """Materials of these names, and their numbers by the middles of polygons."""
+    for name in names:
+        surface.data.materials.append(bpy.data.materials.get(name) or bpy.data.materials.new(name))
+    for one in surface.data.polygons:
+        one.material_index = index_of(one.center)
+    return surface
+
+
+def choose(obj, *names):
+    bpy.context.view_layer.objects.active = obj
+    for name in names:
+        assert bpy.ops.dapple.add_material(material=name) == {"FINISHED"}
+
+
+def sides(center):
+    """Soil on the walls, grass on top, stone below."""
+    return 1 if center[2] > 0.9 else 2 if center[2] < -0.9 else 0
+
+
+def test_points_are_on_the_faces_of_one_material():
+    obj = scenes.scattered(with_materials(cube(), sides), count=300)
+    choose(obj, "Grass")
+    assert on_top(optimized(obj, use_material=True)) == 300
+    assert on_top(optimized(obj, material_invert=True)) == 0
+    found = optimized(obj, material_invert=False, material_strength=0.5)
+    assert on_top(found) == pytest.approx(300 * 4.0 / (4.0 + 0.5 * 20.0), abs=8)
+
+
+def test_points_are_on_the_faces_of_several_materials():
+    obj = scenes.scattered(with_materials(cube(), sides), count=300)
+    choose(obj, "Grass", "Stone", "Grass")
+    assert len(obj.dapple.density.materials) == 2
+    found = optimized(obj, use_material=True)
+    assert (np.abs(found[:, 2]) > 1.0 - FLAT).all()
+    assert bpy.ops.dapple.remove_material(index=0) == {"FINISHED"}
+    assert (optimized(obj)[:, 2] < -1.0 + FLAT).all()
+
+
+def test_a_material_mask_without_a_material_has_no_effect():
+    obj = scenes.scattered(with_materials(cube(), sides), count=300)
+    before = scenes.positions(obj)
+    assert np.array_equal(optimized(obj, use_material=True), before)
+
+
+def test_a_renamed_material_is_the_same():
+    surface = with_materials(cube(), sides)
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Grass")
+    optimized(obj, use_material=True)
+    stale = addon_host.part("blender.status.staleness").stale_reason
+    bpy.data.materials["Grass"].name = "Meadow"
+    assert stale(obj, bpy.context) == ""
+    assert on_top(optimized(obj)) == 100
+
+
+def test_a_material_that_is_gone_is_named():
+    surface = with_materials(cube(), sides)
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Grass")
+    optimized(obj, use_material=True)
+    surface.data.materials[1] = bpy.data.materials.new("Snow")
+    with pytest.raises(RuntimeError, match=r"none of the materials .* asks for: 'Grass'"):
+        bpy.ops.dapple.optimize()
+    bpy.data.materials.remove(bpy.data.materials["Grass"])
+    with pytest.raises(RuntimeError, match=r"none of the materials .* asks for: 'Grass'"):
+        bpy.ops.dapple.optimize()
+    choose(obj, "Snow")
+    assert on_top(optimized(obj)) == 100
+
+
+def test_a_material_of_the_object_takes_the_place_of_that_of_its_mesh():
+    surface = with_materials(cube(), sides)
+    surface.material_slots[0].link = "OBJECT"
+    surface.material_slots[0].material = bpy.data.materials.new("Paint")
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Paint")
+    assert (np.abs(optimized(obj, use_material=True)[:, 2]) < 1.0 - FLAT).all()
+
+
+def test_materials_of_modifiers_count():
+    surface = cube()
+    surface.data.materials.append(bpy.data.materials.new("Wall"))
+    surface.data.materials.append(bpy.data.materials.new("Rim"))
+    modifier = surface.modifiers.new("Solidify", "SOLIDIFY")
+    modifier.thickness, modifier.offset, modifier.material_offset = 0.2, 1.0, 1
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Rim")
+    found = optimized(obj, use_material=True)
+    inner = np.abs(found).max(axis=1)
+    choose(obj, "Wall")
+    bpy.ops.dapple.remove_material(index=0)
+    outer = np.abs(optimized(obj)).max(axis=1)
+    assert np.ptp(inner) < FLAT
+    assert np.ptp(outer) < FLAT
+    assert abs(inner[0] - outer[0]) > 0.1
+
+
+def test_materials_that_nodes_set_count():
+    surface = cube()
+    builder = addon_host.part("nodes.builder")
+    geometry = [("Geometry", "NodeSocketGeometry")]
+    tree = builder.new_group("Cover", geometry, geometry)
+    b = builder.Builder(tree)
+    up = b.node("ShaderNodeSeparateXYZ", b.out("GeometryNodeInputNormal")).outputs["Z"]
+    node = tree.nodes.new("GeometryNodeSetMaterial")
+    node.inputs["Material"].default_value = bpy.data.materials.new("Snow")
+    tree.links.new(b.input("Geometry"), node.inputs["Geometry"])
+    tree.links.new(b.compare("GREATER_THAN", up, 0.5, "FLOAT"), node.inputs["Selection"])
+    b.output("Geometry", node.outputs[0])
+    surface.modifiers.new("Cover", "NODES").node_group = tree
+    obj = scenes.scattered(surface, count=100)
+    shown = addon_host.part("blender.panels.shown")
+    assert "Snow" in shown.MATERIALS.of(obj)
+    choose(obj, "Snow")
+    assert on_top(optimized(obj, use_material=True)) == 100
+
+
+def test_materials_of_parts_count_on_a_joined_surface():
+    first = with_materials(cube(), sides)
+    bpy.ops.mesh.primitive_cube_add(location=(5.0, 0.0, 0.0))
+    second = with_materials(bpy.context.object, sides, ("Brick", "Stone", "Grass"))
+    first.select_set(True)
+    bpy.context.view_layer.objects.active = first
+    assert bpy.ops.dapple.add(count=200) == {"FINISHED"}
+    obj = bpy.context.object
+    shown = addon_host.part("blender.panels.shown")
+    assert shown.MATERIALS.of(obj) == ("Soil", "Grass", "Stone", "Brick")
+    choose(obj, "Grass")
+    found = optimized(obj, use_material=True)
+    on_first, on_second = found[found[:, 0] < 2.5], found[found[:, 0] > 2.5]
+    assert on_top(on_first) == len(on_first) == 100
+    assert (on_second[:, 2] < -1.0 + FLAT).all()
+    assert second.data.materials[1].name == "Stone"
+
+
+def test_an_assignment_to_other_faces_is_noticed(live):
+    surface = with_materials(cube(), sides)
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Grass")
+    optimized(obj, use_material=True)
+    stale = addon_host.part("blender.status.staleness").stale_reason
+    assert stale(obj, bpy.context) == ""
+    for one in surface.data.polygons:
+        one.material_index = 1 - sides(one.center) // 2
+    surface.data.update()
+    said = "Materials of 'Cube' were assigned to other faces: optimize again"
+    assert stale(obj, bpy.context) == said
+    obj.dapple.auto_update_choice = "ON"
+    assert live.settle() > 0
+    found = scenes.positions(obj)
+    assert not inside_bottom(found).any()
+
+
+# Bakes
+
+
+def in_frames(obj, frames):
+    found = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        found.append(scenes.positions(obj))
+    return found
+
+
+def bent_grid(frames=5):
+    """A grid of 8 by 8 faces that shape keys bend, flat where x < 0 in its own space."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=2.0)
+    surface = bpy.context.object
+    surface.shape_key_add(name="Basis")
+    key = surface.shape_key_add(name="Bent")
+    for place, vertex in zip(key.data, surface.data.vertices, strict=True):
+        place.co.x = vertex.co.x * (1.0 + 0.8 * max(vertex.co.x, 0.0))
+        place.co.z = 0.5 * vertex.co.x * vertex.co.y
+    for frame, value in ((1, 0.0), (frames, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    bpy.context.scene.frame_end = frames
+    bpy.context.scene.frame_set(1)
+    return surface
+
+
+@pytest.mark.parametrize("domain", ["FACE", "CORNER"])
+@pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
+def test_a_bake_has_no_point_on_a_face_of_no_density(domain, population):
+    surface = with_faces(bent_grid(), "Grass", lambda center: center[0] > 0.0, domain=domain)
+    obj = scenes.scattered(surface, count=150)
+    obj.dapple.count_over_time = population
+    optimized(obj, attribute="Grass")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for found in in_frames(obj, range(1, 6)):
+        assert found[:, 0].min() > -FLAT
+
+
+def test_a_bake_keeps_to_a_material():
+    surface = with_materials(bent_grid(), lambda center: int(center[0] > 0.0))
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Grass")
+    optimized(obj, use_material=True)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for found in in_frames(obj, range(1, 6)):
+        assert found[:, 0].min() > -FLAT
+    stale = addon_host.part("blender.status.staleness").stale_reason
+    assert stale(obj, bpy.context) == ""
+
+
+def test_a_bend_that_cuts_quads_otherwise_does_not_change_corner_values():
+    surface = with_faces(bent_grid(), "Grass", lambda center: center[0] > 0.0, domain="CORNER")
+    obj = scenes.scattered(surface, count=60)
+    optimized(obj, attribute="Grass")
+    contents = addon_host.part("blender.status.contents")
+    present = addon_host.part("blender.status.present").Present
+    for frame in (1, 5):
+        bpy.context.scene.frame_set(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        said, _ = contents.contents(obj, present().sources(obj, depsgraph))
+        assert not [one for one in said if "Grass" in one]
+
+
+def melting(frames=4):
+    """A grid that nodes cut finer by the frame, with an attribute on the faces where x > 0."""
+    builder = addon_host.part("nodes.builder")
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4, size=2.0)
+    surface = with_faces(bpy.context.object, "Grass", lambda center: center[0] > 0.0)
+    modifier = surface.modifiers.new("Subdivision", "SUBSURF")
+    modifier.subdivision_type = "SIMPLE"
+    for frame in range(1, frames + 1):
+        modifier.levels = modifier.render_levels = 1 + frame % 2
+        modifier.keyframe_insert("levels", frame=frame)
+        modifier.keyframe_insert("render_levels", frame=frame)
+    for curve in scenes.curves(surface):
+        for point in curve.keyframe_points:
+            point.interpolation = "CONSTANT"
+    bpy.context.scene.frame_end = frames
+    bpy.context.scene.frame_set(1)
+    assert builder is not None
+    return surface
+
+
+@pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
+def test_new_faces_of_no_density_get_no_points_in_a_bake(population):
+    surface = melting()
+    obj = scenes.scattered(surface, count=100)
+    obj.dapple.on_topology_change, obj.dapple.count_over_time = "REBIND", population
+    obj.dapple.bind_to = "FACES"
+    optimized(obj, attribute="Grass")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for found in in_frames(obj, range(1, 5)):
+        assert found[:, 0].min() > -FLAT
+
+
+def wandering(frames=5):
+    """A grid whose nodes store a belt of density 1 that moves along x with the frame."""
+    surface = melting(frames)
+    surface.data.attributes.remove(surface.data.attributes["Grass"])
+    builder = addon_host.part("nodes.builder")
+    geometry = [("Geometry", "NodeSocketGeometry")]
+    tree = builder.new_group("Belt", geometry, geometry)
+    b = builder.Builder(tree)
+    place = b.node("ShaderNodeSeparateXYZ", b.out("GeometryNodeInputPosition")).outputs["X"]
+    frame = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
+    edge = b.number("MULTIPLY_ADD", frame, 0.25, -1.0)
+    made = b.compare("GREATER_THAN", place, edge, "FLOAT")
+    store = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    store.domain, store.data_type = "FACE", "FLOAT"
+    store.inputs["Name"].default_value = "Grass"
+    tree.links.new(b.input("Geometry"), store.inputs["Geometry"])
+    value = next(one for one in store.inputs if one.name == "Value" and one.enabled)
+    tree.links.new(made, value)
+    b.output("Geometry", store.outputs[0])
+    surface.modifiers.new("Belt", "NODES").node_group = tree
+    return surface
+
+
+@pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
+def test_points_leave_faces_that_have_no_density_once_the_faces_change(population):
+    surface = wandering()
+    obj = scenes.scattered(surface, count=100)
+    obj.dapple.on_topology_change, obj.dapple.count_over_time = "REBIND", population
+    obj.dapple.bind_to = "FACES"
+    optimized(obj, attribute="Grass")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame, found in zip(range(1, 6), in_frames(obj, range(1, 6)), strict=True):
+        edge = 0.25 * frame - 1.0
+        assert found[:, 0].min() > edge - 0.25 - FLAT, frame
