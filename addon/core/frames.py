@@ -61,7 +61,7 @@ def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
 
 @dataclass(frozen=True)
 class Normals:
-    """Unit shading normals of a surface: of its vertices, or of the mesh's face corners."""
+    """Shading normals of a surface: of its vertices, or of the mesh's face corners."""
 
     values: Floats  # (v, 3) or (c, 3)
     of_corners: bool = False
@@ -88,7 +88,8 @@ def corner_normals(surface: SurfaceArrays) -> Floats:
     """Unit shading normals (m, 3, 3) at the corners of the faces."""
     if surface.normals is None:
         return vertex_normals(surface.vertices, surface.faces)[surface.faces]
-    return surface.normals[surface.face_corners]
+    found: Floats = _unit(surface.normals)[surface.face_corners]
+    return found
 
 
 def frames(binding: Binding, vertices: Floats, normals: Normals) -> Frames:

@@ -31,7 +31,7 @@ class RawMesh:
     matrix: Floats = field(default_factory=lambda: np.eye(4))  # own space to world space
     is_fluid: bool = False  # a metaball: a face is the same only as long as nothing moves
     # Unit normals (c, 3) of the corners, or (p, 3) of the polygons where all of them are flat;
-    # None: smooth everywhere.
+    # None: those of the vertices, smooth everywhere.
     normals: Singles | None = None
 
     def same_place(self, other: "RawMesh") -> bool:
@@ -68,7 +68,7 @@ class RawMesh:
         return found
 
     def world_normals(self) -> Floats | None:
-        """Unit shading normals (c, 3) of the corners in world space; None: smooth everywhere."""
+        """Shading normals (c, 3) of the corners in world space; None: smooth everywhere."""
         if self.normals is None:
             return None
         return world_normals(self.normals, self.matrix, sizes(self.starts, len(self.corners)))
@@ -80,16 +80,16 @@ class RawMesh:
 
 
 def world_normals(normals: Singles, matrix: Floats, totals: Ints) -> Floats:
-    """Unit normals (c, 3) in world space, of the corners or of polygons of totals (p,) corners.
+    """Normals (c, 3) in world space, of the corners or of polygons of totals (p,) corners.
 
-    By the cofactors of the matrix, which are there for a scale of 0 too.
+    By the cofactors of the matrix, which are there for a scale of 0 too. They are unit vectors in
+    the object's own space, where normals are interpolated.
     """
     x, y, z = matrix[:3, :3].T
     cofactors = np.array([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
     if np.dot(x, cofactors[0]) < 0.0:  # a mirrored surface still faces outwards
         cofactors = -cofactors
-    found: Floats = normals @ cofactors
-    found /= np.maximum(np.linalg.norm(found, axis=1), 1e-300)[:, None]
+    found: Floats = normals @ (cofactors / max(float(np.linalg.norm(cofactors, 2)), 1e-300))
     return np.repeat(found, totals, axis=0) if len(found) == len(totals) else found
 
 

@@ -17,6 +17,7 @@ REBIND = (
     "Set New Topology to Reattach to continue from the nearest places, "
     "or Attach To to Rest Position"
 )
+_SHEAR = 1e-5  # of squared lengths and dot products, as in nodes/surface.py
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,9 @@ class SurfaceArrays:
     rest: Floats | None = None  # (v, 3) the vertices on the rest shape, if points are bound to it
     # Face corners (m, 3) of the mesh at the corners of the triangles; None: 0, 1, 2 and so on.
     loops: Ints | None = None
-    # Unit shading normals (c, 3) of the mesh's face corners in world space, where there are flat
-    # faces, sharp edges or custom normals; None: those of the vertices, smooth everywhere.
+    # Shading normals (c, 3) of the mesh's face corners in world space, where there are flat faces,
+    # sharp edges or custom normals; None: those of the vertices, smooth everywhere. They are always
+    # there where the object is sheared or scaled by several factors, with lengths to interpolate.
     normals: Floats | None = None
     rest_parts: int = 1  # so many equal runs of faces may lie on one another there: rest.py
     time: float = 0.0  # frame of the animation, with its fraction
@@ -90,6 +92,15 @@ class SurfaceArrays:
         for array in self.around.arrays():
             digest.update(array.tobytes())
         return digest.hexdigest()
+
+
+def is_sheared(matrix: Floats) -> bool:
+    """Whether an object's space is sheared, mirrored or scaled by more than one factor."""
+    axes = matrix[:3, :3]
+    products = axes.T @ axes
+    size = products[0, 0]
+    off = np.abs(products - size * np.eye(3)).max()
+    return bool(off > _SHEAR * size or np.linalg.det(axes) < 0.0)
 
 
 def turn_of(matrix: Floats) -> Floats:

@@ -6,21 +6,28 @@ import bpy
 from . import standing
 from .builder import Builder, Socket, new_group
 from .groups import inner
-from .shading import normal_of_corners
+from .shading import NORMAL
 
 NAME = "Dapple Bound Place"
+SHADING = [
+    ("Unmoved", "NodeSocketGeometry"),
+    ("Hard", "NodeSocketBool"),
+    ("Shaded", "NodeSocketGeometry"),
+    ("Sheared", "NodeSocketBool"),
+    ("Normals", "NodeSocketMatrix"),
+]
 
 
 def build() -> bpy.types.NodeTree:
     """New group; the vertices V0 to V2, the face corners C0 to C2 there, their weights W0 to W2 and
-    Turn are fields (core/records.py), Hard and Shaded what shading.py says of the surface.
+    Turn are fields (core/records.py), Hard and Shaded what shading.py says of Unmoved. That is the
+    surface in its own space, which Normals turns normals from where Surface is sheared.
     """
     tree = new_group(
         NAME,
         [
             ("Surface", "NodeSocketGeometry"),
-            ("Hard", "NodeSocketBool"),
-            ("Shaded", "NodeSocketGeometry"),
+            *SHADING,
             *((f"{kind}{k}", "NodeSocketInt") for kind in "VC" for k in range(3)),
             *((f"W{k}", "NodeSocketFloat") for k in range(3)),
             ("Turn", "NodeSocketFloat"),
@@ -30,23 +37,25 @@ def build() -> bpy.types.NodeTree:
     )
     b = Builder(tree)
     weights = [b.input(f"W{k}") for k in range(3)]
-    positions = _at_vertices(b, b.out("GeometryNodeInputPosition"))
-    smooth = _weighted(b, _at_vertices(b, b.out("GeometryNodeInputNormal")), weights)
+    positions = _at_vertices(b, "Surface", b.out("GeometryNodeInputPosition"))
+    smooth = _weighted(b, _at_vertices(b, "Unmoved", b.out("GeometryNodeInputNormal")), weights)
     normal = b.switch("VECTOR", b.input("Hard"), smooth, _weighted(b, _of_corners(b), weights))
+    turned = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
+    normal = b.switch("VECTOR", b.input("Sheared"), normal, turned)
     b.output("Position", _weighted(b, positions, weights))
     b.output("Rotation", _rotation(b, positions, normal))
     b.arrange()
     return tree
 
 
-def _at_vertices(b: Builder, field: Socket) -> list[Socket]:
-    surface = b.input("Surface")
+def _at_vertices(b: Builder, name: str, field: Socket) -> list[Socket]:
+    surface = b.input(name)
     return [b.sample(surface, field, b.input(f"V{k}"), "FLOAT_VECTOR") for k in range(3)]
 
 
 def _of_corners(b: Builder) -> list[Socket]:
     """The normals of the face corners."""
-    shaded, field = b.input("Shaded"), normal_of_corners(b)
+    shaded, field = b.input("Shaded"), b.attribute(NORMAL, "FLOAT_VECTOR")
     corners = [b.input(f"C{k}") for k in range(3)]
     return [b.sample(shaded, field, corner, "FLOAT_VECTOR", "CORNER") for corner in corners]
 

@@ -25,7 +25,7 @@ def build() -> bpy.types.NodeTree:
     )
     b = Builder(tree)
     surface = b.input("Surface")
-    shaded = inner(b, shading, surface).outputs
+    shaded = (surface, *inner(b, shading, surface).outputs, False, None)
     fields = [f"{kind}{k}" for kind in "VCW" for k in range(3)] + ["Turn", "Side"]
     placed = inner(b, bound_place, surface, *shaded, *(b.input(name) for name in fields))
     for name in ("Position", "Rotation"):

@@ -39,13 +39,13 @@ def build() -> bpy.types.NodeTree:
         NAME,
         [
             ("Surface", "NodeSocketGeometry"),
-            ("Hard", "NodeSocketBool"),
-            *((name, "NodeSocketGeometry") for name in ("Shaded", "Keys", "Triangles", "Preview")),
+            *bound_place.SHADING,
+            *((name, "NodeSocketGeometry") for name in ("Keys", "Triangles", "Preview")),
             *((name, "NodeSocketInt") for name in ("Points", "Key")),
             *((name, "NodeSocketBool") for name in ("Baked", "Live", "Resting")),
             ("Shape", "NodeSocketGeometry"),
             ("Parts", "NodeSocketInt"),
-            *((name, "NodeSocketFloat") for name in ("Turn", "Side")),
+            ("Turn", "NodeSocketFloat"),
         ],
         [
             ("Position", "NodeSocketVector"),
@@ -58,8 +58,8 @@ def build() -> bpy.types.NodeTree:
     bound = _chosen(b, b.input("Baked"), _own(b), of_key)
     bound = _chosen(b, b.input("Live"), bound, _previewed(b))
     turn = b.number("ADD", bound.carry, b.input("Turn"))
-    surface = (b.input(name) for name in ("Surface", "Hard", "Shaded"))
-    feeds = (*surface, *bound.corners, *bound.weights, turn, b.input("Side"))
+    shading = (b.input(name) for name, _ in bound_place.SHADING)
+    feeds = (b.input("Surface"), *shading, *bound.corners, *bound.weights, turn, 1.0)
     on_faces, at_rest = inner(b, bound_place, *feeds), _at_rest(b, of_key)
     position, rotation = (
         b.switch(kind, b.input("Resting"), on_faces.outputs[name], at_rest.outputs[name])
@@ -129,8 +129,8 @@ def _at_rest(b: Builder, key: _Bound) -> bpy.types.Node:
     part = b.switch("INT", baked, b.attribute("dapple_part", "INT"), of_face("dapple_part", "INT"))
     # What points ahead of a point itself is turned already.
     turn = b.number("ADD", b.switch("FLOAT", baked, 0.0, key.carry), b.input("Turn"))
-    feeds = (*places, part, b.input("Parts"), turn, b.input("Side"))
-    return inner(b, rest_place, b.input("Shape"), *feeds)
+    feeds = (*places, part, b.input("Parts"), turn, 1.0)
+    return inner(b, rest_place, b.input("Shape"), b.input("Normals"), *feeds)
 
 
 def _row(b: Builder) -> Socket:

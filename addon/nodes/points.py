@@ -83,9 +83,8 @@ class _Played:
 
 def _shape(b: Builder, found: bpy.types.Node) -> Socket:
     """The rest shape of the surface; places in its own space where it has no rest position."""
-    back = b.node("FunctionNodeInvertMatrix", found.outputs["Transform"]).outputs[0]
-    own = b.out("FunctionNodeTransformPoint", b.out("GeometryNodeInputPosition"), back)
-    return inner(b, rest_shape, found.outputs["Relative"], own).outputs["Shape"]
+    feeds = (found.outputs["Unmoved"], found.outputs["Transform"])
+    return inner(b, rest_shape, *feeds).outputs["Shape"]
 
 
 def _played(b: Builder, geometry: Socket, shape: Socket) -> _Played:
@@ -126,10 +125,11 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     stored = (played.keys, played.triangles, played.preview, played.count)
     now = played.moment.outputs
     switches = (played.baked, played.live, played.resting, played.shape, b.input("Rest Parts"))
-    geometry, side = found.outputs["Geometry"], found.outputs["Side"]
-    shaded = inner(b, shading, geometry).outputs
+    geometry, unmoved = found.outputs["Geometry"], found.outputs["Unmoved"]
+    shaded = (unmoved, *inner(b, shading, unmoved).outputs)
+    turned = (found.outputs["Sheared"], found.outputs["Normals"])
     first, second = (
-        inner(b, key_point, geometry, *shaded, *stored, key, *switches, turn, side)
+        inner(b, key_point, geometry, *shaded, *turned, *stored, key, *switches, turn)
         for key in (now["First"], now["Second"])
     )
     fraction = now["Fraction"]

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import rest_shape, standing
+from . import rest_shape, shading, standing
 from .builder import Builder, Socket, new_group
 from .groups import inner
 
@@ -11,7 +11,8 @@ NAME = "Dapple Rest Place"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; X points from Start to Ahead, two places near Rest on the rest shape.
+    """New group; X points from Start to Ahead, two places near Rest on the rest shape. Normals is
+    applied to the normals that are found there.
 
     Faces are divided into so many Parts, equal runs in their order; a place is looked for in its
     own part (core/rest.py).
@@ -20,6 +21,7 @@ def build() -> bpy.types.NodeTree:
         NAME,
         [
             ("Shape", "NodeSocketGeometry"),
+            ("Normals", "NodeSocketMatrix"),
             *((name, "NodeSocketVector") for name in ("Rest", "Start", "Ahead")),
             *((name, "NodeSocketInt") for name in ("Part", "Parts")),
             *((name, "NodeSocketFloat") for name in ("Turn", "Side")),
@@ -30,7 +32,9 @@ def build() -> bpy.types.NodeTree:
     b.output("Position", _found(b, rest_shape.PLACE, "Rest"))
     ahead, start = (_found(b, rest_shape.PLACE, name) for name in ("Ahead", "Start"))
     edge = b.vector("SUBTRACT", ahead, start)
-    feeds = (_found(b, rest_shape.NORMAL, "Rest"), edge, b.input("Turn"), b.input("Side"))
+    normal = _found(b, shading.NORMAL, "Rest")
+    normal = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
+    feeds = (normal, edge, b.input("Turn"), b.input("Side"))
     b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
     b.arrange()
     return tree

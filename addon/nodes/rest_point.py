@@ -26,10 +26,9 @@ def build() -> bpy.types.NodeTree:
         [("Position", "NodeSocketVector"), ("Rotation", "NodeSocketRotation")],
     )
     b = Builder(tree)
-    own = b.out("GeometryNodeInputPosition")
-    shape = inner(b, rest_shape, b.input("Surface"), own).outputs["Shape"]
+    shape = inner(b, rest_shape, b.input("Surface"), None).outputs["Shape"]
     names = ("Rest", "Rest", "Ahead", "Part", "Parts", "Turn", "Side")
-    placed = inner(b, rest_place, shape, *(b.input(name) for name in names))
+    placed = inner(b, rest_place, shape, None, *(b.input(name) for name in names))
     for name in ("Position", "Rotation"):
         b.output(name, placed.outputs[name])
     b.arrange()

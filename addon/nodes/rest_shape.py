@@ -12,20 +12,23 @@ from .builder import Builder, Socket, new_group
 from .groups import inner
 
 NAME = "Dapple Rest Shape"
-PLACE, NORMAL = "dapple_place", "dapple_normal"
+PLACE = "dapple_place"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Own is a field, the rest position of a surface that has no such attribute."""
+    """New group; Transform brings what is in the surface's own space to its place. A surface
+    without rest positions is found by its positions in its own space.
+    """
     tree = new_group(
         NAME,
-        [("Surface", "NodeSocketGeometry"), ("Own", "NodeSocketVector")],
+        [("Surface", "NodeSocketGeometry"), ("Transform", "NodeSocketMatrix")],
         [("Shape", "NodeSocketGeometry")],
     )
     b = Builder(tree)
-    surface, place = _with_normals(b), b.out("GeometryNodeInputPosition")
-    surface = b.store(surface, PLACE, place, "FLOAT_VECTOR")
-    rest = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", b.input("Own"))
+    own = b.out("GeometryNodeInputPosition")
+    place = b.out("FunctionNodeTransformPoint", own, b.input("Transform"))
+    surface = b.store(_with_normals(b), PLACE, place, "FLOAT_VECTOR")
+    rest = b.attribute_or("rest_position", "FLOAT_VECTOR", "VECTOR", own)
     b.output("Shape", b.out("GeometryNodeSetPosition", surface, True, rest))
     b.arrange()
     return tree
@@ -35,6 +38,6 @@ def _with_normals(b: Builder) -> Socket:
     """The surface with its normals, where it is not smooth everywhere those of the face corners."""
     surface = b.input("Surface")
     hard, shaded = inner(b, shading, surface).outputs
-    smooth = b.store(surface, NORMAL, b.out("GeometryNodeInputNormal"), "FLOAT_VECTOR")
-    corners = b.store(shaded, NORMAL, shading.normal_of_corners(b), "FLOAT_VECTOR", "CORNER")
-    return b.switch("GEOMETRY", hard, smooth, corners)
+    normal = b.out("GeometryNodeInputNormal")
+    smooth = b.store(surface, shading.NORMAL, normal, "FLOAT_VECTOR")
+    return b.switch("GEOMETRY", hard, smooth, shaded)

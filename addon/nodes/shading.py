@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node group: a surface -> the same, whose face corners have the normals that it is shaded with.
+"""Node group: a surface -> the same with the normals that its face corners are shaded with.
 
 Flat faces, sharp edges and custom normals give the corners at a vertex different normals. From
 Blender 4.4 on, the Normal node knows them. Before, it only knows those of vertices: there, edges
@@ -12,12 +12,13 @@ import bpy
 from .builder import Builder, Socket, new_group
 
 NAME = "Dapple Shading"
-_NEARLY_1 = 0.99
+NORMAL = "dapple_normal"
+_MOST = 0.9  # of a coordinate: at the corner of a smooth cube it is 0.58, on its faces 1
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Hard is whether corners differ. A smooth surface needs the normals of vertices
-    only, which are faster.
+    """New group; Hard is whether corners differ. The normals of a smooth surface are those of its
+    vertices; Shaded then only takes longer.
     """
     tree = new_group(
         NAME,
@@ -31,12 +32,14 @@ def build() -> bpy.types.NodeTree:
     sharp = b.boolean("OR", _any(b, face, "FACE"), _any(b, edge, "EDGE"))
     b.output("Hard", b.boolean("OR", sharp, b.sample(surface, custom, 0, "BOOLEAN")))
     split = b.out("GeometryNodeSplitEdges", surface, b.boolean("OR", face, edge))
-    b.output("Shaded", b.switch("GEOMETRY", _knows_corners(b), split, surface))
+    split = b.store(split, NORMAL, b.out("GeometryNodeInputNormal"), "FLOAT_VECTOR")
+    exact = b.store(surface, NORMAL, _of_corners(b), "FLOAT_VECTOR", "CORNER")
+    b.output("Shaded", b.switch("GEOMETRY", _knows_corners(b), split, exact))
     b.arrange()
     return tree
 
 
-def normal_of_corners(b: Builder) -> Socket:
+def _of_corners(b: Builder) -> Socket:
     """The field of the corners' normals, where Blender knows them."""
     node = b.node("GeometryNodeInputNormal")
     if hasattr(node, "legacy_corner_normals"):
@@ -54,9 +57,9 @@ def _any(b: Builder, value: Socket, domain: str) -> Socket:
 
 
 def _knows_corners(b: Builder) -> Socket:
-    """Whether the normal at the corner of a cube is that of its face: along an axis."""
-    cube = b.out("GeometryNodeMeshCube")
-    normal = b.sample(cube, normal_of_corners(b), 0, "FLOAT_VECTOR", "CORNER")
+    """Whether the normal at the corner of a smooth cube is not that of a face."""
+    cube = b.out("GeometryNodeSetShadeSmooth", b.out("GeometryNodeMeshCube"), True, True)
+    normal = b.sample(cube, _of_corners(b), 0, "FLOAT_VECTOR", "CORNER")
     x, y, z = (b.number("ABSOLUTE", part) for part in b.parts(normal))
     most = b.number("MAXIMUM", b.number("MAXIMUM", x, y), z)
-    return b.compare("GREATER_THAN", most, _NEARLY_1, "FLOAT")
+    return b.compare("LESS_THAN", most, _MOST, "FLOAT")

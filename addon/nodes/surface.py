@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node group: the surface's object -> its geometry, and what still has to be done to points on it.
 
-A surface that Blender brings into the space of the scatter is a copy: its normals are computed a
-second time in each frame, beside those that are drawn. So points are placed on the surface in its
-own space and moved with it. That is the same unless it is sheared, mirrored or scaled by more than
-one factor, which changes normals: then there is a copy.
+A surface that Blender brings into the space of the scatter is a copy, which takes time in each
+frame. So points are placed on the surface in its own space and moved with it. Where it is sheared,
+mirrored or scaled by more than one factor, they are placed on a copy. Normals always come from the
+surface in its own space, as those do that it is shaded with: a copy has others.
 """
 
 import functools
@@ -19,38 +19,51 @@ _EPSILON = 1e-5  # of squared lengths and of dot products, relative
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Moved is whether points on Geometry have yet to be brought to Relative.
+    """New group; Moved is whether points on Geometry have yet to be moved by Transform.
 
-    Side is 1, and -1 where the surface is mirrored and its normals point the other way.
+    Unmoved is the surface in its own space; Sheared is whether Geometry is a copy. Normals turns
+    normals as Transform turns the surface, but for their lengths.
     """
     tree = new_group(
         NAME,
         [("Surface", "NodeSocketObject")],
         [
             ("Geometry", "NodeSocketGeometry"),
-            ("Relative", "NodeSocketGeometry"),
+            ("Unmoved", "NodeSocketGeometry"),
             ("Transform", "NodeSocketMatrix"),
             ("Rotation", "NodeSocketRotation"),
             ("Moved", "NodeSocketBool"),
-            ("Side", "NodeSocketFloat"),
+            ("Sheared", "NodeSocketBool"),
+            ("Normals", "NodeSocketMatrix"),
         ],
     )
     b = Builder(tree)
     info = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="RELATIVE")
     own = b.node("GeometryNodeObjectInfo", b.input("Surface"), transform_space="ORIGINAL")
     transform, relative = info.outputs["Transform"], info.outputs["Geometry"]
-    side = b.number("SIGN", b.out("FunctionNodeMatrixDeterminant", transform))
+    mirrored = b.compare(
+        "LESS_THAN", b.out("FunctionNodeMatrixDeterminant", transform), 0.0, "FLOAT"
+    )
     axes = [b.out("FunctionNodeTransformDirection", unit, transform) for unit in _UNITS]
-    upright = b.compare("GREATER_THAN", side, 0.0, "FLOAT")
-    kept = b.boolean("AND", upright, _are_alike(b, axes))
+    kept = b.boolean("AND", b.boolean("NOT", mirrored), _are_alike(b, axes))
     b.output("Geometry", b.switch("GEOMETRY", kept, relative, own.outputs["Geometry"]))
-    b.output("Relative", relative)
+    b.output("Unmoved", own.outputs["Geometry"])
     b.output("Transform", transform)
     b.output("Rotation", info.outputs["Rotation"])
     b.output("Moved", b.boolean("AND", kept, _differ(b, axes, info.outputs["Location"])))
-    b.output("Side", side)
+    b.output("Sheared", b.boolean("NOT", kept))
+    b.output("Normals", _cofactors(b, axes, mirrored))
     b.arrange()
     return tree
+
+
+def _cofactors(b: Builder, axes: list[Socket], mirrored: Socket) -> Socket:
+    """What turns normals, on a flattened surface too; a mirrored surface still faces outward."""
+    x, y, z = axes
+    sign = b.switch("FLOAT", mirrored, 1.0, -1.0)
+    columns = [b.vector("CROSS_PRODUCT", *pair) for pair in ((y, z), (z, x), (x, y))]
+    rows = [(*b.parts(b.scaled(column, sign)), 0.0) for column in columns]
+    return b.out("FunctionNodeCombineMatrix", *(value for row in rows for value in row))
 
 
 def _dot(b: Builder, u: Socket, v: Socket) -> Socket:

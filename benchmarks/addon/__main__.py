@@ -21,7 +21,13 @@ import addon
 from addon.blender.surface.surface_mesh import read_surface
 from addon.nodes import ensure_group
 from benchmarks.addon.following import CASES, measure_following
-from benchmarks.addon.playback import DISPLAYED, OWN, measure_listing, measure_playback
+from benchmarks.addon.playback import (
+    DISPLAYED,
+    OWN,
+    measure_listing,
+    measure_playback,
+    swelling_sphere,
+)
 from benchmarks.addon.redraw import measure_redraw
 
 PLAYBACK_GOAL, GROUP_GOAL, READING_GOAL, REDRAW_GOAL = 0.008, 0.1, 0.5, 0.001  # seconds
@@ -64,6 +70,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--rounds", type=int, default=8, help="turns of each measurement")
     parser.add_argument("--only", choices=_PARTS)
     parser.add_argument("--moved", action="store_true", help="play on a turned surface elsewhere")
+    parser.add_argument("--flat", action="store_true", help="play on a surface with flat faces")
     parser.add_argument(
         "--against", type=Path, help="checkout with other node groups to play back in turns"
     )
@@ -75,7 +82,8 @@ def _empty_file() -> None:
 
 
 def _playback(options: argparse.Namespace) -> None:
-    taken = measure_playback(options.sites, options.rounds, options.moved, options.against)
+    surface = swelling_sphere(options.moved, options.flat)
+    taken = measure_playback(surface, options.sites, options.rounds, options.against)
     alone, shaded = taken.pop("alone"), taken.pop("its normals")
     print(f"a frame with {options.sites} points, on a surface of 40,962 vertices")
     print(
@@ -90,7 +98,7 @@ def _playback(options: argparse.Namespace) -> None:
             f"its normals, {_ms(found.cpu - shaded.cpu)} of all processors{judged}"
         )
     _empty_file()
-    listed = measure_listing(options.sites, options.rounds)
+    listed = measure_listing(swelling_sphere(), options.sites, options.rounds)
     frames = {name: taken[name].cpu - shaded.cpu for name in listed}
     print(
         f"  processor time of a frame, and of a redraw that goes through its instances; {OWN[0]} 1"

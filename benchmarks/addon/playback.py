@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import sys
 import time
 from dataclasses import dataclass
@@ -47,9 +47,8 @@ class _Case:
     draws: bool = True  # what a window draws, the normals of the surface, is read too
 
 
-def measure_listing(sites: int, rounds: int) -> dict[str, float]:
+def measure_listing(surface: bpy.types.Object, sites: int, rounds: int) -> dict[str, float]:
     """Seconds to go through all instances, as each redraw and each render does."""
-    surface = _swelling_sphere(_FRAMES.stop)
     scatters = _scatters(surface, sites, nodes, "") | _displayed(surface, sites)
     taken: dict[str, list[float]] = {name: [] for name in (OWN[0], *DISPLAYED)}
     for frame in range(1, 1 + rounds):
@@ -66,18 +65,14 @@ def measure_listing(sites: int, rounds: int) -> dict[str, float]:
 
 
 def measure_playback(
-    sites: int, rounds: int, moved: bool = False, against: Path | None = None
+    surface: bpy.types.Object, sites: int, rounds: int, against: Path | None = None
 ) -> dict[str, Taken]:
     """What a frame takes: nothing on the surface, nothing but its normals read, scatters.
 
-    The surface is a sphere that a shape key swells; moved, it is turned and not at the origin.
     "between keys" plays a bake half a frame on, where two keys are mixed; whole frames look at one.
     Another checkout gives node groups to compare with. Points that follow each other are near each
     other, as those of the solver are.
     """
-    surface = _swelling_sphere(_FRAMES.stop)
-    if moved:
-        surface.location, surface.rotation_euler = (1, 2, 3), (0.3, 0.2, 0.1)
     cases = {"alone": _Case(None, draws=False), "its normals": _Case(None)}
     cases |= _scatters(surface, sites, nodes, "")
     cases |= _displayed(surface, sites)
@@ -155,14 +150,12 @@ def _play_with(modifier: bpy.types.NodesModifier, groups: ModuleType) -> None:
 
 def _other_nodes(checkout: Path) -> Any:
     """The package addon.nodes of another checkout, under another name; its version is another."""
-    name, folder = "other_nodes", checkout / "addon" / "nodes"
-    spec = importlib.util.spec_from_file_location(
-        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
-    if spec is None or spec.loader is None:
-        raise FileNotFoundError(folder)
-    sys.modules[name] = module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    if not (checkout / "addon" / "nodes").is_dir():
+        raise FileNotFoundError(checkout / "addon" / "nodes")
+    package = ModuleType("other_addon")  # without what its own module does to Blender
+    package.__path__ = [str(checkout / "addon")]
+    sys.modules[package.__name__] = package
+    module = importlib.import_module(f"{package.__name__}.nodes")
     if module.VERSION == nodes.VERSION:
         raise ValueError(f"node groups of {checkout} have the version of these, {nodes.VERSION}")
     return module
@@ -197,15 +190,20 @@ def _cone(b: Builder) -> Socket:
     return cone.outputs["Mesh"]
 
 
-def _swelling_sphere(frames: int) -> bpy.types.Object:
+def swelling_sphere(moved: bool = False, flat: bool = False) -> bpy.types.Object:
+    """A sphere that a shape key swells; moved, it is turned and not at the origin."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=7)
     surface = bpy.context.object
+    if not flat:
+        bpy.ops.object.shade_smooth()
+    if moved:
+        surface.location, surface.rotation_euler = (1, 2, 3), (0.3, 0.2, 0.1)
     surface.shape_key_add(name="Basis")
     key = surface.shape_key_add(name="Swollen")
     places = np.empty(3 * len(key.data), dtype=np.float32)
     key.data.foreach_get("co", places)
     key.data.foreach_set("co", 1.2 * places)
-    for frame, value in ((1, 0.0), (frames, 1.0)):
+    for frame, value in ((1, 0.0), (_FRAMES.stop, 1.0)):
         key.value = value
         key.keyframe_insert("value", frame=frame)
     return surface

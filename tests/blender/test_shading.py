@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Instances stand on a surface as it is shaded: flat faces, sharp edges, custom normals, smooth."""
 
+import addon_host
 import bpy
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ def degrees_off(obj, surface, offset=0.0):
     vertices = [matrix @ vertex.co for vertex in mesh.vertices]
     triangles = [list(triangle.vertices) for triangle in mesh.loop_triangles]
     turned = matrix.to_3x3().inverted().transposed()
-    normals = [(turned @ normal.vector).normalized() for normal in mesh.corner_normals]
+    normals = [turned @ normal.vector for normal in mesh.corner_normals]
     loops = [triangle.loops[:] for triangle in mesh.loop_triangles]
     tree, found = BVHTree.FromPolygons(vertices, triangles), []
     for place, axis in zip(places, axes, strict=True):
@@ -140,3 +141,44 @@ def test_instances_stand_along_the_shading_normal(make, bound):
     obj = bpy.context.object
     assert obj.dapple.bound_to == bound
     assert degrees_off(obj, surface).max() < 0.5
+
+
+@pytest.mark.parametrize("scale", [(1, 2, 0.5), (-1, 1, 1), (-1, -2, -0.5)])
+@pytest.mark.parametrize("make", SURFACES, ids=lambda make: make.__name__)
+def test_on_a_scaled_or_mirrored_surface_they_stand_as_it_is_shaded(make, scale):
+    surface = make()
+    surface.scale, surface.rotation_euler, surface.location = scale, (0.3, 0.5, 0.7), (1, 2, 3)
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface, count=60)
+    assert degrees_off(obj, surface).max() < 0.5
+    check_as_python_says(obj, surface)
+
+
+def check_as_python_says(obj, surface):
+    """Instances without a turn of their own have the axes of core/frames.py."""
+    obj.dapple.turn_randomness = 0.0
+    part = addon_host.part
+    reading, frames = part("blender.surface.surface_mesh"), part("core.frames")
+    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    binding, _ = part("blender.data.points").read_binding(obj, len(arrays.vertices))
+    expected = frames.frames(binding, arrays.vertices, frames.shading(arrays)).axes(binding.carry)
+    assert np.einsum("nij,nij->nj", scenes.rotations(obj), expected).min() > 0.9999
+
+
+def test_shading_may_change_later():
+    surface = cube()
+    obj = scenes.scattered(surface, count=60)
+    for change in (bpy.ops.object.shade_smooth, bpy.ops.object.shade_flat):
+        bpy.context.view_layer.objects.active = surface
+        surface.select_set(True)
+        change()
+        assert degrees_off(obj, surface).max() < 0.5
+    assert np.abs(np.abs(scenes.rotations(obj)[:, :, 2]).max(axis=1) - 1.0).max() < 1e-5
+
+
+def test_with_an_offset_instances_hang_over_their_own_face():
+    obj = scenes.scattered(cube(), count=300)
+    obj.dapple.offset = 0.5
+    places = np.sort(np.abs(scenes.positions(obj)), axis=1)
+    np.testing.assert_allclose(places[:, 2], 1.5, atol=1e-5)
+    assert places[:, 1].max() <= 1.0 + 1e-5

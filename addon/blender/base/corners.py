@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.raw import Singles
-from ...core.surface import Ints
+from ...core.surface import Floats, Ints, is_sheared
 
 
 def corner_vertices(mesh: bpy.types.Mesh) -> Ints:
@@ -38,13 +38,13 @@ def triangle_corners(mesh: bpy.types.Mesh) -> Ints:
     return corners.reshape(-1, 3)
 
 
-def shading_normals(mesh: bpy.types.Mesh) -> Singles | None:
-    """Unit normals (c, 3) of the corners, or (p, 3) of the faces where all of them are flat.
+def has_corner_normals(mesh: bpy.types.Mesh, matrix: Floats) -> bool:
+    """Whether the normals of a mesh are not those of its vertices where a matrix brings it."""
+    return mesh.normals_domain != "POINT" or is_sheared(matrix)
 
-    None where all vertices have one normal each: the mesh is smooth everywhere.
-    """
-    if mesh.normals_domain == "POINT":
-        return None
+
+def shading_normals(mesh: bpy.types.Mesh) -> Singles:
+    """Unit normals (c, 3) of the corners, or (p, 3) of the faces where all of them are flat."""
     flat = mesh.normals_domain == "FACE"
     normals = mesh.polygon_normals if flat else mesh.corner_normals
     found = np.empty((len(normals), 3), dtype=np.float32)

@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import ScatterError
 from ...core.raw import RawMesh, RawValues
 from ...core.steps import PAUSE, Task
-from ..base.corners import corner_vertices, polygon_starts, shading_normals
+from ..base.corners import corner_vertices, has_corner_normals, polygon_starts, shading_normals
 from ..base.held import Held
 from ..data.scatter import is_fluid
 from .materials import read_materials
@@ -35,8 +35,8 @@ def mesh_parts(surface: Held, known: RawMesh | None = None, *, shaded: bool = Tr
         if len(positions):
             mesh.attributes["position"].data.foreach_get("vector", positions.ravel())
         corners, count = corner_vertices(mesh), len(mesh.polygons)
-        has_own = shaded and mesh.normals_domain != "POINT"
-    matrix = np.array(obj.evaluated_get(evaluated()).matrix_world, dtype=np.float64)
+        matrix = np.array(obj.evaluated_get(evaluated()).matrix_world, dtype=np.float64)
+        has_own = shaded and has_corner_normals(mesh, matrix)
     fluid = is_fluid(obj)
     normals = (yield from _normals(surface, len(corners))) if has_own else None
     if known is not None and len(known.starts) == count:

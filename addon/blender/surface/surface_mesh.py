@@ -12,7 +12,13 @@ from ...core.errors import ScatterError
 from ...core.raw import RawValues, placed_values, sizes, world_normals
 from ...core.sources import digest_of
 from ...core.surface import Floats, SurfaceArrays, topology_digest
-from ..base.corners import corner_vertices, polygon_starts, shading_normals, triangle_corners
+from ..base.corners import (
+    corner_vertices,
+    has_corner_normals,
+    polygon_starts,
+    shading_normals,
+    triangle_corners,
+)
 from ..base.meshio import matrix_of, read_columns, read_points
 from ..data.joined import parts_of
 from ..data.scatter import is_fluid
@@ -76,11 +82,10 @@ def read_surface(
 
 def _world_normals(mesh: bpy.types.Mesh, matrix: Floats) -> Floats | None:
     """Shading normals (c, 3) of the corners in world space; None where all is smooth."""
-    normals = shading_normals(mesh)
-    if normals is None:
+    if not has_corner_normals(mesh, matrix):
         return None
-    starts = polygon_starts(mesh)
-    return world_normals(normals, matrix, sizes(starts, len(mesh.loops)))
+    totals = sizes(polygon_starts(mesh), len(mesh.loops))
+    return world_normals(shading_normals(mesh), matrix, totals)
 
 
 def _stored_values(
