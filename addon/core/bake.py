@@ -15,7 +15,7 @@ from .frames import carried, shading
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
-from .lean import leaning
+from .lean import lean_to, leaning, shown
 from .native import package
 from .records import Binding
 from .rest import Shape, bound_at_rest, rest_columns
@@ -96,9 +96,14 @@ class Baker:
         for, and with a rest shape of any moments.
         """
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
+        self.lean, lean = None, self.lean
         if after.rest is None:
+            last = self.last
             with named(after.name):
-                self.last = rebound(self.last, before, after)
+                self.last = rebound(last, before, after)
+            if self.at_seam:  # what moves between both is next to nothing
+                axes = shown(last, lean, before.vertices, shading(before))
+                self.lean = lean_to(axes, self.last, after.vertices, shading(after))
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
@@ -107,7 +112,6 @@ class Baker:
         self._chain.add(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
-        self.lean = None
         self.topologies.append(after.topology)
 
     @property

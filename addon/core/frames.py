@@ -3,8 +3,10 @@
 
 The frame of a bound point: z is the normal of the surface as it is shaded there, interpolated from
 the corners of its triangle (flat faces, sharp edges and custom normals make them differ from those
-of the vertices), x the first edge of the triangle made perpendicular to z. It moves with the
-material, so it never pops while a point keeps its triangle. When a key moves the point to another
+of the vertices), x the first edge of the triangle, turned as its plane is by the smallest rotation
+that makes it perpendicular to z. (The edge may point along z, where edges meet in a tip; made
+perpendicular to z without that rotation it would swing around there.) It moves with the material,
+so it never pops while a point keeps its triangle. When a key moves the point to another
 triangle, the angle of that key is chosen so that the direction stays: the old direction, carried by
 the material to the new frame, is transported along the surface to the new place (the smallest
 rotation between both normals, which is parallel transport over a short distance) and measured
@@ -18,6 +20,7 @@ import numpy as np
 from .records import Binding
 from .surface import Floats, Ints, SurfaceArrays
 
+LEAST_HEIGHT = 0.1  # of 1 + the cosine between a triangle and its normal, which may be inside out
 _TINY = 1e-30
 
 
@@ -95,7 +98,11 @@ def corner_normals(surface: SurfaceArrays) -> Floats:
 def frames(binding: Binding, vertices: Floats, normals: Normals) -> Frames:
     """Frames of bound points on a surface with these vertices and shading normals."""
     normal = normals.at(binding)
-    edge = vertices[binding.corners[:, 1]] - vertices[binding.corners[:, 0]]
+    corner, *others = (vertices[binding.corners[:, k]] for k in range(3))
+    edge, second = others[0] - corner, others[1] - corner
+    flat = _unit(np.cross(edge, second))
+    height = np.maximum(1.0 + _dot(flat, normal), LEAST_HEIGHT)
+    edge = edge - (_dot(edge, normal) / height)[:, None] * flat
     tangent = _unit(edge - _dot(edge, normal)[:, None] * normal)
     return Frames(tangent, np.cross(normal, tangent), normal)
 

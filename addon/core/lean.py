@@ -26,17 +26,25 @@ def leaning(
 
     lean is theirs before; both bindings are looked at on the vertices of the new frame.
     """
-    shown = frames(before, vertices, normals).axes(before.carry)
-    if lean is not None:
-        shown = shown @ rotations(lean)
-    own = frames(after, vertices, normals).axes(after.carry)
-    turn = _rotation_vectors(np.swapaxes(own, 1, 2) @ shown)
+    turn = lean_to(shown(before, lean, vertices, normals), after, vertices, normals)
     angle = np.linalg.norm(turn, axis=1)
     left = np.maximum(angle - LIMIT, 0.0)
     if not left.any():
         return None
     found: Floats = turn * (left / np.maximum(angle, _TINY))[:, None]
     return found
+
+
+def shown(binding: Binding, lean: Floats | None, vertices: Floats, normals: Normals) -> Floats:
+    """Axes (n, 3, 3) of instances that lean."""
+    own = frames(binding, vertices, normals).axes(binding.carry)
+    return own if lean is None else own @ rotations(lean)
+
+
+def lean_to(axes: Floats, binding: Binding, vertices: Floats, normals: Normals) -> Floats:
+    """Leans (n, 3) that give the instances of a binding these axes."""
+    own = frames(binding, vertices, normals).axes(binding.carry)
+    return _rotation_vectors(np.swapaxes(own, 1, 2) @ axes)
 
 
 def rotations(vectors: Floats) -> Floats:
@@ -52,13 +60,29 @@ def rotations(vectors: Floats) -> Floats:
 
 
 def _rotation_vectors(matrices: Floats) -> Floats:
-    """Their inverse; half a turn, whose axis the formula does not determine, is taken for none."""
-    m = matrices
-    doubled = np.stack(
-        [m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]], 1
-    )
-    sine = 0.5 * np.linalg.norm(doubled, axis=1)
-    cosine = 0.5 * (np.trace(m, axis1=1, axis2=2) - 1.0)
-    angle = np.arctan2(sine, cosine)
-    found: Floats = doubled * (0.5 * angle / np.maximum(sine, _TINY))[:, None]
+    """Their inverse, by the quaternions of the matrices: half turns have an axis too."""
+    quaternions = _quaternions(matrices)
+    sine = np.linalg.norm(quaternions[:, 1:], axis=1)
+    angle = 2.0 * np.arctan2(sine, quaternions[:, 0])
+    found: Floats = quaternions[:, 1:] * (angle / np.maximum(sine, _TINY))[:, None]
     return found
+
+
+def _quaternions(matrices: Floats) -> Floats:
+    """Unit quaternions (n, 4) with w >= 0: the longest column of four times their outer product."""
+    m = matrices
+    x, y, z = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]
+    xy, xz, yz = m[:, 1, 0] + m[:, 0, 1], m[:, 0, 2] + m[:, 2, 0], m[:, 2, 1] + m[:, 1, 2]
+    a, b, c = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
+    columns = np.array(
+        [
+            [1.0 + a + b + c, x, y, z],
+            [x, 1.0 + a - b - c, xy, xz],
+            [y, xy, 1.0 - a + b - c, yz],
+            [z, xz, yz, 1.0 - a - b + c],
+        ]
+    )
+    longest = np.einsum("kkn->kn", columns).argmax(axis=0)
+    found: Floats = columns[longest, :, np.arange(len(m))]
+    found *= np.where(found[:, 0] < 0.0, -1.0, 1.0)[:, None]
+    return found / np.linalg.norm(found, axis=1)[:, None]

@@ -121,11 +121,15 @@ class Shape:
 
 def _ahead(binding: Binding, rest: Floats, surface: SurfaceArrays) -> Floats:
     """Directions (n, 3) of the points in their triangles, as long as the first edges, at rest."""
-    direction = frames(binding, surface.vertices, shading(surface)).direction(binding.carry)
-    first, second = _edges(binding, surface.vertices)
-    length = np.linalg.norm(first, axis=1, keepdims=True)
-    both = np.stack([first, second], axis=2)  # (n, 3, 2): the direction as a sum of both edges
-    shares = np.linalg.pinv(both) @ (length * direction)[:, :, None]
+    local = frames(binding, surface.vertices, shading(surface))
+    edges = np.stack(_edges(binding, surface.vertices), axis=2)  # (n, 3, 2)
+    # In the triangle's plane, below the direction as one looks along the normal.
+    both = np.concatenate([edges, local.normal[:, :, None]], axis=2)
+    shares = (np.linalg.pinv(both) @ local.direction(binding.carry)[:, :, None])[:, :2]
+    lengths = (
+        np.linalg.norm(edges @ shares, axis=1) / np.linalg.norm(edges[:, :, 0], axis=1)[:, None]
+    )
+    shares /= np.maximum(lengths, 1e-30)[:, :, None]
     found: Floats = (np.stack(_edges(binding, rest), axis=2) @ shares)[:, :, 0]
     return found
 

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..core.frames import LEAST_HEIGHT
 from . import standing
 from .builder import Builder, Socket, new_group
 from .groups import inner
@@ -42,8 +43,12 @@ def build() -> bpy.types.NodeTree:
     normal = b.switch("VECTOR", b.input("Hard"), smooth, _weighted(b, _of_corners(b), weights))
     turned = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
     normal = b.switch("VECTOR", b.input("Sheared"), normal, turned)
-    b.output("Position", _weighted(b, positions, weights))
-    b.output("Rotation", _rotation(b, positions, normal))
+    first, second = (b.vector("SUBTRACT", positions[k], positions[0]) for k in (1, 2))
+    along = b.vector("ADD", b.scaled(first, weights[1]), b.scaled(second, weights[2]))
+    b.output("Position", b.vector("ADD", positions[0], along))
+    normal = b.vector("NORMALIZE", normal)
+    feeds = (normal, _ahead(b, first, second, normal), b.input("Turn"), b.input("Side"))
+    b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
     b.arrange()
     return tree
 
@@ -65,7 +70,15 @@ def _weighted(b: Builder, values: list[Socket], weights: list[Socket]) -> Socket
     return b.vector("ADD", b.vector("ADD", parts[0], parts[1]), parts[2])
 
 
-def _rotation(b: Builder, positions: list[Socket], normal: Socket) -> Socket:
-    """Z along the interpolated normal, X along the first edge, turned by an angle."""
-    edge = b.vector("SUBTRACT", positions[1], positions[0])
-    return inner(b, standing, normal, edge, b.input("Turn"), b.input("Side")).outputs["Rotation"]
+def _ahead(b: Builder, first: Socket, second: Socket, normal: Socket) -> Socket:
+    """The first edge turned with the triangle's plane, the shortest way to the normal, but for a
+    multiple of the normal: what stands there is put upright anyway (core/frames.py).
+    """
+    flat = b.vector("NORMALIZE", b.vector("CROSS_PRODUCT", first, second))
+    height = b.number("MAXIMUM", b.number("ADD", _dot(b, flat, normal), 1.0), LEAST_HEIGHT)
+    share = b.number("DIVIDE", _dot(b, first, normal), height)
+    return b.vector("SUBTRACT", first, b.scaled(flat, share))
+
+
+def _dot(b: Builder, u: Socket, v: Socket) -> Socket:
+    return b.node("ShaderNodeVectorMath", u, v, operation="DOT_PRODUCT").outputs["Value"]

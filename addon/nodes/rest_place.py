@@ -34,6 +34,7 @@ def build() -> bpy.types.NodeTree:
     edge = b.vector("SUBTRACT", ahead, start)
     normal = _found(b, shading.NORMAL, "Rest")
     normal = b.out("FunctionNodeTransformDirection", normal, b.input("Normals"))
+    normal = b.vector("NORMALIZE", normal)
     feeds = (normal, edge, b.input("Turn"), b.input("Side"))
     b.output("Rotation", inner(b, standing, *feeds).outputs["Rotation"])
     b.arrange()

@@ -17,9 +17,9 @@ NAME = "Dapple Standing"
 def build() -> bpy.types.NodeTree:
     """New group; Z is along the normal, X as near to Ahead as it gets, both turned by Turn about Z.
 
-    The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z. It comes first. Then a half
-    turn about X comes if the normal points down, so that the shortest rotation from there to the
-    normal, which comes last, is never by more than a right angle.
+    Normal is a unit vector. The quaternion (1, 0, 0, t), t = tan(Turn / 2), is a turn about Z. It
+    comes first. Then a half turn about X comes if the normal points down, so that the shortest
+    rotation from there to the normal, which comes last, is never by more than a right angle.
     """
     tree = new_group(
         NAME,
@@ -49,7 +49,7 @@ def _outward(b: Builder) -> Socket:
     """The unit normal on the side that faces outward."""
     normal = b.input("Normal")
     inside_out = b.compare("LESS_THAN", b.input("Side"), 0.0, "FLOAT")
-    return b.vector("NORMALIZE", b.switch("VECTOR", inside_out, normal, b.scaled(normal, -1.0)))
+    return b.switch("VECTOR", inside_out, normal, b.scaled(normal, -1.0))
 
 
 def _flat(

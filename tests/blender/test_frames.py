@@ -123,3 +123,18 @@ def test_a_broken_record_is_named(records):
     binding = records.Binding(corners, weights, np.zeros(2))
     with pytest.raises(errors.ScatterError, match=r"dapple_barycentric\[1\] is not finite"):
         records.check_binding(binding, 10, "Fur")
+
+
+def test_at_a_tip_a_direction_does_not_swing_around_the_normal(frames, records):
+    """There normals point along the edges: as they sway past them, nothing turns by more."""
+    vertices, corners = np.array([[0.0, 0, 0], [0, 0, 1], [0.3, 0, 0]]), np.array([[0, 1, 2]])
+    binding = records.Binding(corners.astype(np.int32), np.full((1, 3), 1 / 3), np.zeros(1))
+    sway = np.radians(np.arange(-6.0, 6.5, 1.0))
+    ways = np.column_stack([np.sin(sway), -np.sin(0.1 + 0 * sway), np.cos(sway)])
+    shown = [
+        frames.frames(binding, vertices, frames.Normals(np.tile(way, (3, 1)))).axes(np.zeros(1))[0]
+        for way in ways
+    ]
+    for one, other in itertools.pairwise(shown):
+        turn = np.degrees(np.arccos(np.clip((np.trace(one.T @ other) - 1.0) / 2.0, -1.0, 1.0)))
+        assert turn < 3.0

@@ -44,6 +44,16 @@ def test_rotation_vectors_come_back():
     np.testing.assert_allclose(lean._rotation_vectors(matrices), vectors, atol=1e-7)
 
 
+def test_half_a_turn_is_not_taken_for_none():
+    lean = part("lean")
+    vectors = math.pi * np.array(
+        [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0, 0.8], [0.36, 0.48, 0.8]]
+    )
+    found = lean._rotation_vectors(lean.rotations(vectors))
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), math.pi)
+    np.testing.assert_allclose(lean.rotations(found), lean.rotations(vectors), atol=1e-12)
+
+
 def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself():
     lean, frames, keys = part("lean"), part("frames"), part("keys")
     vertices, faces = roof()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Instances stand on a surface as it is shaded: flat faces, sharp edges, custom normals, smooth."""
 
+import itertools
+
 import addon_host
 import bpy
 import numpy as np
@@ -182,3 +184,60 @@ def test_with_an_offset_instances_hang_over_their_own_face():
     places = np.sort(np.abs(scenes.positions(obj)), axis=1)
     np.testing.assert_allclose(places[:, 2], 1.5, atol=1e-5)
     assert places[:, 1].max() <= 1.0 + 1e-5
+
+
+def stretched(surface, factors=(3.0, 1.0, 1.0), frames=12):
+    """The surface, stretched over these frames by a shape key."""
+    surface.shape_key_add(name="Basis")
+    key = surface.shape_key_add(name="Long")
+    for point in key.data:
+        point.co = [x * factor for x, factor in zip(point.co, factors, strict=True)]
+    for frame, value in ((1, 0.0), (frames, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    bpy.context.scene.frame_end = frames
+    bpy.context.scene.frame_set(1)
+    return surface
+
+
+def turns(obj, frames):
+    """Angles (frames - 1, n) in degrees of the instances from frame to frame."""
+    shown = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        shown.append(scenes.rotations(obj))
+    traces = [np.einsum("nij,nij->n", *pair) for pair in itertools.pairwise(shown)]
+    return np.degrees(np.arccos(np.clip((np.array(traces) - 1.0) / 2.0, -1.0, 1.0)))
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_over_a_hard_edge_an_instance_turns_over_some_frames(every):
+    surface = stretched(cube())
+    obj = scenes.scattered(surface, count=200)
+    obj.dapple.key_every, obj.dapple.forward = every, "X"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    found = turns(obj, range(1, 13))
+    assert found.max() < 12.0
+    assert found.sum(axis=0).max() > 60.0  # some do cross an edge
+    bpy.context.scene.frame_set(1)
+    assert degrees_off(obj, surface).max() < 0.5
+
+
+def test_a_bake_stands_along_the_shading_normal():
+    surface = stretched(smooth_cube_with_sharp_edges(), factors=(1.3, 1.3, 1.3), frames=4)
+    obj = scenes.scattered(surface, count=200)
+    obj.dapple.turn_randomness = 0.0
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame, part in ((1, 0.0), (2, 0.5), (4, 0.0)):
+        bpy.context.scene.frame_set(frame, subframe=part)
+        assert degrees_off(obj, surface).max() < 0.5
+
+
+def test_an_export_has_the_shading_normals(tmp_path):
+    scenes.scattered(cube(), count=100)
+    path = tmp_path / "cones.npz"
+    assert bpy.ops.dapple.export(filepath=str(path)) == {"FINISHED"}
+    with np.load(path) as stored:
+        w, x, y, z = stored["orientations"].T
+    up = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    assert np.abs(np.abs(up).max(axis=1) - 1.0).max() < 1e-4

@@ -14,10 +14,11 @@ AXES = np.array([v for v in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any
 
 def rotations(normals, aheads, turns, side=1.0):
     """Rotation matrices (n, 3, 3) that the group gives."""
+    units = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     mesh = bpy.data.meshes.new("Rows")
     mesh.vertices.add(len(normals))
     for name, kind, rows in (
-        ("normal", "FLOAT_VECTOR", normals),
+        ("normal", "FLOAT_VECTOR", units),
         ("ahead", "FLOAT_VECTOR", aheads),
         ("turn", "FLOAT", turns),
     ):
