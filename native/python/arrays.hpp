@@ -76,15 +76,15 @@ inline IntArray integers(const char* name, const py::object& value, py::ssize_t 
   return IntArray(array);
 }
 
-/// Texture coordinates (m, 3, 2) as rows of u, v, three rows to a face.
-inline DoubleArray uv_rows(const py::object& value) {
+/// Vectors at the corners of faces (m, 3, columns) as rows, three rows to a face.
+inline DoubleArray corner_rows(const char* name, const py::object& value, py::ssize_t columns) {
   const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 2)
+  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != columns)
     throw ArgumentError(
-        std::string("uv ") +
-        (array ? "has the shape " + shape_text(array) : std::string("is not an array")) +
-        ": (m, 3, 2) is needed");
-  return doubles("uv", array.attr("reshape")(-1, 2), 2);
+        std::string(name) +
+        (array ? " has the shape " + shape_text(array) : std::string(" is not an array")) +
+        ": (m, 3, " + std::to_string(columns) + ") is needed");
+  return doubles(name, array.attr("reshape")(-1, columns), columns);
 }
 
 inline std::span<const FaceUv> as_face_uv(const DoubleArray& rows) {

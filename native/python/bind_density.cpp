@@ -18,7 +18,7 @@ std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object&
   const Keywords given(kRefineImage, keywords);
   const ImageOptions options = given.options();
   const ContextPtr context = given.context();
-  const DoubleArray rows = uv_rows(uv);
+  const DoubleArray rows = corner_rows("uv", uv, 2);
   const Image pixels = image_of("image", image);
   const py::gil_scoped_release released;
   return std::make_shared<Refined>(

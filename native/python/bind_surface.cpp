@@ -49,15 +49,46 @@ struct DensityArgument {
   DoubleArray values;
 };
 
+/// Normals (m, 3, 3) at the corners of faces, or none.
+struct NormalsArgument {
+  explicit NormalsArgument(const py::object& normals) {
+    if (normals.is_none()) return;
+    values = corner_rows("normals", normals, 3);
+    given = true;
+  }
+  [[nodiscard]] Surface shade(Surface surface) const {
+    return given ? surface.with_normals(as_points(values)) : surface;
+  }
+
+  bool given = false;
+  DoubleArray values;
+};
+
 std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
                                       const py::object& density, const std::string& density_at,
-                                      std::optional<double> weld, const ContextPtr& context) {
+                                      std::optional<double> weld, const py::object& normals,
+                                      double sharp_angle, const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
   const DensityArgument values(density, density_at);
+  const NormalsArgument corners(normals);
   const py::gil_scoped_release released;
-  return std::make_shared<Surface>(as_points(points), as_faces(triangles), values.view(),
-                                   SurfaceOptions{.weld = weld}, context.get());
+  return std::make_shared<Surface>(
+      corners.shade(Surface(as_points(points), as_faces(triangles), values.view(),
+                            {.weld = weld, .sharp_angle = sharp_angle}, context.get())));
+}
+
+std::shared_ptr<Surface> deformed(const Surface& surface, const py::object& vertices,
+                                  const py::object& normals, const ContextPtr& context) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  const NormalsArgument corners(normals);
+  const py::gil_scoped_release released;
+  return std::make_shared<Surface>(
+      corners.shade(surface.deformed(as_points(points), context.get())));
+}
+
+py::object corner_normals_of(const Surface& surface) {
+  return give(surface.corner_normals()).attr("reshape")(-1, 3, 3);
 }
 
 std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
@@ -128,16 +159,20 @@ Args:
         are connected like one edge: >= 0, 0 for equal coordinates. Files repeat vertices along hard edges and texture
         seams, triangle soups repeat all of them. Faces that lie on each other stay apart. None: faces are connected
         by the indices of their vertices alone.
+    normals: (m, 3, 3) float64, normals at the corners of the faces as the surface is shaded, of any length; zero
+        where none is known. None: those of the faces, smooth except over hard edges.
+    sharp_angle: edges whose faces' normals differ by more than this, in degrees 0..180, are hard.
     context: a Context to watch and cancel it by.
 
 Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
-        a density of another length, no area, or a density whose integral is 0 or not finite.
+        a density or normals of another length, no area, or a density whose integral is 0 or not finite.
     ValueError: an array of another shape or dtype, or another name.
     Cancelled: through the context.)")
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
            py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices",
-           py::arg("weld") = SurfaceOptions{}.weld, py::arg("context") = nullptr)
+           py::arg("weld") = SurfaceOptions{}.weld, py::arg("normals") = py::none(),
+           py::arg("sharp_angle") = SurfaceOptions{}.sharp_angle, py::arg("context") = nullptr)
       .def_property_readonly(
           "vertices", [](const Surface& s) { return give(s.vertices()); },
           "(v, 3) float64, a read-only copy.")
@@ -153,6 +188,13 @@ Raises:
           "weld", [](const Surface& s) { return s.weld(); },
           "The distance up to which border edges are connected, as a share of the bounding box's "
           "diagonal; None: by indices alone.")
+      .def_property_readonly("sharp_angle", &Surface::sharp_angle,
+                             "Edges whose faces differ by more are hard, in degrees.")
+      .def_property_readonly("corner_normals", &corner_normals_of,
+                             "(m, 3, 3) float64, unit normals at the corners of the faces, as the "
+                             "surface is shaded there: those that were given, elsewhere the mean "
+                             "of the faces around that no hard edge separates, weighted by their "
+                             "angles.")
       .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
       .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
       .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")
@@ -161,16 +203,11 @@ Raises:
           py::arg("count"),
           "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
-      .def(
-          "deformed",
-          [](const Surface& s, const py::object& vertices, const ContextPtr& context) {
-            const DoubleArray points = doubles("vertices", vertices, 3);
-            const py::gil_scoped_release released;
-            return std::make_shared<Surface>(s.deformed(as_points(points), context.get()));
-          },
-          py::arg("vertices"), py::kw_only(), py::arg("context") = nullptr,
-          "The same faces and density over moved vertices, (v, 3) float64. Raises SurfaceError, "
-          "Cancelled.")
+      .def("deformed", &deformed, py::arg("vertices"), py::kw_only(),
+           py::arg("normals") = py::none(), py::arg("context") = nullptr,
+           "The same faces and density over moved vertices, (v, 3) float64. Hard edges stay hard, "
+           "whatever their angle is now; normals, (m, 3, 3), are as in the constructor and not "
+           "kept from before. Raises SurfaceError, Cancelled.")
       .def("with_density", &with_density, py::arg("density"), py::kw_only(),
            py::arg("density_at") = "vertices", py::arg("context") = nullptr,
            "The same vertices and faces with another density, as in the constructor; None means 1 "

@@ -19,7 +19,7 @@ std::shared_ptr<Texels> find_texels(const Surface& surface, const py::object& uv
                                     Whole<std::size_t, "columns", 0, kMostPixels> columns,
                                     Whole<int, "margin", 0, kMostInt> margin,
                                     const ContextPtr& context) {
-  const DoubleArray coordinates = uv_rows(uv);
+  const DoubleArray coordinates = corner_rows("uv", uv, 2);
   const py::gil_scoped_release released;
   return std::make_shared<Texels>(
       texels(surface, as_face_uv(coordinates), rows, columns, margin, context.get()));

@@ -44,7 +44,7 @@ struct Report : Quality {
 /// Samples on a surface. Index k is a sample's identity together with ids[k]; trackers keep both.
 struct Samples {
   std::vector<Vec3> positions;
-  std::vector<Vec3> normals;        ///< unit, interpolated from the vertices
+  std::vector<Vec3> normals;        ///< unit, as the surface is shaded there
   std::vector<std::int32_t> faces;  ///< the caller's indices
   std::vector<Vec3> barycentric;    ///< >= 0, sum 1
   std::vector<std::int32_t> ids;

@@ -18,6 +18,9 @@ struct SurfaceOptions {
   /// that lie on each other stay apart. None: faces are connected by the indices of their vertices
   /// alone.
   std::optional<double> weld = 1e-6;
+  /// Edges whose faces' normals differ by more than this are hard: 0..180 degrees. Normals jump
+  /// there, and are smooth over all other edges. Edges with one face or more than two are hard too.
+  double sharp_angle = 30.0;
 };
 
 /// Which edges are one and which vertices are at one place, where somebody knows better than their
@@ -25,6 +28,7 @@ struct SurfaceOptions {
 struct Joints {
   std::span<const std::int32_t> edges;  ///< per face three, from its corner k on: equal if one edge
   std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
+  double sharp_angle = 30.0;             ///< see SurfaceOptions
 };
 
 class OrderedSurface;
@@ -44,7 +48,7 @@ class Surface {
           std::span<const double> density = {});
 
   /// The same with a density at vertices, faces or corners (as many values >= 0 as there are).
-  /// \throw SurfaceError also if `options.weld` is negative or not finite; Cancelled
+  /// \throw SurfaceError also if an option is out of its range; Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
           const SurfaceOptions& options = {}, Context* context = nullptr);
 
@@ -53,13 +57,20 @@ class Surface {
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
           const Joints& joints, Context* context = nullptr);
 
-  /// The same faces and density over moved vertices (as many, in the same order).
+  /// The same faces and density over moved vertices (as many, in the same order). Hard edges stay
+  /// hard, whatever their angle is now; normals that were given are not kept.
   /// \throw SurfaceError as the constructor; Cancelled
   [[nodiscard]] Surface deformed(std::span<const Vec3> vertices, Context* context = nullptr) const;
 
   /// The same faces and vertices, shared, with another density.
   /// \throw SurfaceError as the constructor; Cancelled
   [[nodiscard]] Surface with_density(const Density& density, Context* context = nullptr) const;
+
+  /// The same surface, shaded as these normals say: those of custom normals, or of a file. Where
+  /// they jump, edges are hard, also in what is deformed from it.
+  /// \param corners three per face, at its corners, of any length; zero where none is known
+  /// \throw SurfaceError if their number is another; naming the first that is not finite
+  [[nodiscard]] Surface with_normals(std::span<const Vec3> corners) const;
 
   [[nodiscard]] std::size_t vertex_count() const;
   [[nodiscard]] std::size_t face_count() const;
@@ -68,6 +79,8 @@ class Surface {
   /// Whether one was made from the other by deformed() or with_density().
   [[nodiscard]] bool same_faces(const Surface& other) const;
   [[nodiscard]] std::optional<double> weld() const;  ///< see SurfaceOptions
+  [[nodiscard]] double sharp_angle() const;          ///< in degrees, see SurfaceOptions
+  [[nodiscard]] bool has_normals() const;            ///< whether with_normals() gave some
   [[nodiscard]] bool uniform() const;                ///< whether no density was given
   [[nodiscard]] DensityAt density_at() const;
 
@@ -85,7 +98,12 @@ class Surface {
   /// \pre face is in 0..face_count() - 1; the weights' sum is 1
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
 
-  /// Unit normals at points, interpolated from angle-weighted vertex normals; z if there are none.
+  /// Unit normals at the corners of the caller's faces, three per face, as the surface is shaded:
+  /// those that are given, elsewhere the mean of the faces around that no hard edge separates from
+  /// this one, weighted by their angles (Thuermer and Wuethrich 1998).
+  [[nodiscard]] std::vector<Vec3> corner_normals() const;
+
+  /// Unit normals at points, interpolated from those at the corners; z if there are none.
   /// \param faces   the caller's
   /// \param weights barycentric coordinates, one for each face
   /// \throw ArgumentError naming the first face out of range; if the lengths differ

@@ -77,10 +77,16 @@ class Surface:
         *,
         density_at: Literal["vertices", "faces", "corners"] = "vertices",
         weld: float | None = 1e-06,
+        normals: ArrayLike | None = None,
+        sharp_angle: float = 30.0,
         context: Context | None = None,
     ) -> None: ...
     @property
     def weld(self) -> float | None: ...
+    @property
+    def sharp_angle(self) -> float: ...
+    @property
+    def corner_normals(self) -> NDArray[np.float64]: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -96,7 +102,13 @@ class Surface:
     @property
     def topology(self) -> Topology: ...
     def spacing(self, count: int) -> float: ...
-    def deformed(self, vertices: ArrayLike, *, context: Context | None = None) -> Surface: ...
+    def deformed(
+        self,
+        vertices: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        context: Context | None = None,
+    ) -> Surface: ...
     def with_density(
         self,
         density: ArrayLike | None,

@@ -319,6 +319,18 @@ std::vector<double> carried_density(const Surface& surface, const Refined& refin
   return values;
 }
 
+/// The normals of the surface at the corners of pieces of its faces.
+std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined) {
+  std::vector<std::int32_t> faces;
+  std::vector<Vec3> weights;
+  for (std::size_t f = 0; f < refined.parents.size(); ++f)
+    for (const Vec3& corner : refined.barycentric[f]) {
+      faces.push_back(refined.parents[f]);
+      weights.push_back(corner);
+    }
+  return surface.normals(faces, weights);
+}
+
 Refined CutMesh::result(bool resolved, Context* context) && {
   Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), resolved};
   std::vector<Face> faces;
@@ -330,7 +342,9 @@ Refined CutMesh::result(bool resolved, Context* context) && {
   }
   const std::vector<double> density = carried_density(*surface_, refined, context);
   refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
-                            Joints{joined_edges(), places()}, context);
+                            Joints{joined_edges(), places(), surface_->sharp_angle()}, context);
+  if (surface_->has_normals())
+    refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined));
   return refined;
 }
 

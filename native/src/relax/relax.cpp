@@ -87,11 +87,11 @@ void settle_components(const Surface& surface, std::span<const OrderedFace> chan
   }
 }
 
-/// Per vertex of the surface's own order, whether it is a corner of a changed face.
+/// Per welded vertex of the surface's own order, whether it is a corner of a changed face.
 std::vector<bool> touched_vertices(const Surface& surface, std::span<const OrderedFace> changed) {
   std::vector<bool> touched(surface.vertex_count(), false);
   for (const OrderedFace face : changed)
-    for (const std::int32_t v : surface.ordered().corners(face)) touched[at(v)] = true;
+    for (const std::int32_t v : surface.ordered().welded_corners(face)) touched[at(v)] = true;
   return touched;
 }
 
@@ -103,9 +103,10 @@ void renew_normals(const Surface& surface, std::span<const OrderedFace> changed,
   Vectors weights;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const OrderedFace face = surface.ordered().ordered_face(samples.faces[k]);
-    const Face& corners = surface.ordered().corners(face);
-    if (!moved[k] && std::none_of(corners.begin(), corners.end(),
-                                  [&](std::int32_t v) { return touched[at(v)]; }))
+    const Face corners = surface.ordered().welded_corners(face);
+    if (!moved[k] && !surface.has_normals() &&
+        std::none_of(corners.begin(), corners.end(),
+                     [&](std::int32_t v) { return touched[at(v)]; }))
       continue;
     which.push_back(static_cast<std::int32_t>(k));
     faces.push_back(samples.faces[k]);

@@ -55,13 +55,14 @@ DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
 }
 
 OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity,
-                               const Density& density, Context* context)
+                               const Density& density, double sharp_angle, Context* context)
     : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
   vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
   place_density(density);
   Stretch measuring(context, kPlaced, kMeasured);
   measure(nullptr, measuring.context());
+  shading_ = shading_by_angle(*this, sharp_angle);
 }
 
 OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context* context) const {
@@ -70,6 +71,15 @@ OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context*
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
   Stretch measuring(context, kPlaced, kMeasured);
   result.measure(this, measuring.context());
+  if (!shading_->given.empty())
+    result.shading_ =
+        std::make_shared<const Shading>(Shading{shading_->sharp_angle, shading_->hard, {}});
+  return result;
+}
+
+OrderedSurface OrderedSurface::with_normals(std::span<const Vec3> corners) const {
+  OrderedSurface result = *this;
+  result.shading_ = shading_of_normals(*this, shading_->sharp_angle, corners);
   return result;
 }
 

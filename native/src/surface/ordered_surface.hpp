@@ -8,6 +8,7 @@
 
 #include "surface/connectivity.hpp"
 #include "surface/ordered_face.hpp"
+#include "surface/shading.hpp"
 
 namespace dapple {
 
@@ -26,16 +27,19 @@ class OrderedSurface {
   /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
   /// not finite; Cancelled
   OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density,
-                 Context* context = nullptr);
+                 double sharp_angle, Context* context = nullptr);
 
   /// The same with moved vertices, or another density (both in the caller's order). What is known
-  /// of faces is measured anew where something differs, and shared elsewhere.
+  /// of faces is measured anew where something differs, and shared elsewhere. Hard edges stay;
+  /// moved vertices have no normals that are given.
   /// \pre as many as before.
   /// \throw SurfaceError as the constructor
   [[nodiscard]] OrderedSurface deformed(std::span<const Vec3> vertices,
                                         Context* context = nullptr) const;
   [[nodiscard]] OrderedSurface with_density(const Density& density,
                                             Context* context = nullptr) const;
+  /// The same with normals at the corners of the caller's faces, unit or zero; see Shading.
+  [[nodiscard]] OrderedSurface with_normals(std::span<const Vec3> corners) const;
 
   /// The faces whose corners or densities differ from another's of the same connectivity; sorted.
   [[nodiscard]] std::vector<OrderedFace> changed_faces(const OrderedSurface& before) const;
@@ -107,6 +111,7 @@ class OrderedSurface {
   }
 
   [[nodiscard]] const Connectivity& connectivity() const { return *connectivity_; }
+  [[nodiscard]] const Shading& shading() const { return *shading_; }
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return *vertices_; }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }
   [[nodiscard]] const std::vector<double>& density() const { return density_->values; }
@@ -143,6 +148,7 @@ class OrderedSurface {
   std::shared_ptr<const std::vector<Vec3>> vertices_;
   std::shared_ptr<const Values> density_;
   std::shared_ptr<const Geometry> geometry_;
+  std::shared_ptr<const Shading> shading_;
   const FaceGeometry* const* first_geometry_ = nullptr;  // per block
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <dapple/surface.hpp>
+#include <numeric>
 #include <string>
 
 #include "base/elementary.hpp"
@@ -80,10 +81,22 @@ void check_joints(const Joints& joints, std::size_t vertices, std::size_t faces)
                        " vertices: three per face and one per vertex are needed");
 }
 
-double angle_at(const Vec3& apex, const Vec3& a, const Vec3& b) {
-  const Vec3 u = a - apex;
-  const Vec3 v = b - apex;
-  return angle_of(u.cross(v).norm(), u.dot(v));
+void check_sharp_angle(double degrees) {
+  if (!(degrees >= 0.0 && degrees <= 180.0))
+    throw SurfaceError("sharp_angle is " + number(degrees) + ": it must be in 0..180 degrees");
+}
+
+/// Of unit length; zero stays.
+std::vector<Vec3> unit_normals(std::span<const Vec3> corners) {
+  std::vector<Vec3> result(corners.begin(), corners.end());
+  for_each_vector(result.size(), [&](std::size_t k) { result[k].stableNormalize(); });
+  return result;
+}
+
+/// The direction of a sum of normals on a face. Where they cancel (a sheet folded flat) the face's
+/// own is the best there is; a face without area has none.
+Vec3 direction_of(const Vec3& sum, const Vec3& own) {
+  return sum.norm() > 1e-6 ? sum.normalized() : own.isZero(0.0) ? Vec3(0, 0, 1) : own;
 }
 
 /// Ordered faces of ordered vertices, in the caller's order of both.
@@ -99,49 +112,6 @@ std::vector<Face> original_faces(const Connectivity& mesh, const Corners& corner
   return result;
 }
 
-/// Whether each vertex is one of the faces' (caller's indices).
-std::vector<bool> vertices_of(const OrderedSurface& mesh, std::span<const std::int32_t> faces) {
-  std::vector<bool> result(mesh.vertex_count(), false);
-  for (const std::int32_t face : faces)
-    for (const std::int32_t v : mesh.corners(mesh.ordered_face(face)))
-      result[static_cast<std::size_t>(v)] = true;
-  return result;
-}
-
-/// The normal of a face, weighted by its angle at a vertex of it.
-struct WeightedNormal {
-  std::int32_t vertex;
-  Vec3 normal;
-};
-
-/// Those around the wanted vertices, chunk by chunk of the faces.
-std::vector<std::vector<WeightedNormal>> weighted_normals(const OrderedSurface& mesh,
-                                                          const std::vector<bool>& wanted) {
-  std::vector<std::vector<WeightedNormal>> result((mesh.face_count() + kGrain - 1) / kGrain);
-  parallel_chunks(mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Face& v = mesh.corners(nth_face(f));
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (!wanted[static_cast<std::size_t>(v[k])]) continue;
-        const double angle =
-            angle_at(mesh.vertex(v[k]), mesh.vertex(v[(k + 1) % 3]), mesh.vertex(v[(k + 2) % 3]));
-        result[begin / kGrain].push_back({v[k], angle * mesh.geometry(nth_face(f)).normal});
-      }
-    }
-  });
-  return result;
-}
-
-/// Unit normals at the vertices, weighted by the angles of the faces; 0 where nobody asks.
-std::vector<Vec3> vertex_normals(const OrderedSurface& mesh, std::span<const std::int32_t> of) {
-  std::vector<Vec3> result(mesh.vertex_count(), Vec3::Zero());
-  for (const auto& chunk : weighted_normals(mesh, vertices_of(mesh, of)))
-    for (const WeightedNormal& part : chunk)
-      result[static_cast<std::size_t>(part.vertex)] += part.normal;
-  for_each_vector(result.size(), [&](std::size_t v) { result[v].stableNormalize(); });
-  return result;
-}
-
 }  // namespace
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
@@ -152,10 +122,11 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const SurfaceOptions& options, Context* context) {
   check_mesh(vertices, faces, density);
   if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
+  check_sharp_angle(options.sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   ordered_ = std::make_shared<const OrderedSurface>(
       vertices, connect(vertices, faces, options.weld, connecting.context()), density,
-      measuring.context());
+      options.sharp_angle, measuring.context());
   if (context) context->advance(1.0);
 }
 
@@ -163,10 +134,11 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const Joints& joints, Context* context) {
   check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
+  check_sharp_angle(joints.sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   ordered_ = std::make_shared<const OrderedSurface>(
       vertices, connect(vertices, faces, joints.edges, joints.places, connecting.context()),
-      density, measuring.context());
+      density, joints.sharp_angle, measuring.context());
   if (context) context->advance(1.0);
 }
 
@@ -191,11 +163,24 @@ Surface Surface::with_density(const Density& density, Context* context) const {
   return result;
 }
 
+Surface Surface::with_normals(std::span<const Vec3> corners) const {
+  if (corners.size() != 3 * face_count())
+    throw SurfaceError("normals has " + std::to_string(corners.size()) + " rows for " +
+                       std::to_string(3 * face_count()) + " corners: three per face are needed");
+  check_finite<SurfaceError>("normals", corners);
+  Surface result = *this;
+  result.ordered_ =
+      std::make_shared<const OrderedSurface>(ordered_->with_normals(unit_normals(corners)));
+  return result;
+}
+
 std::size_t Surface::vertex_count() const { return ordered_->vertex_count(); }
 std::size_t Surface::face_count() const { return ordered_->face_count(); }
 double Surface::area() const { return ordered_->area(); }
 double Surface::mass() const { return ordered_->mass(); }
 std::optional<double> Surface::weld() const { return ordered_->connectivity().weld; }
+double Surface::sharp_angle() const { return ordered_->shading().sharp_angle; }
+bool Surface::has_normals() const { return !ordered_->shading().given.empty(); }
 bool Surface::uniform() const { return ordered_->density().empty(); }
 DensityAt Surface::density_at() const { return ordered_->density_at(); }
 
@@ -244,18 +229,26 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
                                    std::span<const Vec3> weights) const {
   check_same_length("weights", weights.size(), "faces", faces.size());
   check_face_indices("faces", faces, face_count());
-  const std::vector<Vec3> at_vertices = vertex_normals(*ordered_, faces);
+  const CornerNormals at_corners(*ordered_, faces);
   std::vector<Vec3> result(faces.size());
   for_each_vector(faces.size(), [&](std::size_t k) {
     const OrderedFace f = ordered_->ordered_face(faces[k]);
     Vec3 sum = Vec3::Zero();
-    for (std::size_t c = 0; c < 3; ++c)
-      sum += weights[k][static_cast<Eigen::Index>(c)] *
-             at_vertices[static_cast<std::size_t>(ordered_->corners(f)[c])];
-    // Where the vertex normals cancel (a sheet folded flat) the face's own is the best there is; a
-    // face without area has none.
-    const Vec3& normal = ordered_->geometry(f).normal;
-    result[k] = sum.norm() > 1e-6 ? sum.normalized() : normal.isZero(0.0) ? Vec3(0, 0, 1) : normal;
+    for (std::int32_t c = 0; c < 3; ++c) sum += weights[k][c] * at_corners.at(f, c);
+    result[k] = direction_of(sum, ordered_->geometry(f).normal);
+  });
+  return result;
+}
+
+std::vector<Vec3> Surface::corner_normals() const {
+  std::vector<std::int32_t> all(face_count());
+  std::iota(all.begin(), all.end(), 0);
+  const CornerNormals at_corners(*ordered_, all);
+  std::vector<Vec3> result(3 * all.size());
+  for_each_vector(result.size(), [&](std::size_t k) {
+    const OrderedFace f = ordered_->ordered_face(static_cast<std::int32_t>(k / 3));
+    result[k] = direction_of(at_corners.at(f, static_cast<std::int32_t>(k % 3)),
+                             ordered_->geometry(f).normal);
   });
   return result;
 }

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/shading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/elementary.hpp"
+#include "base/parallel.hpp"
+#include "base/vectors.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // faces a chunk
+constexpr double kRounding = 1e-9;    // of a cosine: an edge at just the angle is not sharper
+constexpr double kSame = 1e-4;        // between normals of one place, stored in single precision
+
+std::int32_t corner_of(std::int32_t half_edge) { return half_edge % 3; }
+std::int32_t next_in_face(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+std::int32_t previous_in_face(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+
+/// The welded vertex that a half-edge starts from.
+std::int32_t start_of(const OrderedSurface& mesh, std::int32_t h) {
+  return mesh.welded(mesh.corners(face_of(h))[static_cast<std::size_t>(corner_of(h))]);
+}
+
+/// The other half-edge of an edge of two faces that are oriented alike.
+std::optional<std::int32_t> twin_of(const OrderedSurface& mesh, std::int32_t h) {
+  const std::int32_t twin = mesh.next_around(h);
+  if (twin == h || mesh.next_around(twin) != h) return std::nullopt;
+  if (start_of(mesh, twin) != start_of(mesh, next_in_face(h)) ||
+      start_of(mesh, next_in_face(twin)) != start_of(mesh, h))
+    return std::nullopt;
+  return twin;
+}
+
+/// Whether the faces of an edge differ by more than the angle. A face without area has no normal:
+/// those beside it are compared.
+bool is_sharp(const OrderedSurface& mesh, std::int32_t h, std::int32_t twin, double cosine) {
+  const auto normal = [&](std::int32_t k) -> const Vec3& {
+    return mesh.geometry(face_of(k)).normal;
+  };
+  const auto differ = [&](const Vec3& a, const Vec3& b) {
+    return !a.isZero(0.0) && !b.isZero(0.0) && a.dot(b) < cosine;
+  };
+  if (normal(h).isZero(0.0)) return !normal(twin).isZero(0.0) && is_sharp(mesh, twin, h, cosine);
+  if (!normal(twin).isZero(0.0)) return differ(normal(h), normal(twin));
+  for (std::int32_t k = next_in_face(twin); k != twin; k = next_in_face(k))
+    if (const auto beyond = twin_of(mesh, k); beyond && differ(normal(h), normal(*beyond)))
+      return true;
+  return false;
+}
+
+/// \param hard whether an edge of two faces is, by its half-edges
+template <typename Hard>
+std::vector<std::uint8_t> hard_edges(const OrderedSurface& mesh, const Hard& hard) {
+  std::vector<std::uint8_t> result(mesh.face_count(), 0);
+  parallel_chunks(result.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const std::int32_t h = half_edge(nth_face(f), k);
+        const auto twin = twin_of(mesh, h);
+        if (!twin || hard(h, *twin)) result[f] |= static_cast<std::uint8_t>(1U << k);
+      }
+  });
+  return result;
+}
+
+double limit_of(double sharp_angle) { return direction(sharp_angle / 360.0).cosine - kRounding; }
+
+/// Which corners of a surface share a normal.
+class Fans {
+ public:
+  explicit Fans(const OrderedSurface& mesh) : mesh_(mesh) {}
+
+  /// The corners that share the normal of this one, by the half-edges that start there; sorted.
+  void collect(std::int32_t corner, std::vector<std::int32_t>& fan) const {
+    fan.assign(1, corner);
+    for (auto next = left_of(corner); next && *next != corner; next = left_of(*next))
+      fan.push_back(*next);
+    if (const auto last = left_of(fan.back()); !last)
+      for (auto next = right_of(corner); next; next = right_of(*next)) fan.push_back(*next);
+    std::sort(fan.begin(), fan.end());
+  }
+
+ private:
+  [[nodiscard]] bool is_hard(std::int32_t h) const {
+    return (mesh_.shading().hard[as_index(face_of(h))] >> corner_of(h)) & 1U;
+  }
+  /// The corner at the same vertex over the edge that ends there, or over the one that starts.
+  [[nodiscard]] std::optional<std::int32_t> left_of(std::int32_t corner) const {
+    const std::int32_t edge = previous_in_face(corner);
+    if (is_hard(edge)) return std::nullopt;
+    return mesh_.next_around(edge);
+  }
+  [[nodiscard]] std::optional<std::int32_t> right_of(std::int32_t corner) const {
+    if (is_hard(corner)) return std::nullopt;
+    return next_in_face(mesh_.next_around(corner));
+  }
+
+  const OrderedSurface& mesh_;
+};
+
+double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
+  const Face& v = mesh.corners(face_of(corner));
+  const auto vertex = [&](std::int32_t h) -> const Vec3& {
+    return mesh.vertex(v[static_cast<std::size_t>(corner_of(h))]);
+  };
+  const Vec3 ahead = vertex(next_in_face(corner)) - vertex(corner);
+  const Vec3 behind = vertex(previous_in_face(corner)) - vertex(corner);
+  return angle_of(ahead.cross(behind).norm(), ahead.dot(behind));
+}
+
+Vec3 mean_normal(const OrderedSurface& mesh, std::span<const std::int32_t> fan) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t corner : fan)
+    sum += angle_at(mesh, corner) * mesh.geometry(face_of(corner)).normal;
+  sum.stableNormalize();
+  return sum;
+}
+
+}  // namespace
+
+std::shared_ptr<const Shading> shading_by_angle(const OrderedSurface& mesh, double sharp_angle) {
+  const double cosine = limit_of(sharp_angle);
+  return std::make_shared<const Shading>(Shading{
+      sharp_angle,
+      hard_edges(
+          mesh, [&](std::int32_t h, std::int32_t twin) { return is_sharp(mesh, h, twin, cosine); }),
+      {}});
+}
+
+std::shared_ptr<const Shading> shading_of_normals(const OrderedSurface& mesh, double sharp_angle,
+                                                  std::span<const Vec3> corners) {
+  const double cosine = limit_of(sharp_angle);
+  std::vector<Vec3> given(corners.size());
+  for (std::size_t h = 0; h < given.size(); ++h)
+    given[h] = corners[3 * static_cast<std::size_t>(mesh.original_face(nth_face(h / 3))) + h % 3];
+  const auto normal = [&](std::int32_t h) -> const Vec3& {
+    return given[static_cast<std::size_t>(h)];
+  };
+  const auto same = [&](std::int32_t a, std::int32_t b) {
+    return (normal(a) - normal(b)).squaredNorm() < kSame * kSame;
+  };
+  const auto unknown = [&](std::int32_t h) {
+    return normal(h).isZero(0.0) || normal(next_in_face(h)).isZero(0.0);
+  };
+  std::vector<std::uint8_t> hard = hard_edges(mesh, [&](std::int32_t h, std::int32_t twin) {
+    return unknown(h) || unknown(twin)
+               ? is_sharp(mesh, h, twin, cosine)
+               : !same(h, next_in_face(twin)) || !same(next_in_face(h), twin);
+  });
+  return std::make_shared<const Shading>(Shading{sharp_angle, std::move(hard), std::move(given)});
+}
+
+CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::int32_t> faces)
+    : mesh_(mesh), fan_(3 * mesh.face_count(), -1) {
+  const Fans fans(mesh);
+  std::vector<std::int32_t> members, fan;
+  std::vector<std::size_t> ends;
+  for (const std::int32_t face : faces)
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t corner = half_edge(mesh.ordered_face(face), k);
+      if (fan_[static_cast<std::size_t>(corner)] >= 0 || is_given(corner)) continue;
+      fans.collect(corner, fan);
+      for (const std::int32_t member : fan)
+        fan_[static_cast<std::size_t>(member)] = static_cast<std::int32_t>(ends.size());
+      members.insert(members.end(), fan.begin(), fan.end());
+      ends.push_back(members.size());
+    }
+  normals_.resize(ends.size());
+  for_each_vector(normals_.size(), [&](std::size_t k) {
+    const std::size_t begin = k == 0 ? 0 : ends[k - 1];
+    normals_[k] = mean_normal(mesh, std::span(members).subspan(begin, ends[k] - begin));
+  });
+}
+
+const Vec3& CornerNormals::at(OrderedFace face, std::int32_t corner) const {
+  const std::int32_t h = half_edge(face, corner);
+  if (is_given(h)) return mesh_.shading().given[static_cast<std::size_t>(h)];
+  return normals_[static_cast<std::size_t>(fan_[static_cast<std::size_t>(h)])];
+}
+
+bool CornerNormals::is_given(std::int32_t corner) const {
+  const std::vector<Vec3>& given = mesh_.shading().given;
+  return !given.empty() && !given[static_cast<std::size_t>(corner)].isZero(0.0);
+}
+
+}  // namespace dapple
