@@ -199,7 +199,7 @@ Raises:
                              "(n, 3) float64, on the surface.")
       .def_property_readonly(
           "normals", array_property(&Samples::normals),
-          "(n, 3) float64, unit, interpolated from angle-weighted vertex normals.")
+          "(n, 3) float64, unit, as the surface is shaded there; see Surface.corner_normals.")
       .def_property_readonly("faces", array_property(&Samples::faces),
                              "(n,) int32, indices into the surface's faces.")
       .def_property_readonly("barycentric", array_property(&Samples::barycentric),

@@ -28,7 +28,6 @@ struct SurfaceOptions {
 struct Joints {
   std::span<const std::int32_t> edges;  ///< per face three, from its corner k on: equal if one edge
   std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
-  double sharp_angle = 30.0;             ///< see SurfaceOptions
 };
 
 class OrderedSurface;
@@ -53,9 +52,11 @@ class Surface {
           const SurfaceOptions& options = {}, Context* context = nullptr);
 
   /// The same with connections that are known, wherever the vertices are.
-  /// \throw SurfaceError also if the lengths of `joints` do not fit; Cancelled
+  /// \throw SurfaceError also if the lengths of `joints` do not fit or the angle is out of range;
+  /// Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
-          const Joints& joints, Context* context = nullptr);
+          const Joints& joints, double sharp_angle = SurfaceOptions{}.sharp_angle,
+          Context* context = nullptr);
 
   /// The same faces and density over moved vertices (as many, in the same order). Hard edges stay
   /// hard, whatever their angle is now; normals that were given are not kept.

@@ -131,14 +131,15 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 }
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
-                 const Density& density, const Joints& joints, Context* context) {
+                 const Density& density, const Joints& joints, double sharp_angle,
+                 Context* context) {
   check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
-  check_sharp_angle(joints.sharp_angle);
+  check_sharp_angle(sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
   ordered_ = std::make_shared<const OrderedSurface>(
       vertices, connect(vertices, faces, joints.edges, joints.places, connecting.context()),
-      density, joints.sharp_angle, measuring.context());
+      density, sharp_angle, measuring.context());
   if (context) context->advance(1.0);
 }
 
