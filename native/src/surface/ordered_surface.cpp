@@ -55,14 +55,13 @@ DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
 }
 
 OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity,
-                               const Density& density, double sharp_angle, Context* context)
+                               const Density& density, Context* context)
     : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
   vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
   place_density(density);
   Stretch measuring(context, kPlaced, kMeasured);
   measure(nullptr, measuring.context());
-  shading_ = shading_by_angle(*this, sharp_angle);
 }
 
 OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context* context) const {
@@ -77,9 +76,9 @@ OrderedSurface OrderedSurface::deformed(std::span<const Vec3> vertices, Context*
   return result;
 }
 
-OrderedSurface OrderedSurface::with_normals(std::span<const Vec3> corners) const {
+OrderedSurface OrderedSurface::shaded(std::shared_ptr<const Shading> shading) const {
   OrderedSurface result = *this;
-  result.shading_ = shading_of_normals(*this, shading_->sharp_angle, corners);
+  result.shading_ = std::move(shading);
   return result;
 }
 

@@ -27,7 +27,7 @@ class OrderedSurface {
   /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
   /// not finite; Cancelled
   OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density,
-                 double sharp_angle, Context* context = nullptr);
+                 Context* context = nullptr);
 
   /// The same with moved vertices, or another density (both in the caller's order). What is known
   /// of faces is measured anew where something differs, and shared elsewhere. Hard edges stay;
@@ -38,8 +38,8 @@ class OrderedSurface {
                                         Context* context = nullptr) const;
   [[nodiscard]] OrderedSurface with_density(const Density& density,
                                             Context* context = nullptr) const;
-  /// The same with normals at the corners of the caller's faces, unit or zero; see Shading.
-  [[nodiscard]] OrderedSurface with_normals(std::span<const Vec3> corners) const;
+  /// The same, shaded in another way; one that was just made has no hard edges yet.
+  [[nodiscard]] OrderedSurface shaded(std::shared_ptr<const Shading> shading) const;
 
   /// The faces whose corners or densities differ from another's of the same connectivity; sorted.
   [[nodiscard]] std::vector<OrderedFace> changed_faces(const OrderedSurface& before) const;

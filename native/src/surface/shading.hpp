@@ -2,14 +2,8 @@
 #pragma once
 
 #include <dapple/types.hpp>
-#include <memory>
-#include <span>
-
-#include "surface/ordered_face.hpp"
 
 namespace dapple {
-
-class OrderedSurface;
 
 /// How a surface is shaded: where its normals jump, and those that the caller gave. All in the
 /// surface's own order. Surfaces deformed from one another share the hard edges.
@@ -17,37 +11,6 @@ struct Shading {
   double sharp_angle = 30.0;       ///< see SurfaceOptions
   std::vector<std::uint8_t> hard;  ///< per face, bit k: the edge from corner k on is hard
   std::vector<Vec3> given;         ///< three per face, unit or zero where none is known; or empty
-};
-
-/// Hard edges: borders, edges of three faces and more, edges whose faces are oriented against each
-/// other, and those whose faces' normals differ by more than `sharp_angle` degrees.
-[[nodiscard]] std::shared_ptr<const Shading> shading_by_angle(const OrderedSurface& mesh,
-                                                              double sharp_angle);
-
-/// The same with normals that are given; edges across which these jump are hard too, and no other
-/// inner ones between faces that have such normals.
-/// \param corners three per face of the caller's, unit or zero
-[[nodiscard]] std::shared_ptr<const Shading> shading_of_normals(const OrderedSurface& mesh,
-                                                                double sharp_angle,
-                                                                std::span<const Vec3> corners);
-
-/// Unit normals at the corners of faces: those that are given, elsewhere the mean of the faces
-/// around that are joined to this one by edges that are not hard, weighted by their angles at the
-/// vertex (Thuermer and Wuethrich 1998). Zero where these cancel.
-class CornerNormals {
- public:
-  /// \param faces the caller's indices of those that are wanted
-  CornerNormals(const OrderedSurface& mesh, std::span<const std::int32_t> faces);
-
-  /// \pre the face is wanted
-  [[nodiscard]] const Vec3& at(OrderedFace face, std::int32_t corner) const;
-
- private:
-  [[nodiscard]] bool is_given(std::int32_t corner) const;
-
-  const OrderedSurface& mesh_;
-  std::vector<std::int32_t> fan_;  // per corner, -1 where it is not wanted or given
-  std::vector<Vec3> normals_;      // per fan
 };
 
 }  // namespace dapple

@@ -4,13 +4,13 @@
 #include <numeric>
 #include <string>
 
-#include "base/elementary.hpp"
 #include "base/hexagonal.hpp"
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
+#include "surface/corner_normals.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -86,6 +86,10 @@ void check_sharp_angle(double degrees) {
     throw SurfaceError("sharp_angle is " + number(degrees) + ": it must be in 0..180 degrees");
 }
 
+std::shared_ptr<const OrderedSurface> shaded_by_angle(const OrderedSurface& plain, double degrees) {
+  return std::make_shared<const OrderedSurface>(plain.shaded(shading_by_angle(plain, degrees)));
+}
+
 /// Of unit length; zero stays.
 std::vector<Vec3> unit_normals(std::span<const Vec3> corners) {
   std::vector<Vec3> result(corners.begin(), corners.end());
@@ -124,9 +128,9 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
   if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
   check_sharp_angle(options.sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  ordered_ = std::make_shared<const OrderedSurface>(
-      vertices, connect(vertices, faces, options.weld, connecting.context()), density,
-      options.sharp_angle, measuring.context());
+  const OrderedSurface plain(vertices, connect(vertices, faces, options.weld, connecting.context()),
+                             density, measuring.context());
+  ordered_ = shaded_by_angle(plain, options.sharp_angle);
   if (context) context->advance(1.0);
 }
 
@@ -137,9 +141,10 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
   check_joints(joints, vertices.size(), faces.size());
   check_sharp_angle(sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  ordered_ = std::make_shared<const OrderedSurface>(
+  const OrderedSurface plain(
       vertices, connect(vertices, faces, joints.edges, joints.places, connecting.context()),
-      density, sharp_angle, measuring.context());
+      density, measuring.context());
+  ordered_ = shaded_by_angle(plain, sharp_angle);
   if (context) context->advance(1.0);
 }
 
@@ -170,8 +175,8 @@ Surface Surface::with_normals(std::span<const Vec3> corners) const {
                        std::to_string(3 * face_count()) + " corners: three per face are needed");
   check_finite<SurfaceError>("normals", corners);
   Surface result = *this;
-  result.ordered_ =
-      std::make_shared<const OrderedSurface>(ordered_->with_normals(unit_normals(corners)));
+  result.ordered_ = std::make_shared<const OrderedSurface>(
+      ordered_->shaded(shading_of_normals(*ordered_, sharp_angle(), unit_normals(corners))));
   return result;
 }
 

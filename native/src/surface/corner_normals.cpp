@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surface/shading.hpp"
+#include "surface/corner_normals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include "base/elementary.hpp"
 #include "base/parallel.hpp"
 #include "base/vectors.hpp"
-#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {

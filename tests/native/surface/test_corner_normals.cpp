@@ -54,12 +54,12 @@ Shape prism(int sides) {
   return shape;
 }
 
-TEST(Shading, StandsUprightOnTheFacesOfACube) {
+TEST(CornerNormals, StandsUprightOnTheFacesOfACube) {
   for (const Shape& shape : {box(1), box(4), soup(box(4)), split_edges(box(4), 30.0)})
     EXPECT_LE(most_from_faces(shape, shape.surface()), 1e-6) << shape.name;
 }
 
-TEST(Shading, IsRoundOnTheSideOfACylinderAndFlatOnItsCaps) {
+TEST(CornerNormals, IsRoundOnTheSideOfACylinderAndFlatOnItsCaps) {
   const Shape shape = prism(12);  // turns by just 30 degrees
   const std::vector<Vec3> normals = shape.surface().corner_normals();
   for (std::size_t k = 0; k < normals.size(); ++k) {
@@ -70,7 +70,7 @@ TEST(Shading, IsRoundOnTheSideOfACylinderAndFlatOnItsCaps) {
   }
 }
 
-TEST(Shading, TakesTheAngleThatIsAskedFor) {
+TEST(CornerNormals, TakesTheAngleThatIsAskedFor) {
   const Shape shape = prism(12);
   const Surface flat(shape.vertices, shape.faces, {}, {.sharp_angle = 29.0});
   const Surface smooth(shape.vertices, shape.faces, {}, {.sharp_angle = 180.0});
@@ -79,7 +79,7 @@ TEST(Shading, TakesTheAngleThatIsAskedFor) {
   EXPECT_EQ(flat.sharp_angle(), 29.0);
 }
 
-TEST(Shading, DoesNotSeeHowVerticesAreSplit) {
+TEST(CornerNormals, DoesNotSeeHowVerticesAreSplit) {
   for (const Shape& shape : {blob(3), icosphere(2), torus(24, 12), tube(30, 4), tee(4), fin(3)}) {
     const std::vector<Vec3> one = shape.surface().corner_normals();
     const std::vector<Vec3> other = soup(shape).surface().corner_normals();
@@ -89,7 +89,7 @@ TEST(Shading, DoesNotSeeHowVerticesAreSplit) {
 }
 
 /// The kind of the fault: the same points, judged on welded and on split vertices.
-TEST(Shading, JudgesSamplesAlikeOnWeldedAndSplitVertices) {
+TEST(CornerNormals, JudgesSamplesAlikeOnWeldedAndSplitVertices) {
   for (const Shape& shape : {box(6), prism(40), blob(3)}) {
     const Samples samples = sample(shape.surface(), 300);
     const Report one = analyze(shape.surface(), samples);
@@ -105,13 +105,13 @@ TEST(Shading, JudgesSamplesAlikeOnWeldedAndSplitVertices) {
   }
 }
 
-TEST(Shading, JumpsBetweenFacesThatAreOrientedAgainstEachOther) {
+TEST(CornerNormals, JumpsBetweenFacesThatAreOrientedAgainstEachOther) {
   Shape shape = grid(4);
   std::swap(shape.faces[7][1], shape.faces[7][2]);
   EXPECT_LE(most_from_faces(shape, shape.surface()), 1e-6);
 }
 
-TEST(Shading, GoesThroughFacesWithoutAreaWhereTheSurfaceIsSmooth) {
+TEST(CornerNormals, GoesThroughFacesWithoutAreaWhereTheSurfaceIsSmooth) {
   Shape shape = icosphere(2);  // a sliver on the first edge, in between two faces
   const auto [a, b, c] = shape.faces[0];
   const std::vector<Vec3> before = shape.surface().corner_normals();
@@ -126,7 +126,7 @@ TEST(Shading, GoesThroughFacesWithoutAreaWhereTheSurfaceIsSmooth) {
     EXPECT_LE(degrees_between(before[k], after[k]), 1e-5) << "corner " << k;
 }
 
-TEST(Shading, StopsAtFacesWithoutAreaOnAHardEdge) {
+TEST(CornerNormals, StopsAtFacesWithoutAreaOnAHardEdge) {
   Shape shape = box(1);
   const auto [a, b, c] = shape.faces[0];
   const auto middle = static_cast<std::int32_t>(shape.vertices.size());
@@ -149,7 +149,7 @@ std::vector<Vec3> leaning_normals(const Shape& shape) {
   return result;
 }
 
-TEST(Shading, TakesTheNormalsThatAreGiven) {
+TEST(CornerNormals, TakesTheNormalsThatAreGiven) {
   const Shape shape = box(2);
   const std::vector<Vec3> given = leaning_normals(shape);
   const Surface surface = shape.surface().with_normals(given);
@@ -167,7 +167,7 @@ TEST(Shading, TakesTheNormalsThatAreGiven) {
   }
 }
 
-TEST(Shading, FindsTheNormalsThatAreNotGiven) {
+TEST(CornerNormals, FindsTheNormalsThatAreNotGiven) {
   const Shape shape = box(2);
   std::vector<Vec3> given = leaning_normals(shape);
   for (std::size_t k = 0; k < given.size(); k += 2) given[k] = Vec3::Zero();
@@ -178,7 +178,7 @@ TEST(Shading, FindsTheNormalsThatAreNotGiven) {
         << "corner " << k;
 }
 
-TEST(Shading, KeepsHardEdgesOfWhatIsDeformed) {
+TEST(CornerNormals, KeepsHardEdgesOfWhatIsDeformed) {
   const Shape shape = box(3);
   const auto flattened = [](const Vec3& p) {
     return Vec3(p.x() + 0.9 * p.z(), p.y(), 0.1 * p.z());
@@ -193,7 +193,7 @@ TEST(Shading, KeepsHardEdgesOfWhatIsDeformed) {
   EXPECT_GT(most_from_faces(bent, sheet.surface().deformed(bent.vertices)), 30.0);
 }
 
-TEST(Shading, KeepsThePlacesWhereGivenNormalsJump) {
+TEST(CornerNormals, KeepsThePlacesWhereGivenNormalsJump) {
   const Shape shape = prism(12);
   std::vector<Vec3> flat;
   for (std::size_t k = 0; k < 3 * shape.faces.size(); ++k)
@@ -204,7 +204,7 @@ TEST(Shading, KeepsThePlacesWhereGivenNormalsJump) {
   EXPECT_LE(most_from_faces(taller, moved), 1e-6);
 }
 
-TEST(Shading, IsKeptWithAnotherDensity) {
+TEST(CornerNormals, IsKeptWithAnotherDensity) {
   const Shape shape = box(2);
   const Surface surface = shape.surface().with_normals(leaning_normals(shape));
   const std::vector<double> density(shape.vertices.size(), 2.0);
@@ -212,7 +212,7 @@ TEST(Shading, IsKeptWithAnotherDensity) {
                          surface.corner_normals()));
 }
 
-TEST(Shading, RefusesNormalsThatDoNotFit) {
+TEST(CornerNormals, RefusesNormalsThatDoNotFit) {
   const Surface surface = box(1).surface();
   std::vector<Vec3> normals(36, Vec3::UnitX());
   normals[7].y() = std::numeric_limits<double>::quiet_NaN();
@@ -222,7 +222,7 @@ TEST(Shading, RefusesNormalsThatDoNotFit) {
   expect_message<SurfaceError>([&] { (void)surface.with_normals(normals); }, {"12", "36"});
 }
 
-TEST(Shading, RefusesAnAngleOutOfRange) {
+TEST(CornerNormals, RefusesAnAngleOutOfRange) {
   const Shape shape = box(1);
   for (const double angle : {-1.0, 180.5, std::numeric_limits<double>::quiet_NaN()})
     expect_message<SurfaceError>(
