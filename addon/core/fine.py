@@ -4,6 +4,7 @@
 Each has its values at places, and the faces on which it changes: only these need to be cut.
 """
 
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,6 +14,9 @@ from .masks import Flags, Mask, mask_of
 from .nearest import Body
 from .settings import DensitySettings
 from .surface import Floats, Ints, SurfaceArrays
+
+_INWARD = 0.05  # of the way from a corner of a face to its middle
+_ROUNDING = 2.5e-7  # of coordinates, which are stored in single precision
 
 
 class Term(Protocol):
@@ -30,7 +34,9 @@ class Term(Protocol):
 def fine_terms(arrays: SurfaceArrays, settings: DensitySettings) -> list[Term]:
     """What the settings ask for."""
     around, height = arrays.around, mask_of(settings, "height")
-    terms: list[Term] = [] if height is None else [Height(height)]
+    terms: list[Term] = []
+    if height is not None:
+        terms.append(Height(height, float(np.abs(arrays.vertices[:, 2]).max(initial=0.0))))
     terms += fields_of(arrays, settings)
     if around.camera is not None:
         terms.append(Camera(around.camera, settings.camera_margin))
@@ -43,8 +49,15 @@ class Height:
 
     coarseness = 1.0
 
-    def __init__(self, mask: Mask) -> None:
-        self._mask = mask
+    def __init__(self, mask: Mask, largest: float = 0.0) -> None:
+        """The largest Z of the surface, by amount: its rounding leaves a floor in the range."""
+        slack = _ROUNDING * largest if mask.fade <= 0.0 else 0.0
+        self._mask = replace(mask, low=mask.low - slack, high=mask.high + slack)
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether it jumps."""
+        return self._mask.fade <= 0.0
 
     def values(self, points: Floats) -> Floats:
         return self._mask.factors(points[:, 2])
@@ -101,6 +114,17 @@ class Obstacle:
         away = np.abs(self._body.outside(points) - self._margin)[faces].min(axis=1)
         found: Flags = away <= longest
         return found
+
+
+def at_corners(term: Term, points: Floats, faces: Ints) -> Floats:
+    """Factors (m, 3) at the corners of faces; those of a jump as they are inside of each face, so
+    that the walls below a floor have none of what the floor has.
+    """
+    if not (isinstance(term, Height) and term.is_sharp):
+        return term.values(points)[faces]
+    corners = points[faces]
+    inside = corners + _INWARD * (corners.mean(axis=1, keepdims=True) - corners)
+    return term.values(inside.reshape(-1, 3)).reshape(-1, 3)
 
 
 def to_cut(terms: list[Term], surface: Any, lengths: Floats, target: float) -> Flags:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .density import density_of, product
-from .fine import Term, blocked, fine_terms, to_cut
+from .fine import Term, at_corners, blocked, fine_terms, to_cut
 from .native import package
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays
@@ -170,11 +170,11 @@ class Ground:
 
     def _product(self, terms: list[Term]) -> Floats:
         """The density (m, 3) at the corners of the faces as they are cut so far."""
-        factors = np.ones(len(self.surface.vertices))
+        vertices, faces = self.surface.vertices, self.surface.faces
+        factors = np.ones((len(faces), 3))
         for term in terms:
-            factors = factors * term.values(self.surface.vertices)
-        found: Floats = factors[self.surface.faces] * self.at_corners()
-        return found
+            factors = factors * at_corners(term, vertices, faces)
+        return factors * self.at_corners()
 
     def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
         if self._refined is not None:

@@ -192,6 +192,18 @@ def test_slope_finds_walls_alone():
     assert (np.abs(found[:, 2]) < 1.0 - FLAT).all()
 
 
+@pytest.mark.parametrize("lift", [0.0, 0.1, 123.4])
+def test_a_sharp_height_has_no_points_on_the_walls_below_a_floor(lift):
+    surface = cube()
+    surface.location.z = lift
+    bpy.context.view_layer.update()
+    obj = scenes.scattered(surface, count=300)
+    found = optimized(
+        obj, use_height=True, height_from=lift + 1.0, height_to=lift + 2.0, height_fade=0.0
+    )
+    assert on_top(found - [0.0, 0.0, lift]) == 300
+
+
 def test_a_face_of_no_density_gets_no_points_while_points_are_kept(live):
     surface = with_faces(cube(), "Road", is_top)
     obj = scenes.scattered(surface, count=300)

@@ -233,6 +233,15 @@ def test_a_distance_to_nothing_has_no_effect():
     assert fields_of(plane(), DensitySettings(use_distance=True)) == []
 
 
+def test_a_sharp_height_ends_at_the_edge_of_a_floor():
+    cube = SurfaceArrays("Cube", CUBE, CUBE_FACES, "same")
+    settings = DensitySettings(use_height=True, height_from=1.0, height_to=2.0, height_fade=0.0)
+    ground = Ground(cube, Settings(count=300, density=settings))
+    top = (ground.surface.vertices[ground.surface.faces][:, :, 2] == 1.0).all(axis=1)
+    np.testing.assert_array_equal(ground.at_corners(), np.repeat(top[:, None], 3, axis=1))
+    assert ground.surface.mass == pytest.approx(4.0)
+
+
 def roof(pitch: float) -> SurfaceArrays:
     """Two faces that slope down to the north and to the south from a ridge along x."""
     rise = math.tan(pitch)
