@@ -14,6 +14,15 @@ from ..surface.beside import by_full_name
 from .polls import writable
 
 
+def _may_be_listed(cls: type[bpy.types.Operator], context: bpy.types.Context, why: str) -> bool:
+    """Whether the active object is a scatter whose lists can be edited; else it is said why."""
+    if not writable(cls, context):
+        return False
+    if context.object.override_library:
+        cls.poll_message_set(why)
+    return not context.object.override_library
+
+
 class DAPPLE_OT_edit_classes(bpy.types.Operator):
     """Edit the list of object types; optimize again to apply"""
 
@@ -39,11 +48,8 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if not writable(cls, context):
-            return False
-        if context.object.override_library:
-            cls.poll_message_set(told("A library override keeps the object types of its library"))
-        return not context.object.override_library
+        why = told("A library override keeps the object types of its library")
+        return _may_be_listed(cls, context, why)
 
     def execute(self, context: bpy.types.Context) -> Status:
         change_classes(context.object, self.action)
@@ -62,7 +68,8 @@ class DAPPLE_OT_add_material(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return writable(cls, context)
+        why = told("A library override keeps the materials of its library")
+        return _may_be_listed(cls, context, why)
 
     def execute(self, context: bpy.types.Context) -> Status:
         found = by_full_name(bpy.data.materials, self.material)
@@ -86,7 +93,8 @@ class DAPPLE_OT_remove_material(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return writable(cls, context)
+        why = told("A library override keeps the materials of its library")
+        return _may_be_listed(cls, context, why)
 
     def execute(self, context: bpy.types.Context) -> Status:
         chosen = context.object.dapple.density.materials
