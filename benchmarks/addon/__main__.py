@@ -138,14 +138,24 @@ def _reading(options: argparse.Namespace) -> None:
     surface = bpy.context.object
     group = surface.vertex_groups.new(name="Group")
     group.add(range(len(surface.data.vertices)), 0.5, "REPLACE")
+    for domain in ("POINT", "FACE", "CORNER"):
+        surface.data.attributes.new(domain, "FLOAT", domain)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    bare, weighed = [], []
+    names = {
+        "nothing": [],
+        "a vertex group": ["Group"],
+        "an attribute of vertices": ["POINT"],
+        "an attribute of faces": ["FACE"],
+        "an attribute of face corners": ["CORNER"],
+    }
+    taken: dict[str, list[float]] = {name: [] for name in names}
     for _ in range(options.rounds):
-        bare.append(_timed(read_surface, surface, depsgraph))
-        weighed.append(_timed(read_surface, surface, depsgraph, ["Group"]))
-    median = float(np.median(bare))
+        for name, asked in names.items():
+            taken[name].append(_timed(read_surface, surface, depsgraph, asked))
+    median = float(np.median(taken.pop("nothing")))
     print(f"reading {2 * side * side} triangles: {_ms(median)}, {_judged(median, READING_GOAL)}")
-    print(f"  with a vertex group: {_ms(float(np.median(weighed)))}")
+    for name, times in taken.items():
+        print(f"  with {name}: {_ms(float(np.median(times)))}")
 
 
 def _enabling(options: argparse.Namespace) -> None:
