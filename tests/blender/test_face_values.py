@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+import test_panels
 
 TYPES = ("FLOAT", "INT", "INT8", "BOOLEAN", "FLOAT_COLOR", "BYTE_COLOR")
 FLAT = 1e-4  # lengths
@@ -363,6 +364,22 @@ def test_a_material_that_is_gone_is_named():
         bpy.ops.dapple.optimize()
     choose(obj, "Snow")
     assert on_top(optimized(obj)) == 100
+
+
+def test_the_panel_names_a_material_that_is_gone_and_offers_what_is_there():
+    surface = with_materials(cube(), sides)
+    obj = scenes.scattered(surface, count=50)
+    obj.dapple.density.use_material = True
+    assert "No effect yet: choose a material" in " ".join(test_panels.drawn())
+    choose(obj, "Grass", "Stone")
+    text = " ".join(test_panels.drawn())
+    assert "has no material" not in text
+    assert text.count("Grass") == text.count("Stone") == 1, "the menu offers others"
+    assert text.count("dapple.add_material") == 1
+    surface.data.materials.pop(index=1)
+    assert "The surface has no material 'Grass'" in " ".join(test_panels.drawn())
+    bpy.data.materials.remove(bpy.data.materials["Stone"])
+    assert "The surface has no material 'Stone'" in " ".join(test_panels.drawn())
 
 
 def test_a_material_of_the_object_takes_the_place_of_that_of_its_mesh():

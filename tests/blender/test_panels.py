@@ -23,9 +23,14 @@ class Layout:
 
     column = box = split = row
 
-    def label(self, text="", icon="NONE", translate=True):
+    def label(self, text="", icon="NONE", icon_value=0, translate=True):
         assert icon in ICONS
+        assert icon_value >= 0
         self.shown.append(text)
+
+    def icon(self, block):
+        assert isinstance(block, bpy.types.ID)
+        return 0  # as where Blender has no window
 
     def prop(self, data, name, text=None, icon="NONE", **_):
         assert name in data.bl_rna.properties, f"{data} has no {name}"
@@ -38,11 +43,13 @@ class Layout:
         text="",
         text_ctxt="",
         icon="NONE",
+        icon_value=0,
         depress=False,
         translate=True,
         emboss=True,
     ):
         assert icon in ICONS
+        assert icon_value >= 0
         group, verb = name.split(".")
         kind = getattr(getattr(bpy.ops, group), verb).get_rna_type()
         self.shown.append(name)
