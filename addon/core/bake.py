@@ -167,6 +167,7 @@ class Baker:
             alpha_mean=sum(report.alpha_mean for report in reports) / count,
             capacity_variation=max(report.capacity_variation for report in reports),
             whole_count_variation=max(report.whole_count_variation for report in reports),
+            thin_share=max(report.thin_share for report in reports),
             evaluations=round(sum(report.evaluations for report in reports) / count),
             milliseconds=sum(report.milliseconds for report in reports) / count,
             converged=all(report.converged for report in reports),

@@ -33,6 +33,9 @@ class Report:
     alpha_mean: float = 0.0
     capacity_variation: float = 0.0
     whole_count_variation: float = 0.0  # what of it whole numbers of points on separate parts make
+    thin_share: float = (
+        0.0  # of the points on parts thinner than the spacing, which alpha leaves out
+    )
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
@@ -133,7 +136,9 @@ def nearest_binding(points: Floats, surface: SurfaceArrays) -> Binding:
 def report_of(report: Any) -> Report:
     """The shown part of a dapple.Report."""
     names = ("count", "spacing", "alpha_min", "alpha_mean", "capacity_variation", "evaluations")
-    shown = {name: getattr(report, name) for name in (*names, "whole_count_variation")}
+    shown = {
+        name: getattr(report, name) for name in (*names, "whole_count_variation", "thin_share")
+    }
     first, second = report.overlapping
     return Report(
         milliseconds=1000.0 * report.seconds,

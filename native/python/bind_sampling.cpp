@@ -80,7 +80,8 @@ py::dict quality_dict(const Quality& quality) {
                   "alpha_mean"_a = quality.evenness.alpha_mean,
                   "capacity_variation"_a = quality.evenness.capacity_variation,
                   "bond_order"_a = quality.bond_order, "energy"_a = quality.energy,
-                  "whole_count_variation"_a = quality.whole_count_variation);
+                  "whole_count_variation"_a = quality.whole_count_variation,
+                  "thin_share"_a = quality.evenness.thin_share);
 }
 
 py::dict profile_dict(const Profile& profile) {
@@ -112,7 +113,8 @@ void bind_reports(py::module_& m) {
                     "Hexagonal packing distance, in the units of the vertices.")
       .def_property_readonly(
           "alpha_min", [](const Quality& q) { return q.evenness.alpha_min; },
-          "Smallest distance between neighbors / local spacing (normalized Poisson-disk radius).")
+          "Smallest distance between neighbors / local spacing (normalized Poisson-disk radius); "
+          "0 if no sample has a neighbor, or all are on thin parts.")
       .def_property_readonly(
           "alpha_mean", [](const Quality& q) { return q.evenness.alpha_mean; },
           "Mean over the samples of distance to the nearest neighbor / local spacing.")
@@ -127,7 +129,11 @@ void bind_reports(py::module_& m) {
       .def_readonly(
           "whole_count_variation", &Quality::whole_count_variation,
           "What of the capacity variation comes of each component of the surface having a "
-          "whole number of samples; 0 on one component.");
+          "whole number of samples; 0 on one component.")
+      .def_property_readonly(
+          "thin_share", [](const Quality& q) { return q.evenness.thin_share; },
+          "Share of the samples on parts thinner than the spacing, such as wires: neighbors are "
+          "before and behind them only, so no hexagonal spacing fits, and alpha is without them.");
 
   py::class_<Report, Quality, std::shared_ptr<Report>>(
       m, "Report",

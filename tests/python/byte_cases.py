@@ -57,10 +57,15 @@ class Run:
         self.report(samples.report)
 
     def report(self, report: dapple.Report) -> None:
-        figures = {
-            name: value for name, value in report.to_dict().items() if name not in (*TIMES, *COUNTS)
-        }
+        figures = _told(report.to_dict())
+        figures["classes"] = [_told(figure) for figure in figures["classes"]]
         self._add("report", json.dumps(figures, sort_keys=True).encode())
+
+
+def _told(figures: dict[str, Any]) -> dict[str, Any]:
+    """Without what other arrays tell; a thin share only where something is thin."""
+    left_out = (*TIMES, *COUNTS, *(() if figures["thin_share"] else ("thin_share",)))
+    return {name: value for name, value in figures.items() if name not in left_out}
 
 
 Case = Callable[[Run], None]

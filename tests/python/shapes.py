@@ -33,6 +33,25 @@ def torus(around: int = 40, tube: int = 20) -> Mesh:
     )
 
 
+def tube(path: np.ndarray, radius: float, sides: int = 8) -> Mesh:
+    """Along a path that nowhere turns back, closed at both ends."""
+    along = np.gradient(path, axis=0)
+    u = np.cross(along, (0.3, 0.5, 0.8))
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    v = np.cross(along, u)
+    v /= np.linalg.norm(v, axis=1)[:, None]
+    turn = 2 * np.pi * np.arange(sides) / sides
+    rings = path[:, None] + radius * (
+        np.cos(turn)[:, None] * u[:, None] + np.sin(turn)[:, None] * v[:, None]
+    )
+    row, side = (index.ravel() for index in np.indices((len(path) - 1, sides)))
+    a, b = row * sides + side, row * sides + (side + 1) % sides
+    caps = [[0, k + 1, k] for k in range(1, sides - 1)]
+    caps += [[end := (len(path) - 1) * sides, end + k, end + k + 1] for k in range(1, sides - 1)]
+    faces = [np.column_stack([a, b, b + sides]), np.column_stack([a, b + sides, a + sides]), caps]
+    return rings.reshape(-1, 3), np.vstack(faces).astype("i4")
+
+
 def bent(vertices: np.ndarray, time: float) -> np.ndarray:
     """Bend and swell, growing with time."""
     x, y, z = vertices.T

@@ -14,6 +14,7 @@ REPORT = {
     "bond_order": float,
     "energy": float,
     "whole_count_variation": float,
+    "thin_share": float,
     "evaluations": int,
     "iterations": int,
     "parts": int,

@@ -41,6 +41,7 @@ class DAPPLE_PT_details(bpy.types.Panel):
             "alpha_mean",
             "capacity_variation",
             "whole_count_variation",
+            "thin_share",
         ):
             column.prop(report, name)
         column.prop(report, "evaluations")

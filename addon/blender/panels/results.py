@@ -28,11 +28,14 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     if not report.measured:
         return [(_effort(obj), "NONE")]
     variation, least = 100 * report.capacity_variation, 100 * report.alpha_min
-    lines = [
-        (told("Area variation {spread:.2g} %", spread=variation), "NONE"),
-        (told("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"),
-        (_effort(obj), "NONE"),
-    ]
+    lines = [(told("Area variation {spread:.2g} %", spread=variation), "NONE")]
+    if _has_spacing(report):
+        lines.append((told("Smallest spacing {least:.0f} % of ideal", least=least), "NONE"))
+    lines.append((_effort(obj), "NONE"))
+    if report.thin_share > 0.0:
+        thin = 100 * report.thin_share
+        text = told("{thin:.2g} % of the points are on parts thinner than the spacing", thin=thin)
+        lines.append((text, "INFO"))
     if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
         whole = 100 * report.whole_count_variation
         text = told("Separate parts have whole numbers of points: {whole:.2g} %", whole=whole)
@@ -42,12 +45,22 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     return lines
 
 
+def _has_spacing(report: bpy.types.PropertyGroup) -> bool:
+    """Whether the ideal spacing means something: along a wire points are farther apart."""
+    return bool(0.0 < report.alpha_mean <= 1.0) or report.count < 2
+
+
 def _result(obj: bpy.types.Object) -> str:
     """How many instances there are, and how evenly they are spread."""
     report = obj.dapple.report
     instances = counted(report.count, "{count} instance", "{count:,} instances")
     if not report.measured and watcher.progress(obj) is None:
         return told("{instances}, not measured: optimize again", instances=instances)
+    if not _has_spacing(report):
+        spread = 100 * report.capacity_variation
+        return told(
+            "{instances}, area variation {spread:.2g} %", instances=instances, spread=spread
+        )
     mean = 100 * report.alpha_mean
     return told("{instances}, spacing {mean:.0f} % of ideal", instances=instances, mean=mean)
 

@@ -38,12 +38,14 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
     )
     alpha_min: FloatProperty(
         name="Min Spacing",
-        description="Smallest distance between two points, relative to the ideal spacing",
+        description="Smallest distance between two points, relative to the ideal spacing; 0 where "
+        "the surface is thinner than that everywhere",
         **_SHARE,
     )
     alpha_mean: FloatProperty(
         name="Mean Spacing",
-        description="Mean distance to the nearest point, relative to the ideal spacing",
+        description="Mean distance to the nearest point, relative to the ideal spacing; 0 where "
+        "the surface is thinner than that everywhere",
         **_SHARE,
     )
     capacity_variation: FloatProperty(
@@ -55,6 +57,12 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         name="Due to Whole Counts",
         description="Part of the area variation that arises because each separate part of the "
         "surface has a whole number of points",
+        **_SHARE,
+    )
+    thin_share: FloatProperty(
+        name="On Thin Parts",
+        description="Share of the points on parts of the surface that are thinner than the ideal "
+        "spacing, such as wires. Min and Mean Spacing leave them out",
         **_SHARE,
     )
     evaluations: IntProperty(

@@ -11,13 +11,16 @@ struct Evenness {
       0.0;  ///< normalized Poisson-disk radius: nearest neighbor / local hexagonal spacing
   double alpha_mean = 0.0;          ///< the same ratio, averaged over the sites
   double capacity_variation = 0.0;  ///< standard deviation / mean of the capacities
+  /// Share of the sites on parts that are thinner than the spacing, such as wires: their neighbors
+  /// are before and behind them only, so no hexagonal spacing fits, and alpha is without them.
+  double thin_share = 0.0;
 };
 
 /// Measure the evenness. The local spacing at a site is sqrt(2 a / sqrt(3)), where a is the area
 /// that the mean capacity would take at the cell's own density, averaged by itself (so a part of
 /// the cell without density does not count as room); with constant density that is
 /// Surface::spacing. Distances are along the surface, through the cells' common boundary.
-/// \return all 0 for a diagram without cells
+/// \return all 0 for a diagram without cells; alpha 0 where all sites are on thin parts
 [[nodiscard]] Evenness measure_evenness(const RestrictedVoronoi& diagram);
 
 /// Per site whether its cell touches a border edge of the surface. The border edges are walked from

@@ -2,14 +2,31 @@
 #include "optimize/step_limit.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace dapple {
+namespace {
+
+// From a cell's root mean square distance to its site to the spacing: that of a regular hexagon is
+// sqrt(5) / 6 spacings.
+constexpr double kSpread = 2.6832815729997477;
+constexpr double kThin = 2.0;  // a cell that is wider than so many spacings is also narrower
+
+/// The spacing; the length of the cell where the surface is thinner than that: there the sites are
+/// far more than a spacing apart.
+double reach(const Objective& objective, const State& state, std::size_t k) {
+  const Moments& cell = state.diagram().cells[k];
+  const double spacing = local_spacing(objective, state, 0, k);
+  const double length = cell.mass > 0.0 ? kSpread * std::sqrt(cell.second / cell.mass) : 0.0;
+  return length > kThin * spacing ? length : spacing;
+}
+
+}  // namespace
 
 double longest_step(const Objective& objective, const State& state, double max_step,
                     std::size_t k) {
-  return std::max(max_step * local_spacing(objective, state, 0, k),
-                  std::numeric_limits<double>::min());
+  return std::max(max_step * reach(objective, state, k), std::numeric_limits<double>::min());
 }
 
 double step_excess(const Objective& objective, const State& state, double max_step,

@@ -20,6 +20,7 @@ constexpr double kDiscs = 20.0;             // weight of overlapping discs in th
 constexpr double kHarder = 10.0;            // ... and by how much it grows
 constexpr int kRounds = 4;
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
+constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts
 constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
 constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
@@ -150,13 +151,15 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
   return objective;
 }
 
-Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context) {
+Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context,
+                 std::size_t* along) {
   const StageSpan starting(context, Stage::kStart);
   ClassStarts starts{{}, &problem.all->sampling_surface(), problem.all->period(), seed};
   for (const ClassProblem::Member& member : problem.classes)
     starts.classes.push_back({&member.domain->sampling_surface(), member.count, member.radius,
                               member.domain->to_sampling_surface(member.locked)});
-  Sites sites = kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context);
+  Sites sites =
+      kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context, along);
   return starts.period > 0.0 ? problem.all->project(sites.positions, {}, context) : sites;
 }
 
@@ -207,11 +210,19 @@ double share_of_start(const ClassProblem& problem, const ClassOptions& options) 
   return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
 }
 
+/// On thin parts the start is nearly even: the first steps gain little, but last.
+OptimizerOptions options_along(OptimizerOptions options, std::size_t along, std::size_t sites) {
+  if (2 * along > sites) options.tolerance *= kThin;
+  return options;
+}
+
 ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
   check(problem, options);
+  std::size_t along = 0;
   const double started = share_of_start(problem, options);
   Stretch starting(context, 0.0, started);
-  Sites start = make_start(problem, options.sample.start, options.sample.seed, starting.context());
+  Sites start =
+      make_start(problem, options.sample.start, options.sample.seed, starting.context(), &along);
   if (context) context->advance(started);
   const bool stages = options.two_stages && problem.classes.size() > 1;
   const double together = stages ? started + kAlone * (1.0 - started) : started;
@@ -221,7 +232,7 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   if (stages) settle_alone(problem, options, start, before, alone.context());
   ClassMinimum found =
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
-            options.sample.optimizer, finishing.context());
+            options_along(options.sample.optimizer, along, start.size()), finishing.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
   return found;

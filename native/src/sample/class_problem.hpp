@@ -33,8 +33,9 @@ struct ClassProblem {
                                        const ClassOptions& options, std::vector<bool> locked = {});
 
 /// Where an optimization begins, class by class.
+/// \param along see poisson_start()
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
-                               Context* context);
+                               Context* context, std::size_t* along = nullptr);
 
 /// Make each class even by itself, from its part of the start: the first of two stages.
 /// \param sum its evaluations and iterations are added to these

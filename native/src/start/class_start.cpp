@@ -12,6 +12,7 @@
 #include "base/progress.hpp"
 #include "start/dart_board.hpp"
 #include "start/dart_set.hpp"
+#include "start/thin_part.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -101,6 +102,8 @@ class Throwing {
       for (const Dart& dart : members.darts) note(members, dart, kFirstRadius);
   }
 
+  [[nodiscard]] std::size_t along() const { return along_; }
+
   Sites run() {
     double done = 0.0;
     for (const std::vector<ClassDarts*>& group : by_size()) {
@@ -108,6 +111,7 @@ class Throwing {
       Stretch filling(context_, before, std::min(done, 1.0));
       fill(group, filling.context());
     }
+    if (starts_.period == 0.0) lay_along();
     if (context_) context_->advance(1.0);
     Sites sites;
     for (const ClassDarts& members : classes_) add(*members.start, members.darts, sites);
@@ -168,6 +172,19 @@ class Throwing {
       }
       for (ClassDarts* members : group) members->near.scale(kShrink);
       if (many()) any_.scale(kShrink);
+    }
+  }
+
+  /// Where a component may be thinner than the spacing, its darts keep apart by a distance that is
+  /// nothing along it.
+  void lay_along() {
+    Random random(starts_.seed);
+    for (std::size_t c = 0; c < classes_.size(); ++c) {
+      ClassDarts& members = classes_[c];
+      const double phase = (static_cast<double>(c) + 0.5) / static_cast<double>(classes_.size());
+      along_ += lay_along_thin_parts(*members.start->surface, members.spacing,
+                                     members.start->locked.size(), phase, random, members.darts,
+                                     context_);
     }
   }
 
@@ -318,6 +335,7 @@ class Throwing {
   DartSet any_;    // of all classes
   double spacing_;
   std::size_t count_ = 0;
+  std::size_t along_ = 0;  // darts on thin parts
 };
 
 }  // namespace
@@ -338,8 +356,11 @@ Sites random_start(const ClassStarts& starts) {
   return sites;
 }
 
-Sites poisson_start(const ClassStarts& starts, Context* context) {
-  return Throwing(starts, context).run();
+Sites poisson_start(const ClassStarts& starts, Context* context, std::size_t* along) {
+  Throwing throwing(starts, context);
+  Sites sites = throwing.run();
+  if (along) *along = throwing.along();
+  return sites;
 }
 
 }  // namespace dapple

@@ -29,8 +29,11 @@ struct ClassStarts {
 /// any, r and r' following the densities of the class and of all as phi^(-1/2); within the sum of
 /// their radii from another disc. Larger discs go first; of equal ones the dart is for the class
 /// that is least filled. r and r' shrink each time that too many darts are refused, in the end the
-/// discs' radii too, until all fit.
+/// discs' radii too, until all fit. Parts that are thinner than the spacing are then filled evenly
+/// along their length.
+/// \param along becomes the number of sites on such parts
 /// \throw Cancelled
-[[nodiscard]] Sites poisson_start(const ClassStarts& starts, Context* context);
+[[nodiscard]] Sites poisson_start(const ClassStarts& starts, Context* context,
+                                  std::size_t* along = nullptr);
 
 }  // namespace dapple

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <dapple/analysis.hpp>
 #include <dapple/neighbors.hpp>
@@ -120,9 +121,26 @@ class ComponentSites {
   std::vector<Neighbor> found_;
 };
 
-/// Of a site, in local spacings; infinite without a neighbor: alone on its component.
+constexpr double kInLine = 1.25;  // own spacings: nearest neighbors on a plane are nearer
+
+/// Whether a site's neighbors are only before and behind it, farther than its cell is wide.
+bool is_in_line(const RestrictedVoronoi& diagram, std::size_t i) {
+  std::array<std::int32_t, 2> beside = {-1, -1};
+  for (const CellBoundary& side : diagram.boundary(i)) {
+    if (side.neighbor == beside[0] || side.neighbor == beside[1]) continue;
+    if (beside[1] >= 0) return false;
+    beside[beside[0] >= 0 ? 1 : 0] = side.neighbor;
+  }
+  const Moments& cell = diagram.cells[i];
+  return beside[0] >= 0 &&
+         nearest_touching(diagram, i) > kInLine * local_spacing(cell, cell.capacity);
+}
+
+/// Of a site, in local spacings; infinite without a neighbor: alone on its component. kNone on a
+/// thin part.
 double alpha_at(const RestrictedVoronoi& diagram, std::size_t i, double mean) {
   // An empty cell belongs to a site that coincides with another: nothing lies between them.
+  if (is_in_line(diagram, i)) return kNone;
   const double spacing = local_spacing(diagram.cells[i], mean);
   return spacing > 0.0 ? nearest_touching(diagram, i) / spacing : 0.0;
 }
@@ -146,18 +164,20 @@ Evenness measure_evenness(const RestrictedVoronoi& diagram) {
   capacity /= static_cast<double>(diagram.cells.size());
   result.capacity_variation = variation(diagram, capacity);
   double sum = 0.0;
-  std::size_t counted = 0;
+  std::size_t counted = 0, in_line = 0;
   result.alpha_min = std::numeric_limits<double>::infinity();
   const std::vector<double> alphas =
       of_each(diagram.cells.size(), [&](std::size_t i) { return alpha_at(diagram, i, capacity); });
   for (const double alpha : alphas) {
-    if (!std::isfinite(alpha)) continue;
+    if (alpha == kNone) ++in_line;
+    if (alpha == kNone || !std::isfinite(alpha)) continue;
     result.alpha_min = std::min(result.alpha_min, alpha);
     sum += alpha;
     ++counted;
   }
   result.alpha_mean = counted > 0 ? sum / static_cast<double>(counted) : 0.0;
   if (counted == 0) result.alpha_min = 0.0;
+  result.thin_share = static_cast<double>(in_line) / static_cast<double>(alphas.size());
   return result;
 }
 

@@ -49,11 +49,15 @@ class Reporter:
 
 
 def figures(report: dapple.Quality) -> str:
-    """The most telling figures on one line."""
-    return (
-        f"alpha min {report.alpha_min:.3f}, psi6 {report.bond_order:.3f}, "
-        f"capacity variation {report.capacity_variation:.4f}"
-    )
+    """The most telling figures on one line; without a spacing where the surface is thinner."""
+    variation = f"capacity variation {report.capacity_variation:.4f}"
+    if report.thin_share == 1.0:
+        return f"{variation} along parts thinner than the spacing"
+    shown = f"alpha min {report.alpha_min:.3f}, psi6 {report.bond_order:.3f}, {variation}"
+    if report.thin_share > 0.0:
+        share = 100 * report.thin_share
+        return f"{shown}; alpha without {share:.2g} % on parts thinner than the spacing"
+    return shown
 
 
 def profile_table(reports: Sequence[dapple.Report]) -> str:

@@ -23,6 +23,7 @@ ROWS = (
     ("spacing", "spacing", ".6g", "of a hexagonal lattice of as many points, in the mesh's units"),
     ("alpha_min", "alpha min", ".4f", "smallest distance / local spacing; 1 for hexagons"),
     ("alpha_mean", "alpha mean", ".4f", "the mean of the same ratio over the points"),
+    ("thin_share", "thin share", ".4f", "of the points, on thin parts, which alpha is without"),
     ("capacity_variation", "capacity variation", ".5f", "standard deviation / mean; 0 is the best"),
     ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
     ("energy", "energy", ".5f", "normalized; 0.16037 for hexagons"),

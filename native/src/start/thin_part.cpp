@@ -1,0 +1,483 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "start/thin_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <span>
+#include <utility>
+
+#include "base/hexagonal.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kNarrow = 3.2;  // spacings around a body that is thin: a rope of that diameter
+constexpr double kLong = 5.0;    // so many times as long as it is around
+constexpr double kWide = 0.02;   // share of the density that may be in wider slabs: ends and knots
+constexpr double kFirstSlabs = 64.0;    // to find how long all branches are together ...
+constexpr double kSlabs = 4.0;          // ... and then for each point
+constexpr double kMostPieces = 0x1p24;  // pieces of faces, beyond which it is not tried
+constexpr std::size_t kSpur = 8;        // slabs of a dead end that is visited first
+constexpr int kTries =
+    8;  // places in a slab, of which the one farthest from the last ones is taken
+constexpr std::size_t kLast = 12;   // of those
+constexpr double kAround = 4.0;     // spacings, within which ...
+constexpr double kCrowd = 40.0;     // ... fewer darts tell of a thin body: a plane has 58
+constexpr std::size_t kAsked = 32;  // darts of a component that are asked how many are around them
+
+/// The part of a triangle where a linear function is between two levels, in barycentric
+/// coordinates.
+struct Slice {
+  double share = 0.0;  // of the area
+  Vec3 centroid = Vec3::Zero();
+};
+
+using Corners = std::vector<Vec3>;
+
+/// A point of a face.
+struct Place {
+  OrderedFace face;
+  Vec3 weights;  // barycentric
+  Vec3 position;
+};
+
+/// Keep where sign * (value - level) >= 0.
+Corners cut(const Corners& polygon, const Vec3& values, double level, double sign) {
+  Corners result;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const double at_a = sign * (a.dot(values) - level), at_b = sign * (b.dot(values) - level);
+    if (at_a >= 0.0) result.push_back(a);
+    if ((at_a < 0.0) != (at_b < 0.0)) result.push_back(a + at_a / (at_a - at_b) * (b - a));
+  }
+  return result;
+}
+
+Slice slice(const Vec3& values, double low, double high) {
+  if (values.minCoeff() >= low && values.maxCoeff() <= high)
+    return {1.0, Vec3::Constant(1.0 / 3.0)};
+  const Corners polygon =
+      cut(cut({Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, values, low, 1.0), values, high, -1.0);
+  Slice result;
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    const Vec3 a = polygon[k - 1] - polygon[0], b = polygon[k] - polygon[0];
+    const double part = std::abs(a.x() * b.y() - a.y() * b.x());  // of the triangle's area
+    result.share += part;
+    result.centroid += part / 3.0 * (polygon[0] + polygon[k - 1] + polygon[k]);
+  }
+  if (result.share > 0.0) result.centroid /= result.share;
+  return result;
+}
+
+/// A component in slabs of equal distance from one end, in each of which what hangs together is a
+/// node: those of a rope are a path, those of a net a graph.
+class Course {
+ public:
+  Course(const Surface& surface, std::span<const OrderedFace> faces)
+      : surface_(surface.ordered()), faces_(faces) {
+    for (const OrderedFace f : faces_)
+      for (const std::int32_t v : surface_.welded_corners(f)) vertices_.push_back(v);
+    std::sort(vertices_.begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    for (const OrderedFace f : faces_) {
+      const Face corners = surface_.welded_corners(f);
+      corners_.push_back({local(corners[0]), local(corners[1]), local(corners[2])});
+    }
+    join_vertices();
+  }
+
+  /// Places at equal shares of the density; none where the component is wide or short.
+  std::optional<std::vector<Place>> places(std::size_t count, double phase, Random& random) {
+    find_distances(random);
+    if (!(length_ > 0.0) || !std::isfinite(length_)) return std::nullopt;
+    if (!divide(kFirstSlabs)) return std::nullopt;
+    const double along = height_ * static_cast<double>(nodes_.size());
+    if (!divide(std::ceil(kSlabs * static_cast<double>(count) * length_ / along)))
+      return std::nullopt;
+    if (!is_thin(count)) return std::nullopt;
+    visit();
+    return take(count, phase, random);
+  }
+
+ private:
+  struct Node {
+    std::size_t slab = 0;
+    double area = 0.0, mass = 0.0;
+    std::vector<std::size_t> pieces = {};  // of them, those with density
+    std::vector<std::size_t> beside = {};  // nodes in the next slabs
+    bool visited = false;
+  };
+  struct Visit {
+    std::size_t node;
+    bool forward;
+  };
+
+  [[nodiscard]] std::size_t local(std::int32_t vertex) const {
+    return static_cast<std::size_t>(std::lower_bound(vertices_.begin(), vertices_.end(), vertex) -
+                                    vertices_.begin());
+  }
+
+  /// How far it is along the edges.
+  void join_vertices() {
+    starts_.assign(vertices_.size() + 1, 0);
+    for (const auto& corners : corners_)
+      for (const std::size_t v : corners) starts_[v + 1] += 2;
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    edges_.resize(starts_.back());
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t m = (k + 1) % 3;
+        const double length = (corner(f, k) - corner(f, m)).norm();
+        edges_[next[corners_[f][k]]++] = {length, corners_[f][m]};
+        edges_[next[corners_[f][m]]++] = {length, corners_[f][k]};
+      }
+  }
+
+  [[nodiscard]] const Vec3& corner(std::size_t face, std::size_t k) const {
+    return surface_.vertex(surface_.corners(faces_[face])[k]);
+  }
+
+  /// From an end: what is farthest from anywhere.
+  void find_distances(Random& random) {
+    const auto count = static_cast<double>(vertices_.size());
+    measure_from(static_cast<std::size_t>(random.uniform() * count));
+    measure_from(static_cast<std::size_t>(std::max_element(distances_.begin(), distances_.end()) -
+                                          distances_.begin()));
+    length_ = *std::max_element(distances_.begin(), distances_.end());
+  }
+
+  void measure_from(std::size_t start) {
+    distances_.assign(vertices_.size(), std::numeric_limits<double>::infinity());
+    using Entry = std::pair<double, std::size_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> waiting;
+    distances_[start] = 0.0;
+    for (waiting.emplace(0.0, start); !waiting.empty();) {
+      const auto [at, v] = waiting.top();
+      waiting.pop();
+      if (at > distances_[v]) continue;
+      for (std::size_t e = starts_[v]; e < starts_[v + 1]; ++e) {
+        const auto [length, to] = edges_[e];
+        if (!(at + length < distances_[to])) continue;
+        distances_[to] = at + length;
+        waiting.emplace(at + length, to);
+      }
+    }
+  }
+
+  [[nodiscard]] Vec3 distances(std::size_t face) const {
+    const auto& [a, b, c] = corners_[face];
+    return {distances_[a], distances_[b], distances_[c]};
+  }
+
+  [[nodiscard]] std::size_t slab_at(double distance) const {
+    return std::min(static_cast<std::size_t>(distance / height_), slabs_ - 1);
+  }
+
+  /// False if that would be too many pieces.
+  bool divide(double slabs) {
+    if (!(slabs < kMostPieces)) return false;
+    slabs_ = std::max<std::size_t>(1, static_cast<std::size_t>(slabs));
+    height_ = length_ / static_cast<double>(slabs_);
+    first_piece_.assign(1, 0);
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      const Vec3 at = distances(f);
+      first_piece_.push_back(first_piece_.back() + slab_at(at.maxCoeff()) - slab_at(at.minCoeff()) +
+                             1);
+      if (static_cast<double>(first_piece_.back()) > kMostPieces) return false;
+    }
+    join_pieces();
+    make_nodes();
+    return true;
+  }
+
+  /// The piece of a face in a slab; none where it has none there.
+  [[nodiscard]] std::optional<std::size_t> piece(std::size_t face, std::size_t slab) const {
+    const std::size_t first = slab_at(distances(face).minCoeff());
+    const std::size_t piece = first_piece_[face] + slab - first;
+    if (slab < first || piece >= first_piece_[face + 1]) return std::nullopt;
+    return piece;
+  }
+
+  /// What lies in one slab on two sides of an edge hangs together.
+  void join_pieces() {
+    parents_.resize(first_piece_.back());
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const std::int32_t h = half_edge(faces_[f], k);
+        for (std::int32_t g = surface_.next_around(h); g != h; g = surface_.next_around(g))
+          if (g > h) join_over(f, static_cast<std::size_t>(k), face_index(face_of(g)));
+      }
+  }
+
+  [[nodiscard]] std::size_t face_index(OrderedFace face) const {
+    return static_cast<std::size_t>(std::lower_bound(faces_.begin(), faces_.end(), face) -
+                                    faces_.begin());
+  }
+
+  void join_over(std::size_t face, std::size_t k, std::size_t other) {
+    const auto [low, high] =
+        std::minmax({distances_[corners_[face][k]], distances_[corners_[face][(k + 1) % 3]]});
+    for (std::size_t slab = slab_at(low); slab <= slab_at(high); ++slab) {
+      const auto a = piece(face, slab), b = piece(other, slab);
+      if (a && b) parents_[root(*a)] = root(*b);
+    }
+  }
+
+  std::size_t root(std::size_t piece) {
+    while (parents_[piece] != piece) piece = parents_[piece] = parents_[parents_[piece]];
+    return piece;
+  }
+
+  void make_nodes() {
+    nodes_.clear();
+    std::vector<std::size_t> node_at(parents_.size(), parents_.size());
+    std::vector<std::size_t> node_of;
+    faces_of_pieces_.clear();
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      std::size_t slab = slab_at(distances(f).minCoeff());
+      for (std::size_t p = first_piece_[f]; p < first_piece_[f + 1]; ++p, ++slab) {
+        std::size_t& node = node_at[root(p)];
+        if (node == parents_.size()) {
+          node = nodes_.size();
+          nodes_.push_back({.slab = slab});
+        }
+        node_of.push_back(node);
+        faces_of_pieces_.push_back(f);
+        add_piece(f, p, nodes_[node]);
+        if (p > first_piece_[f]) join_nodes(node_of[p - 1], node);
+      }
+    }
+    for (Node& node : nodes_) {
+      std::sort(node.beside.begin(), node.beside.end());
+      node.beside.erase(std::unique(node.beside.begin(), node.beside.end()), node.beside.end());
+    }
+  }
+
+  void join_nodes(std::size_t a, std::size_t b) {
+    nodes_[a].beside.push_back(b);
+    nodes_[b].beside.push_back(a);
+  }
+
+  void add_piece(std::size_t face, std::size_t piece, Node& node) const {
+    const double low = static_cast<double>(node.slab) * height_;
+    const bool last = node.slab + 1 == slabs_;
+    const Slice part = slice(distances(face), low, last ? 2.0 * length_ : low + height_);
+    const double area = part.share * surface_.geometry(faces_[face]).moments.area;
+    const double mass = area * part.centroid.dot(surface_.densities(faces_[face]));
+    node.area += area;
+    node.mass += mass;
+    if (mass > 0.0) node.pieces.push_back(piece);
+  }
+
+  /// Whether it is long, and nearly nowhere wider around than a few spacings.
+  [[nodiscard]] bool is_thin(std::size_t count) const {
+    double all = 0.0, wide = 0.0, area = 0.0;
+    for (const Node& node : nodes_) all += node.mass;
+    const double share = all / static_cast<double>(count);
+    for (const Node& node : nodes_) {
+      area += node.area;
+      if (node.mass > 0.0 &&
+          node.area / height_ > kNarrow * hexagonal_spacing(share * node.area / node.mass))
+        wide += node.mass;
+    }
+    const double along = height_ * static_cast<double>(nodes_.size());
+    return all > 0.0 && wide <= kWide * all && along * along >= kLong * area;
+  }
+
+  /// All nodes, along one branch after another.
+  void visit() {
+    order_.clear();
+    std::vector<std::size_t> way;
+    for (std::size_t first = 0; first < nodes_.size(); ++first)
+      if (nodes_[first].slab == 0 && !nodes_[first].visited) go_to(first, true, way);
+    while (!way.empty()) {
+      const std::size_t at = way.back();
+      if (const auto next = next_from(at))
+        go_to(*next, nodes_[*next].slab > nodes_[at].slab, way);
+      else
+        way.pop_back();
+    }
+  }
+
+  void go_to(std::size_t node, bool forward, std::vector<std::size_t>& way) {
+    nodes_[node].visited = true;
+    order_.push_back({node, forward});
+    way.push_back(node);
+  }
+
+  /// Short dead ends first: later nobody would come by.
+  [[nodiscard]] std::optional<std::size_t> next_from(std::size_t at) const {
+    std::vector<std::size_t> left;
+    for (const std::size_t n : nodes_[at].beside)
+      if (!nodes_[n].visited) left.push_back(n);
+    if (left.empty()) return std::nullopt;
+    if (left.size() > 1)
+      for (const std::size_t n : left)
+        if (is_spur(n)) return n;
+    return left[0];
+  }
+
+  [[nodiscard]] bool is_spur(std::size_t node) const {
+    std::vector<std::size_t> seen = {node};
+    for (std::size_t k = 0; k < seen.size(); ++k)
+      for (const std::size_t n : nodes_[seen[k]].beside) {
+        if (nodes_[n].visited || std::find(seen.begin(), seen.end(), n) != seen.end()) continue;
+        if (seen.size() == kSpur) return false;
+        seen.push_back(n);
+      }
+    return true;
+  }
+
+  std::optional<std::vector<Place>> take(std::size_t count, double phase, Random& random) const {
+    double all = 0.0;
+    for (const Visit& visit : order_) all += nodes_[visit.node].mass;
+    std::vector<Place> result;
+    double before = 0.0;
+    for (const auto& [k, forward] : order_) {
+      const Node& node = nodes_[k];
+      while (result.size() < count) {
+        const double wanted =
+            (static_cast<double>(result.size()) + phase) / static_cast<double>(count) * all;
+        if (!(wanted < before + node.mass)) break;
+        const double part = (wanted - before) / node.mass;
+        const auto place = place_in(node, forward ? part : 1.0 - part, result, random);
+        if (!place) return std::nullopt;
+        result.push_back(*place);
+      }
+      before += node.mass;
+    }
+    if (result.size() != count) return std::nullopt;
+    return result;
+  }
+
+  /// A place in a slab, at a share of its height, with density; of some the one farthest from the
+  /// last ones that were taken.
+  [[nodiscard]] std::optional<Place> place_in(const Node& node, double part,
+                                              std::span<const Place> taken, Random& random) const {
+    const double level = (static_cast<double>(node.slab) + part) * height_;
+    const std::vector<std::size_t> faces = faces_at(node, level);
+    taken = taken.last(std::min(taken.size(), kLast));
+    std::optional<Place> best;
+    double most = -1.0;
+    for (int k = 0; k < kTries; ++k) {
+      const auto n = static_cast<std::size_t>(random.uniform() * static_cast<double>(faces.size()));
+      const Place place = place_on(faces[n], level, random.uniform());
+      if (!(place.weights.dot(surface_.densities(place.face)) > 0.0)) continue;
+      double room = std::numeric_limits<double>::max();
+      for (const Place& other : taken)
+        room = std::min(room, (other.position - place.position).squaredNorm());
+      if (room > most) best = place;
+      most = std::max(most, room);
+    }
+    return best;
+  }
+
+  /// Those of a slab's faces that reach the level; all where rounding leaves none.
+  [[nodiscard]] std::vector<std::size_t> faces_at(const Node& node, double level) const {
+    std::vector<std::size_t> all, there;
+    for (const std::size_t p : node.pieces) {
+      const std::size_t face = faces_of_pieces_[p];
+      const Vec3 at = distances(face);
+      all.push_back(face);
+      if (at.minCoeff() < level && level < at.maxCoeff()) there.push_back(face);
+    }
+    return there.empty() ? all : there;
+  }
+
+  [[nodiscard]] Place place_on(std::size_t face, double level, double share) const {
+    const Vec3 weights = at_level(distances(face), level, share);
+    return {faces_[face], weights, surface_.point(faces_[face], weights)};
+  }
+
+  /// The point of a triangle at a share of the line where the distance is `level`.
+  static Vec3 at_level(const Vec3& values, double level, double share) {
+    std::array<Eigen::Index, 3> order = {0, 1, 2};
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return values[a] != values[b] ? values[a] < values[b] : a < b;
+    });
+    const auto [low, middle, high] = order;
+    const auto between = [&](Eigen::Index a, Eigen::Index b) {
+      const double span = values[b] - values[a];
+      const double part = span > 0.0 ? std::clamp((level - values[a]) / span, 0.0, 1.0) : 0.5;
+      return Vec3((1.0 - part) * Vec3::Unit(a) + part * Vec3::Unit(b));
+    };
+    const Vec3 one = between(low, high);
+    const Vec3 other = level < values[middle] ? between(low, middle) : between(middle, high);
+    return (1.0 - share) * one + share * other;
+  }
+
+  const OrderedSurface& surface_;
+  std::span<const OrderedFace> faces_;               // sorted
+  std::vector<std::int32_t> vertices_;               // welded ones, sorted
+  std::vector<std::array<std::size_t, 3>> corners_;  // per face, as indices of vertices_
+  std::vector<std::size_t> starts_;                  // rows of edges_
+  std::vector<std::pair<double, std::size_t>> edges_;
+  std::vector<double> distances_;  // per vertex, from one end
+  double length_ = 0.0;            // the largest of them
+  std::size_t slabs_ = 1;
+  double height_ = 0.0;                   // of one
+  std::vector<std::size_t> first_piece_;  // per face and one more: pieces by face, then by slab
+  std::vector<std::size_t> parents_;      // per piece, toward the first of its node
+  std::vector<std::size_t> faces_of_pieces_;
+  std::vector<Node> nodes_;
+  std::vector<Visit> order_;
+};
+
+/// Whether fewer darts of the component are around each than on a plane.
+bool is_sparse(const std::vector<Dart*>& darts, double spacing) {
+  const std::size_t step = (darts.size() + kAsked - 1) / kAsked;
+  std::size_t around = 0, asked = 0;
+  for (std::size_t k = 0; k < darts.size(); k += step, ++asked) {
+    const double reach = kAround * spacing / std::sqrt(darts[k]->density);
+    for (const Dart* dart : darts)
+      if ((dart->position - darts[k]->position).squaredNorm() < reach * reach) ++around;
+  }
+  return static_cast<double>(around) < (kCrowd + 1.0) * static_cast<double>(asked);
+}
+
+/// The darts of each component that may be thin, without those where some are locked.
+std::map<std::int32_t, std::vector<Dart*>> darts_of_thin(std::vector<Dart>& darts,
+                                                         std::size_t locked, double spacing) {
+  std::map<std::int32_t, std::vector<Dart*>> result;
+  for (std::size_t k = locked; k < darts.size(); ++k)
+    result[darts[k].component].push_back(&darts[k]);
+  for (std::size_t k = 0; k < locked; ++k) result.erase(darts[k].component);
+  std::erase_if(result, [&](const auto& part) { return !is_sparse(part.second, spacing); });
+  return result;
+}
+
+}  // namespace
+
+std::size_t lay_along_thin_parts(const Surface& surface, double spacing, std::size_t locked,
+                                 double phase, Random& random, std::vector<Dart>& darts,
+                                 const Context* context) {
+  const auto thin = darts_of_thin(darts, locked, spacing);
+  std::size_t moved = 0;
+  if (thin.empty()) return moved;
+  std::map<std::int32_t, std::vector<OrderedFace>> faces;
+  for (const auto& [component, members] : thin) faces[component];
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const auto found = faces.find(surface.ordered().component(nth_face(f)));
+    if (found != faces.end()) found->second.push_back(nth_face(f));
+  }
+  for (const auto& [component, members] : thin) {
+    if (context) context->check();
+    const auto places = Course(surface, faces[component]).places(members.size(), phase, random);
+    if (!places) continue;
+    for (std::size_t k = 0; k < members.size(); ++k)
+      *members[k] = dart_at(surface, (*places)[k].face, (*places)[k].weights);
+    moved += members.size();
+  }
+  return moved;
+}
+
+}  // namespace dapple

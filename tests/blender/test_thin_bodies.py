@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wires, ropes and ribbons are even along their length, and the panel says no spacing of them."""
+
+import bpy
+import numpy as np
+import pytest
+
+
+def strewn(make, count):
+    make()
+    bpy.ops.dapple.add(count=count)
+    return bpy.context.object
+
+
+def polyline(paths, radius):
+    curve = bpy.data.curves.new("Wires", "CURVE")
+    curve.dimensions, curve.bevel_depth, curve.use_fill_caps = "3D", radius, True
+    for path in paths:
+        spline = curve.splines.new("POLY")
+        spline.points.add(len(path) - 1)
+        for point, place in zip(spline.points, path, strict=True):
+            point.co = (*place, 1)
+    obj = bpy.data.objects.new("Wires", curve)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+
+
+def fence():
+    polyline([[(0, 0.1 * wire, 0), (2, 0.1 * wire, 0)] for wire in range(20)], 0.002)
+
+
+def rope():
+    turns = 2 * np.pi * np.linspace(0, 3, 200)
+    polyline([np.column_stack([np.cos(turns), np.sin(turns), turns / 12])], 0.01)
+
+
+def ribbon():
+    bpy.ops.mesh.primitive_plane_add(size=1)
+    bpy.context.object.scale = (4, 0.01, 1)
+
+
+@pytest.mark.parametrize(("make", "count"), [(fence, 200), (rope, 100), (ribbon, 60)])
+def test_thin_bodies_are_even_and_nothing_is_said_of_a_spacing(addon, make, count):
+    scatter = strewn(make, count)
+    report = scatter.dapple.report
+    assert report.capacity_variation <= 0.01
+    assert report.evaluations <= 40
+    assert report.converged
+    assert report.thin_share == 1.0
+    results = addon.blender.panels.results
+    lines = [text for text, _ in results.result_lines(scatter, bpy.context)]
+    figures = [text for text, _ in results.figure_lines(scatter)]
+    assert not [line for line in (*lines, *figures) if "of ideal" in line]
+    assert "area variation" in lines[0]
+    assert "100 % of the points are on parts thinner than the spacing" in figures
