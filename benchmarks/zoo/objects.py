@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import radians
+from math import cos, radians, sin
 from typing import Any
 
 import bpy
@@ -74,6 +74,35 @@ def _text() -> None:
 def _curve() -> None:
     bpy.ops.curve.primitive_bezier_circle_add()
     bpy.context.object.data.bevel_depth = 0.2
+
+
+def _wires(paths: list[list[tuple[float, float, float]]], radius: float) -> None:
+    """A curve with bevel."""
+    curve = bpy.data.curves.new("Wires", "CURVE")
+    curve.dimensions, curve.bevel_depth, curve.use_fill_caps = "3D", radius, True
+    for path in paths:
+        spline = curve.splines.new("POLY")
+        spline.points.add(len(path) - 1)
+        for point, place in zip(spline.points, path, strict=True):
+            point.co = (*place, 1.0)
+    obj = bpy.data.objects.new("Wires", curve)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+
+
+def _fence() -> None:
+    _wires([[(0.0, y / 10, 0.0), (2.0, y / 10, 0.0)] for y in range(20)], 0.002)
+
+
+def _rope() -> None:
+    turns = [radians(1080 * k / 199) for k in range(200)]
+    _wires([[(cos(turn), sin(turn), turn / 12) for turn in turns]], 0.01)
+
+
+def _ribbon() -> None:
+    _of_mesh("plane", size=1.0)()
+    bpy.context.object.scale = (4.0, 0.01, 1.0)
 
 
 def _metaball() -> None:
@@ -142,6 +171,9 @@ CASES = (
     Case("grid 200, displace by clouds", _clouds, 0.02, 0.4),
     Case("text with bevel", _text, 0.015, 0.55, 20),
     Case("300 leaves", _leaves, 0.2, 0.5),
+    Case("fence of 20 wires", _fence, 0.01, 0.0, 40, 200),
+    Case("rope", _rope, 0.01, 0.0, 40, 100),
+    Case("ribbon", _ribbon, 0.01, 0.0, 40, 60),
     Case("metaball", _metaball),
     Case("room", _room, points=2000),
 )

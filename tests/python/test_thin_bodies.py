@@ -59,7 +59,7 @@ def test_alpha_is_left_out_where_no_hexagons_fit():
 
 
 def test_the_command_line_says_no_spacing_of_wires(tmp_path):
-    dapple.save_mesh(tmp_path / "fence.ply", *fence())
-    text = done("sample", tmp_path / "fence.ply", "-n", 200, "-o", tmp_path / "points.npz").stdout
+    dapple.write_mesh(tmp_path / "fence.ply", *fence())
+    text = done("sample", tmp_path / "fence.ply", tmp_path / "points.npz", "-n", 200).output
     assert "along parts thinner than the spacing" in text
     assert "alpha" not in text

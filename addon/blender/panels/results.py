@@ -34,7 +34,7 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
     lines.append((_effort(obj), "NONE"))
     if report.thin_share > 0.0:
         thin = 100 * report.thin_share
-        text = told("{thin:.2g} % of the points are on parts thinner than the spacing", thin=thin)
+        text = told("{thin:.3g} % of the points are on parts thinner than the spacing", thin=thin)
         lines.append((text, "INFO"))
     if report.whole_count_variation > max(_NOTICED, _SHARE * report.capacity_variation):
         whole = 100 * report.whole_count_variation

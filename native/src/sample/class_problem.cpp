@@ -20,7 +20,9 @@ constexpr double kDiscs = 20.0;             // weight of overlapping discs in th
 constexpr double kHarder = 10.0;            // ... and by how much it grows
 constexpr int kRounds = 4;
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
-constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts
+constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
+constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
+constexpr int kMore = 15;          // ... so many evaluations more
 constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
 constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
@@ -210,10 +212,20 @@ double share_of_start(const ClassProblem& problem, const ClassOptions& options) 
   return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
 }
 
-/// On thin parts the start is nearly even: the first steps gain little, but last.
-OptimizerOptions options_along(OptimizerOptions options, std::size_t along, std::size_t sites) {
-  if (2 * along > sites) options.tolerance *= kThin;
-  return options;
+/// On thin parts the start is nearly even: the first steps gain little, but more follow.
+void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context) {
+  options.max_evaluations = std::min(kMore, options.max_evaluations - found.minimum.evaluations);
+  if (options.max_evaluations < 1 ||
+      capacity_variation(found.objective, found.minimum.state) <= kEven)
+    return;
+  options.tolerance *= kThin;
+  Minimum next = minimize(found.objective, found.minimum.state.sites, options, context);
+  next.evaluations += found.minimum.evaluations;
+  next.iterations += found.minimum.iterations;
+  next.converged = next.converged || found.minimum.converged;
+  next.energies.insert(next.energies.begin(), found.minimum.energies.begin(),
+                       found.minimum.energies.end());
+  found.minimum = std::move(next);
 }
 
 ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
@@ -227,12 +239,15 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   const bool stages = options.two_stages && problem.classes.size() > 1;
   const double together = stages ? started + kAlone * (1.0 - started) : started;
   Stretch alone(context, started, together);
-  Stretch finishing(context, together, 1.0);
+  const bool thin = 2 * along > start.size();
+  const double first = thin ? together + kRound * (1.0 - together) : 1.0;
+  Stretch finishing(context, together, first), going_on(context, first, 1.0);
   Minimum before;
   if (stages) settle_alone(problem, options, start, before, alone.context());
   ClassMinimum found =
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
-            options_along(options.sample.optimizer, along, start.size()), finishing.context());
+            options.sample.optimizer, finishing.context());
+  if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
   found.minimum.evaluations += before.evaluations;
   found.minimum.iterations += before.iterations;
   return found;

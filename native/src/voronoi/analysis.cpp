@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <dapple/analysis.hpp>
 #include <dapple/neighbors.hpp>
@@ -122,18 +121,26 @@ class ComponentSites {
 };
 
 constexpr double kInLine = 1.25;  // own spacings: nearest neighbors on a plane are nearer
+constexpr double kOpposite =
+    -0.5;  // cosine between neighbors: those of a corner are less far apart
 
 /// Whether a site's neighbors are only before and behind it, farther than its cell is wide.
 bool is_in_line(const RestrictedVoronoi& diagram, std::size_t i) {
-  std::array<std::int32_t, 2> beside = {-1, -1};
+  const CellBoundary *before = nullptr, *behind = nullptr;
   for (const CellBoundary& side : diagram.boundary(i)) {
-    if (side.neighbor == beside[0] || side.neighbor == beside[1]) continue;
-    if (beside[1] >= 0) return false;
-    beside[beside[0] >= 0 ? 1 : 0] = side.neighbor;
+    if (!before || side.neighbor == before->neighbor)
+      before = &side;
+    else if (!behind || side.neighbor == behind->neighbor)
+      behind = &side;
+    else
+      return false;
   }
+  if (!before) return false;
+  if (behind && before->offset.dot(behind->offset) >
+                    kOpposite * before->offset.norm() * behind->offset.norm())
+    return false;
   const Moments& cell = diagram.cells[i];
-  return beside[0] >= 0 &&
-         nearest_touching(diagram, i) > kInLine * local_spacing(cell, cell.capacity);
+  return nearest_touching(diagram, i) > kInLine * local_spacing(cell, cell.capacity);
 }
 
 /// Of a site, in local spacings; infinite without a neighbor: alone on its component. kNone on a

@@ -85,7 +85,9 @@ void expect_even(const Shape& shape, std::size_t count, double thin_share) {
     EXPECT_LE(samples.report.evaluations, 40) << seed;
     EXPECT_TRUE(samples.report.converged) << seed;
     EXPECT_EQ(samples.report.evenness.thin_share, thin_share) << seed;
-    if (thin_share == 1.0) EXPECT_EQ(samples.report.evenness.alpha_mean, 0.0) << seed;
+    if (thin_share == 1.0) {
+      EXPECT_EQ(samples.report.evenness.alpha_mean, 0.0) << seed;
+    }
   }
 }
 

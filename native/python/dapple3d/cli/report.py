@@ -56,7 +56,7 @@ def figures(report: dapple.Quality) -> str:
     shown = f"alpha min {report.alpha_min:.3f}, psi6 {report.bond_order:.3f}, {variation}"
     if report.thin_share > 0.0:
         share = 100 * report.thin_share
-        return f"{shown}; alpha without {share:.2g} % on parts thinner than the spacing"
+        return f"{shown}; alpha without {share:.3g} % on parts thinner than the spacing"
     return shown
 
 
