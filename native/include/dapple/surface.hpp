@@ -21,6 +21,11 @@ struct SurfaceOptions {
   /// Edges whose faces' normals differ by more than this are hard: 0..180 degrees. Normals jump
   /// there, and are smooth over all other edges. Edges with one face or more than two are hard too.
   double sharp_angle = 30.0;
+  /// Whether faces that lie on each other corner by corner, turned the same way or not, count as
+  /// one: the first of them. The others have no area, connect nothing, and get no samples. Corners
+  /// are at one place as `weld` says, or if their indices are equal. Faces that overlap in another
+  /// way stay as they are.
+  bool merge_doubled = true;
 };
 
 /// Which edges are one and which vertices are at one place, where somebody knows better than their
@@ -28,6 +33,7 @@ struct SurfaceOptions {
 struct Joints {
   std::span<const std::int32_t> edges;  ///< per face three, from its corner k on: equal if one edge
   std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
+  bool merge_doubled = true;             ///< see SurfaceOptions; corners are where `places` says
 };
 
 class OrderedSurface;
@@ -75,8 +81,11 @@ class Surface {
 
   [[nodiscard]] std::size_t vertex_count() const;
   [[nodiscard]] std::size_t face_count() const;
-  [[nodiscard]] double area() const;  ///< in squares of the vertices' unit
-  [[nodiscard]] double mass() const;  ///< integral of the density over the surface
+  /// How many faces do not count because they lie on others (SurfaceOptions::merge_doubled).
+  [[nodiscard]] std::size_t doubled_faces() const;
+  [[nodiscard]] bool merge_doubled() const;  ///< see SurfaceOptions
+  [[nodiscard]] double area() const;         ///< in squares of the vertices' unit
+  [[nodiscard]] double mass() const;         ///< integral of the density over the surface
   /// Whether one was made from the other by deformed() or with_density().
   [[nodiscard]] bool same_faces(const Surface& other) const;
   [[nodiscard]] std::optional<double> weld() const;  ///< see SurfaceOptions
@@ -94,6 +103,12 @@ class Surface {
 
   /// The caller's indices of the faces' vertices, of those that hang together only one.
   [[nodiscard]] std::vector<std::int32_t> distinct_vertices() const;
+
+  /// Move points from faces that do not count to those that they lie on.
+  /// \param faces   the caller's
+  /// \param weights barycentric coordinates, one for each face
+  /// \pre the faces are in 0..face_count() - 1, and the lengths are equal
+  void move_to_counted(std::span<std::int32_t> faces, std::span<Vec3> weights) const;
 
   /// The point of the caller's face `face` with barycentric coordinates `weights`.
   /// \pre face is in 0..face_count() - 1; the weights' sum is 1
@@ -119,6 +134,9 @@ class Surface {
   [[nodiscard]] const OrderedSurface& ordered() const { return *ordered_; }
 
  private:
+  [[nodiscard]] std::vector<Vec3> counted_normals(std::span<const std::int32_t> faces,
+                                                  std::span<const Vec3> weights) const;
+
   std::shared_ptr<const OrderedSurface> ordered_;
 };
 

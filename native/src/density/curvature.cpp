@@ -149,7 +149,7 @@ class CurvatureField {
     for (std::size_t f = 0; f < face_normals_.size(); ++f)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto h = static_cast<std::int32_t>(3 * f + k);
-        if (surface_.ordered().next_around(h) == h)
+        if (surface_.ordered().is_border(h))
           at_border[as_size(corners(f)[k])] = at_border[as_size(corners(f)[(k + 1) % 3])] = true;
       }
     return at_border;

@@ -61,6 +61,7 @@ class CutMesh {
     std::vector<std::int32_t> edge_of(3 * faces_.size(), kNone);  // per half-edge
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       check_at(context_, f);
+      if (!surface.ordered().counts(surface.ordered().ordered_face(as_int(f)))) continue;
       Triangle triangle{faces_[f], {}, as_int(f), {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t h = half_edge(surface.ordered().ordered_face(as_int(f)), as_int(k));
@@ -342,7 +343,8 @@ Refined CutMesh::result(bool resolved, Context* context) && {
   }
   const std::vector<double> density = carried_density(*surface_, refined, context);
   refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
-                            Joints{joined_edges(), places()}, surface_->sharp_angle(), context);
+                            Joints{joined_edges(), places(), /*merge_doubled=*/false},
+                            surface_->sharp_angle(), context);
   if (surface_->has_normals())
     refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined));
   return refined;

@@ -77,7 +77,7 @@ double SurfaceDomain::mass() const { return surface_.ordered().unit_mass(); }
 double SurfaceDomain::density_unit() const { return surface_.ordered().density_unit(); }
 
 Vec3 SurfaceDomain::normal(std::int32_t face) const {
-  return surface_.ordered().geometry(surface_.ordered().ordered_face(face)).normal;
+  return surface_.ordered().geometry(surface_.ordered().counted_face(face)).normal;
 }
 
 std::vector<bool> SurfaceDomain::on_border(const Sites& sites,

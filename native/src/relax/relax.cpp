@@ -23,7 +23,7 @@ std::vector<OrderedFace> ordered_faces(const Surface& surface,
                                        std::span<const std::int32_t> faces) {
   std::vector<OrderedFace> result;
   result.reserve(faces.size());
-  for (const std::int32_t face : faces) result.push_back(surface.ordered().ordered_face(face));
+  for (const std::int32_t face : faces) result.push_back(surface.ordered().counted_face(face));
   std::sort(result.begin(), result.end());
   return result;
 }

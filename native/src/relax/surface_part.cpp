@@ -50,9 +50,12 @@ Surface cut_out(const Surface& whole, std::span<const OrderedFace> faces, Contex
       v = static_cast<std::int32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
                                     vertices.begin());
   }
-  return {
-      positions,           corners, Density{DensityAt::kCorners, densities}, Joints{edges, places},
-      whole.sharp_angle(), context};
+  return {positions,
+          corners,
+          Density{DensityAt::kCorners, densities},
+          Joints{edges, places, /*merge_doubled=*/false},
+          whole.sharp_angle(),
+          context};
 }
 
 /// Walks over faces outside a set from its rim on, and tells holes from the rest of the surface.

@@ -43,11 +43,12 @@ Samples bind_samples(const Surface& surface, std::span<const std::int32_t> faces
 
   Samples samples;
   samples.faces.assign(faces.begin(), faces.end());
-  samples.barycentric.resize(count);
+  samples.barycentric.assign(barycentric.begin(), barycentric.end());
   samples.positions.resize(count);
+  surface.move_to_counted(samples.faces, samples.barycentric);
   for_each_vector(count, [&](std::size_t k) {
-    samples.barycentric[k] = normalized(barycentric[k]);
-    samples.positions[k] = surface.point(faces[k], samples.barycentric[k]);
+    samples.barycentric[k] = normalized(samples.barycentric[k]);
+    samples.positions[k] = surface.point(samples.faces[k], samples.barycentric[k]);
   });
   samples.normals = surface.normals(samples.faces, samples.barycentric);
   samples.ids.assign(ids.begin(), ids.end());

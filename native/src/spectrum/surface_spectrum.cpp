@@ -64,7 +64,7 @@ std::vector<Vec3> border_points(const Surface& surface, double step) {
   std::vector<Vec3> points;
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
   for (std::int32_t h = 0; h < half_edges; ++h) {
-    if (surface.ordered().next_around(h) != h) continue;
+    if (!surface.ordered().is_border(h)) continue;
     const Face& corners = surface.ordered().corners(face_of(h));
     const Vec3& a = surface.ordered().vertex(corners[static_cast<std::size_t>(h % 3)]);
     const Vec3& b = surface.ordered().vertex(corners[static_cast<std::size_t>((h + 1) % 3)]);

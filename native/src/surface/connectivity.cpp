@@ -8,6 +8,7 @@
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
+#include "surface/doubled.hpp"
 #include "surface/weld.hpp"
 
 namespace dapple {
@@ -24,10 +25,13 @@ struct HalfEdgeKey {
   auto operator<=>(const HalfEdgeKey&) const = default;
 };
 
-/// Link the half-edges of equal keys into rings, in the order of their faces.
-std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, Context* context) {
+/// Link the half-edges of equal keys into rings, in the order of their faces; those without a key
+/// each by itself.
+std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, std::size_t half_edges,
+                                     Context* context) {
   sort_watched(keys, context);
-  std::vector<std::int32_t> next(keys.size());
+  std::vector<std::int32_t> next(half_edges);
+  if (keys.size() < half_edges) std::iota(next.begin(), next.end(), 0);
   std::size_t rings = 0;
   for (std::size_t first = 0; first < keys.size();) {
     check_at(context, rings++);
@@ -43,22 +47,26 @@ std::vector<std::int32_t> link_rings(std::vector<HalfEdgeKey> keys, Context* con
 }
 
 /// Link the half-edges that share an (undirected) edge.
-std::vector<std::int32_t> link_edges(std::span<const Face> faces, Context* context) {
+/// \param left_out faces that connect nothing; empty for none
+std::vector<std::int32_t> link_edges(std::span<const Face> faces, const std::vector<bool>& left_out,
+                                     Context* context) {
   std::vector<HalfEdgeKey> keys;
   keys.reserve(3 * faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(context, f);
+    if (!left_out.empty() && left_out[f]) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
       keys.push_back({low, high, static_cast<std::int32_t>(3 * f + k)});
     }
   }
-  return link_rings(std::move(keys), context);
+  return link_rings(std::move(keys), 3 * faces.size(), context);
 }
 
 /// Number the sets of faces connected over edges, in the order of their first faces.
 void find_components(Connectivity& mesh, const Context* context) {
   mesh.component.assign(mesh.faces.size(), -1);
+  const std::vector<bool> left_out = left_out_faces(mesh);
   std::vector<OrderedFace> pending;
   std::size_t seen = 0;
   const auto push = [&](OrderedFace face) {
@@ -71,7 +79,7 @@ void find_components(Connectivity& mesh, const Context* context) {
     return mesh.next_around_edge[static_cast<std::size_t>(h)];
   };
   for (std::size_t start = 0; start < mesh.faces.size(); ++start) {
-    if (mesh.component[start] >= 0) continue;
+    if (mesh.component[start] >= 0 || (!left_out.empty() && left_out[start])) continue;
     push(nth_face(start));
     while (!pending.empty()) {
       check_at(context, seen++);
@@ -84,6 +92,8 @@ void find_components(Connectivity& mesh, const Context* context) {
     }
     ++mesh.components;
   }
+  for (const DoubledFace& doubled : mesh.doubled)
+    mesh.component[as_index(doubled.face)] = mesh.component[as_index(doubled.counted)];
 }
 
 std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
@@ -110,27 +120,35 @@ void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivi
           Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked), welding(context, kEdgesLinked, kWelded);
   mesh.weld = weld;
-  mesh.next_around_edge = link_edges(mesh.faces, linking.context());
+  const auto tolerance = weld ? tolerance_of(vertices, *weld) : std::nullopt;
+  const std::vector<Vec3> ordered = gather(vertices, mesh.original_vertex);
   mesh.welded_vertex.resize(vertices.size());
   std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
-  const auto tolerance = weld ? tolerance_of(vertices, *weld) : std::nullopt;
+  if (mesh.merge_doubled)
+    mesh.doubled = find_doubled(
+        mesh, tolerance ? places_of(ordered, *tolerance, context) : mesh.welded_vertex, context);
+  const std::vector<bool> left_out = left_out_faces(mesh);
+  mesh.next_around_edge = link_edges(mesh.faces, left_out, linking.context());
   if (tolerance)
-    mesh.welded_vertex = weld_borders(gather(vertices, mesh.original_vertex), *tolerance,
-                                      mesh.faces, mesh.next_around_edge, welding.context());
+    mesh.welded_vertex = weld_borders(ordered, *tolerance, mesh.faces, left_out,
+                                      mesh.next_around_edge, welding.context());
 }
 
 /// Link the edges that the caller knows to be one.
 void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
           Connectivity& mesh, Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked);
+  const std::vector<std::int32_t> place_of = gather(places, mesh.original_vertex);
+  if (mesh.merge_doubled) mesh.doubled = find_doubled(mesh, place_of, context);
+  const std::vector<bool> left_out = left_out_faces(mesh);
   std::vector<HalfEdgeKey> keys;
   for (std::size_t h = 0; h < edges.size(); ++h) {
+    if (!left_out.empty() && left_out[h / 3]) continue;
     const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
     const std::int32_t edge = edges[3 * face + h % 3];
     keys.push_back({edge, edge, static_cast<std::int32_t>(h)});
   }
-  mesh.next_around_edge = link_rings(std::move(keys), linking.context());
-  const std::vector<std::int32_t> place_of = gather(places, mesh.original_vertex);
+  mesh.next_around_edge = link_rings(std::move(keys), edges.size(), linking.context());
   std::unordered_map<std::int32_t, std::int32_t> lowest;
   for (std::size_t v = 0; v < place_of.size(); ++v) {
     check_at(context, v);
@@ -172,8 +190,9 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
 }  // namespace
 
 Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                     std::optional<double> weld, Context* context) {
+                     std::optional<double> weld, bool merge_doubled, Context* context) {
   Connectivity result = ordered_faces(vertices, faces, context);
+  result.merge_doubled = merge_doubled;
   link(vertices, weld, result, context);
   if (context) context->advance(kWelded);
   find_components(result, context);

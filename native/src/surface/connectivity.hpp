@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <optional>
@@ -9,6 +11,13 @@
 #include "surface/ordered_face.hpp"
 
 namespace dapple {
+
+/// A face that lies on another corner by corner, and does not count.
+struct DoubledFace {
+  OrderedFace face;
+  OrderedFace counted;                  // the face that it lies on; this one counts
+  std::array<std::uint8_t, 3> corners;  // of `counted`, at the corners of `face`
+};
 
 /// Faces and vertices in an order of their own (along Morton curves, which is kind to caches;
 /// *ordered* for short), how that maps to the caller's, and which faces are neighbors. All surfaces
@@ -23,6 +32,8 @@ struct Connectivity {
   std::vector<std::int32_t> welded_vertex;     // per ordered vertex, see OrderedSurface::welded
   std::vector<std::int32_t> component;         // per ordered face; connected over edges
   std::int32_t components = 0;
+  bool merge_doubled = true;         // see SurfaceOptions
+  std::vector<DoubledFace> doubled;  // sorted by face; each is in the component of the other
 };
 
 /// Connect faces over edges of the same vertices and, where `weld` asks for it, over border edges
@@ -30,7 +41,8 @@ struct Connectivity {
 /// \pre the faces' vertices are there.
 /// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
-                                   std::optional<double> weld, Context* context = nullptr);
+                                   std::optional<double> weld, bool merge_doubled,
+                                   Context* context = nullptr);
 
 /// Connect faces over the edges that the caller knows to be one (see Joints).
 /// \param edges per face three.
@@ -39,7 +51,7 @@ struct Connectivity {
 /// \throw Cancelled
 [[nodiscard]] Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                                    std::span<const std::int32_t> edges,
-                                   std::span<const std::int32_t> places,
+                                   std::span<const std::int32_t> places, bool merge_doubled,
                                    Context* context = nullptr);
 
 }  // namespace dapple

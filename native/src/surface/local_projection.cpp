@@ -149,7 +149,7 @@ Projection LocalProjection::walk(std::span<const Vec3> points, std::span<const s
   parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
     if (context) context->check();
     for (std::size_t k = begin; k < end; ++k)
-      walk_to(points[k], surface_->ordered().ordered_face(from[k]), k, hits);
+      walk_to(points[k], surface_->ordered().counted_face(from[k]), k, hits);
   });
   return hits;
 }
@@ -159,7 +159,7 @@ void LocalProjection::mend(std::span<const Vec3> points, std::span<const std::in
   parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) {
-      const OrderedFace start = surface_->ordered().ordered_face(from[k]);
+      const OrderedFace start = surface_->ordered().counted_face(from[k]);
       const OrderedFace hit = surface_->ordered().ordered_face(hits.faces[k]);
       if (start == hit || !has_density(*surface_, start)) continue;  // nobody is to stay there
       if (on_another_sheet(*surface_, start, hit))

@@ -90,6 +90,15 @@ OrderedSurface OrderedSurface::with_density(const Density& density, Context* con
   return result;
 }
 
+const DoubledFace* OrderedSurface::doubled_face(OrderedFace face) const {
+  const std::vector<DoubledFace>& doubled = connectivity_->doubled;
+  if (doubled.empty()) return nullptr;
+  const auto found =
+      std::lower_bound(doubled.begin(), doubled.end(), face,
+                       [](const DoubledFace& one, OrderedFace f) { return one.face < f; });
+  return found != doubled.end() && found->face == face ? &*found : nullptr;
+}
+
 void OrderedSurface::place_density(const Density& density) {
   const auto [order, width] = density_layout(*connectivity_, density.at);
   density_ =
@@ -129,9 +138,12 @@ std::shared_ptr<const OrderedSurface::Block> OrderedSurface::measure_block(std::
   result->faces.reserve(kBlock);
   for (std::size_t f = block * kBlock; f < end; ++f) {
     const auto [a, b, c] = corners(nth_face(f));
-    const FaceGeometry& face = result->faces.emplace_back(
-        measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(nth_face(f)),
-                     density_->values.empty()));
+    FaceGeometry& face = result->faces.emplace_back();
+    if (counts(nth_face(f)))
+      face = measure_face({vertex(a), vertex(b), vertex(c)}, unit * densities(nth_face(f)),
+                          density_->values.empty());
+    else
+      face.centroid = (vertex(a) + vertex(b) + vertex(c)) / 3.0;
     result->areas.push_back(face.moments.area);
     result->capacities.push_back(face.moments.capacity);
   }
@@ -172,6 +184,7 @@ double OrderedSurface::find_density_unit() const {
   if (dapple::density_unit(most, 1.0) == 1.0) return 1.0;
   double area = 0.0, sum = 0.0;  // the largest value may lie where there is no area
   for (std::size_t f = 0; f < face_count(); ++f) {
+    if (!counts(nth_face(f))) continue;
     const auto [a, b, c] = corners(nth_face(f));
     const double twice = (vertex(b) - vertex(a)).cross(vertex(c) - vertex(a)).norm();
     area += twice;

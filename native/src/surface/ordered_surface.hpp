@@ -59,6 +59,19 @@ class OrderedSurface {
   [[nodiscard]] OrderedFace ordered_face(std::int32_t callers) const {
     return connectivity_->ordered_face[static_cast<std::size_t>(callers)];
   }
+  /// The same; of a face that does not count, the one that it lies on.
+  [[nodiscard]] OrderedFace counted_face(std::int32_t callers) const {
+    const OrderedFace face = ordered_face(callers);
+    const DoubledFace* doubled = doubled_face(face);
+    return doubled ? doubled->counted : face;
+  }
+  /// What is known of a face that does not count; null if it does.
+  [[nodiscard]] const DoubledFace* doubled_face(OrderedFace face) const;
+  [[nodiscard]] bool counts(OrderedFace face) const { return !doubled_face(face); }
+  /// Whether a half-edge is the only one of its edge.
+  [[nodiscard]] bool is_border(std::int32_t half_edge) const {
+    return next_around(half_edge) == half_edge && counts(face_of(half_edge));
+  }
   [[nodiscard]] std::int32_t original_face(OrderedFace face) const {
     return connectivity_->original_face[as_index(face)];
   }

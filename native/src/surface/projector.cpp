@@ -206,6 +206,7 @@ Projector::Scene::Scene(const Surface& s, bool support_only, const Context* cont
 void Projector::Scene::find_faces(bool support_only, const Context* context) {
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
     check_at(context, f, kGrain);
+    if (!surface.ordered().counts(nth_face(f))) continue;
     if (!support_only || surface.ordered().geometry(nth_face(f)).moments.capacity > 0.0)
       faces.push_back(nth_face(f));
   }

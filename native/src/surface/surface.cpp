@@ -128,8 +128,9 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
   if (options.weld) check_at_least<SurfaceError>("weld", *options.weld, 0.0);
   check_sharp_angle(options.sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  const OrderedSurface plain(vertices, connect(vertices, faces, options.weld, connecting.context()),
-                             density, measuring.context());
+  const OrderedSurface plain(
+      vertices, connect(vertices, faces, options.weld, options.merge_doubled, connecting.context()),
+      density, measuring.context());
   ordered_ = shaded_by_angle(plain, options.sharp_angle);
   if (context) context->advance(1.0);
 }
@@ -141,9 +142,10 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
   check_joints(joints, vertices.size(), faces.size());
   check_sharp_angle(sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  const OrderedSurface plain(
-      vertices, connect(vertices, faces, joints.edges, joints.places, connecting.context()),
-      density, measuring.context());
+  const OrderedSurface plain(vertices,
+                             connect(vertices, faces, joints.edges, joints.places,
+                                     joints.merge_doubled, connecting.context()),
+                             density, measuring.context());
   ordered_ = shaded_by_angle(plain, sharp_angle);
   if (context) context->advance(1.0);
 }
@@ -182,6 +184,8 @@ Surface Surface::with_normals(std::span<const Vec3> corners) const {
 
 std::size_t Surface::vertex_count() const { return ordered_->vertex_count(); }
 std::size_t Surface::face_count() const { return ordered_->face_count(); }
+std::size_t Surface::doubled_faces() const { return ordered_->connectivity().doubled.size(); }
+bool Surface::merge_doubled() const { return ordered_->connectivity().merge_doubled; }
 double Surface::area() const { return ordered_->area(); }
 double Surface::mass() const { return ordered_->mass(); }
 std::optional<double> Surface::weld() const { return ordered_->connectivity().weld; }
@@ -216,8 +220,9 @@ std::vector<Face> Surface::welded_faces() const {
 std::vector<std::int32_t> Surface::distinct_vertices() const {
   const std::vector<std::int32_t>& original = ordered_->connectivity().original_vertex;
   std::vector<bool> stands_for_itself(vertex_count(), false);  // by the caller's indices
-  for (const Face& face : ordered_->connectivity().faces)
-    for (const std::int32_t v : face) {
+  for (std::size_t f = 0; f < face_count(); ++f)
+    for (const std::int32_t v : ordered_->corners(nth_face(f))) {
+      if (!ordered_->counts(nth_face(f))) break;
       const auto k = static_cast<std::size_t>(ordered_->welded(v));
       stands_for_itself[static_cast<std::size_t>(original[k])] = true;
     }
@@ -225,6 +230,18 @@ std::vector<std::int32_t> Surface::distinct_vertices() const {
   for (std::size_t v = 0; v < stands_for_itself.size(); ++v)
     if (stands_for_itself[v]) result.push_back(static_cast<std::int32_t>(v));
   return result;
+}
+
+void Surface::move_to_counted(std::span<std::int32_t> faces, std::span<Vec3> weights) const {
+  if (doubled_faces() == 0) return;
+  for_each_vector(faces.size(), [&](std::size_t k) {
+    const DoubledFace* doubled = ordered_->doubled_face(ordered_->ordered_face(faces[k]));
+    if (!doubled) return;
+    faces[k] = ordered_->original_face(doubled->counted);
+    const Vec3 own = weights[k];
+    for (std::size_t c = 0; c < 3; ++c)
+      weights[k][doubled->corners[c]] = own[static_cast<Eigen::Index>(c)];
+  });
 }
 
 Vec3 Surface::point(std::int32_t face, const Vec3& weights) const {
@@ -235,6 +252,17 @@ std::vector<Vec3> Surface::normals(std::span<const std::int32_t> faces,
                                    std::span<const Vec3> weights) const {
   check_same_length("weights", weights.size(), "faces", faces.size());
   check_face_indices("faces", faces, face_count());
+  if (doubled_faces() > 0) {
+    std::vector<std::int32_t> counted(faces.begin(), faces.end());
+    std::vector<Vec3> there(weights.begin(), weights.end());
+    move_to_counted(counted, there);
+    return counted_normals(counted, there);
+  }
+  return counted_normals(faces, weights);
+}
+
+std::vector<Vec3> Surface::counted_normals(std::span<const std::int32_t> faces,
+                                           std::span<const Vec3> weights) const {
   const CornerNormals at_corners(*ordered_, faces);
   std::vector<Vec3> result(faces.size());
   for_each_vector(faces.size(), [&](std::size_t k) {
@@ -252,8 +280,13 @@ std::vector<Vec3> Surface::corner_normals() const {
   const CornerNormals at_corners(*ordered_, all);
   std::vector<Vec3> result(3 * all.size());
   for_each_vector(result.size(), [&](std::size_t k) {
-    const OrderedFace f = ordered_->ordered_face(static_cast<std::int32_t>(k / 3));
-    result[k] = direction_of(at_corners.at(f, static_cast<std::int32_t>(k % 3)),
+    OrderedFace f = ordered_->ordered_face(static_cast<std::int32_t>(k / 3));
+    std::size_t corner = k % 3;
+    if (const DoubledFace* doubled = ordered_->doubled_face(f)) {
+      f = doubled->counted;
+      corner = doubled->corners[corner];
+    }
+    result[k] = direction_of(at_corners.at(f, static_cast<std::int32_t>(corner)),
                              ordered_->geometry(f).normal);
   });
   return result;

@@ -17,6 +17,7 @@ bool count_edges(const Surface& surface, Topology& result) {
   };
   bool consistent = true;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
+    if (!surface.ordered().counts(face_of(h))) continue;
     int faces = 1;
     bool lowest = true;
     for (std::int32_t g = surface.ordered().next_around(h); g != h;
@@ -41,6 +42,7 @@ bool build(const Surface& surface, HalfEdgeMesh& mesh) {
     return h;
   };
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    if (!surface.ordered().counts(nth_face(f))) continue;
     const auto [a, b, c] = surface.ordered().welded_corners(nth_face(f));
     if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid())
       return false;

@@ -13,125 +13,18 @@
 
 #include "base/elementary.hpp"
 #include "base/progress.hpp"
+#include "surface/places.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr double kTouching = 1e-3;  // radians between faces that lie on each other
 constexpr double kFlat = 1e-9;      // height of a face over its side: it has no angle
-constexpr double kCell =
-    64.0;  // side of the grid's cells, in tolerances: few points are near a side
-constexpr double kFinest = 1e-9;  // of the extent: side of the cells where the tolerance is 0
 
 // Of the progress.
 constexpr double kBordersSettled = 0.35, kSettled = 0.4, kSidesFound = 0.7;
 
 std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
-
-/// Lists of points by the hash of their cell, all in two arrays: a map of vectors takes long to
-/// grow, and longer to be given back.
-class Buckets {
- public:
-  explicit Buckets(std::size_t points) : slots_(kFewest), next_(points, -1) {}
-
-  /// The first point of a list, -1 for none; next() gives the others, in the order they came.
-  [[nodiscard]] std::int32_t first(std::uint64_t key) const { return slots_[find(key)].first; }
-  [[nodiscard]] std::int32_t next(std::int32_t k) const { return next_[as_size(k)]; }
-
-  void add(std::uint64_t key, std::int32_t k) {
-    Slot& slot = slots_[find(key)];
-    if (slot.first < 0) {
-      slot = {key, k, k};
-      if (2 * ++used_ > slots_.size()) grow();
-      return;
-    }
-    next_[as_size(slot.last)] = k;
-    slot.last = k;
-  }
-
- private:
-  struct Slot {
-    std::uint64_t key = 0;
-    std::int32_t first = -1, last = -1;
-  };
-  static constexpr std::size_t kFewest = 1024;  // a power of two, as all sizes are
-
-  /// Where the key is, or else the free slot for it.
-  [[nodiscard]] std::size_t find(std::uint64_t key) const {
-    std::size_t at = ((key ^ (key >> 32)) * 0x9e3779b97f4a7c15u >> 32) & (slots_.size() - 1);
-    while (slots_[at].first >= 0 && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
-    return at;
-  }
-
-  void grow() {
-    const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(2 * slots_.size()));
-    for (const Slot& slot : old)
-      if (slot.first >= 0) slots_[find(slot.key)] = slot;
-  }
-
-  std::vector<Slot> slots_;
-  std::vector<std::int32_t> next_;  // per point, in its list
-  std::size_t used_ = 0;
-};
-
-/// Finds, for points added one after another, an earlier one within the tolerance.
-class Places {
- public:
-  Places(std::span<const Vec3> points, double tolerance)
-      : points_(points), tolerance_(tolerance), low_(points[0]), cells_(points.size()) {
-    Vec3 high = low_;
-    for (const Vec3& p : points) {
-      low_ = low_.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    cell_ = std::max({kCell * tolerance, kFinest * (high - low_).maxCoeff(), 1e-300});
-  }
-
-  /// The first point added within the tolerance of this one; -1 if there is none.
-  [[nodiscard]] std::int32_t find(const Vec3& p) const {
-    const Address from = address(p - Vec3::Constant(tolerance_));
-    const Address to = address(p + Vec3::Constant(tolerance_));
-    std::int32_t best = -1;
-    for (std::int64_t x = from[0]; x <= to[0]; ++x)
-      for (std::int64_t y = from[1]; y <= to[1]; ++y)
-        for (std::int64_t z = from[2]; z <= to[2]; ++z) best = lower(best, find_in({x, y, z}, p));
-    return best;
-  }
-
-  void add(std::int32_t k) { cells_.add(hash(address(points_[as_size(k)])), k); }
-
- private:
-  using Address = std::array<std::int64_t, 3>;
-
-  static std::int32_t lower(std::int32_t a, std::int32_t b) {
-    return a < 0 || (b >= 0 && b < a) ? b : a;
-  }
-
-  [[nodiscard]] std::int32_t find_in(const Address& at, const Vec3& p) const {
-    std::int32_t k = cells_.first(hash(at));
-    while (k >= 0 && !((points_[as_size(k)] - p).norm() <= tolerance_)) k = cells_.next(k);
-    return k;
-  }
-
-  [[nodiscard]] Address address(const Vec3& p) const {
-    const auto along = [&](Eigen::Index k) {
-      return static_cast<std::int64_t>(std::floor((p[k] - low_[k]) / cell_));
-    };
-    return {along(0), along(1), along(2)};
-  }
-
-  static std::uint64_t hash(const Address& a) {
-    return static_cast<std::uint64_t>(a[0]) * 0x9e3779b97f4a7c15u ^
-           static_cast<std::uint64_t>(a[1]) * 0xc2b2ae3d27d4eb4fu ^
-           static_cast<std::uint64_t>(a[2]) * 0x165667b19e3779f9u;
-  }
-
-  std::span<const Vec3> points_;
-  double tolerance_;
-  Vec3 low_;
-  double cell_;
-  Buckets cells_;
-};
 
 /// A half-edge and what lies around its edge, seen along the edge from its lower place.
 struct Side {
@@ -148,9 +41,11 @@ struct Side {
 class Welder {
  public:
   Welder(std::span<const Vec3> vertices, double tolerance, std::span<const Face> faces,
-         std::vector<std::int32_t>& next_around, Context* context)
+         const std::vector<bool>& left_out, std::vector<std::int32_t>& next_around,
+         Context* context)
       : vertices_(vertices),
         faces_(faces),
+        left_out_(left_out),
         next_around_(next_around),
         context_(context),
         welded_(vertices.size()) {
@@ -188,7 +83,12 @@ class Welder {
   [[nodiscard]] std::int32_t opposite(std::int32_t h) const {
     return faces_[as_size(h / 3)][as_size((h % 3 + 2) % 3)];
   }
-  [[nodiscard]] bool is_border(std::int32_t h) const { return next_around_[as_size(h)] == h; }
+  [[nodiscard]] bool is_border(std::int32_t h) const {
+    return next_around_[as_size(h)] == h && !is_left_out(h);
+  }
+  [[nodiscard]] bool is_left_out(std::int32_t h) const {
+    return !left_out_.empty() && left_out_[as_size(h / 3)];
+  }
   [[nodiscard]] std::int32_t half_edges() const {
     return static_cast<std::int32_t>(3 * faces_.size());
   }
@@ -232,6 +132,7 @@ class Welder {
       if (border_[v]) at_border[as_size(places_[v])] = true;
     for (std::int32_t h = 0; h < half_edges(); ++h) {
       check_at(context_, as_size(h));
+      if (is_left_out(h)) continue;
       const std::int32_t a = places_[as_size(start(h))], b = places_[as_size(end(h))];
       if (a != b && at_border[as_size(a)] && at_border[as_size(b)])
         sides.push_back({std::min(a, b), std::max(a, b), h, a < b, is_border(h)});
@@ -352,6 +253,7 @@ class Welder {
 
   std::span<const Vec3> vertices_;
   std::span<const Face> faces_;
+  const std::vector<bool>& left_out_;  // per face, or empty
   std::vector<std::int32_t>& next_around_;
   Context* context_;
   std::vector<std::int32_t> welded_;  // toward the lowest vertex of each set
@@ -363,8 +265,9 @@ class Welder {
 
 std::vector<std::int32_t> weld_borders(std::span<const Vec3> vertices, double tolerance,
                                        std::span<const Face> faces,
+                                       const std::vector<bool>& left_out,
                                        std::vector<std::int32_t>& next_around, Context* context) {
-  return Welder(vertices, tolerance, faces, next_around, context).run();
+  return Welder(vertices, tolerance, faces, left_out, next_around, context).run();
 }
 
 }  // namespace dapple

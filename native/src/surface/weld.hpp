@@ -15,10 +15,12 @@ namespace dapple {
 /// solids or sheets that merely touch stay apart.
 /// \param vertices  in the order that `faces` refers to
 /// \param tolerance distance up to which two vertices are at the same place, >= 0
+/// \param left_out  per face, whether it is connected to nothing; empty: none is
 /// \param next_around per half-edge the next one around its edge; changed where edges become one
 /// \return per vertex the lowest one that it hangs together with
 [[nodiscard]] std::vector<std::int32_t> weld_borders(std::span<const Vec3> vertices,
                                                      double tolerance, std::span<const Face> faces,
+                                                     const std::vector<bool>& left_out,
                                                      std::vector<std::int32_t>& next_around,
                                                      Context* context = nullptr);
 

@@ -92,7 +92,7 @@ void check_extent(const Surface& surface, const Sites& sites) {
 Vectors face_normals(const Surface& surface, const Sites& sites) {
   Vectors normals(sites.size());
   for_each_vector(sites.size(), [&](std::size_t k) {
-    normals[k] = surface.ordered().geometry(surface.ordered().ordered_face(sites.faces[k])).normal;
+    normals[k] = surface.ordered().geometry(surface.ordered().counted_face(sites.faces[k])).normal;
   });
   return normals;
 }

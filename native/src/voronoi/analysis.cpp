@@ -157,7 +157,7 @@ std::vector<std::int32_t> border_half_edges(const Surface& surface) {
   std::vector<std::int32_t> result;
   const auto half_edges = static_cast<std::int32_t>(3 * surface.face_count());
   for (std::int32_t h = 0; h < half_edges; ++h)
-    if (surface.ordered().next_around(h) == h) result.push_back(h);
+    if (surface.ordered().is_border(h)) result.push_back(h);
   return result;
 }
 

@@ -155,6 +155,7 @@ std::vector<OrderedFace> uncovered_faces(const Surface& surface, std::span<const
   std::vector<OrderedFace> uncovered;
   for (std::size_t f = 0; f < missing.size(); ++f) {
     const OrderedFace face = nth_face(f);
+    if (!surface.ordered().counts(face)) continue;
     // A face without area that nobody reached is one too: what is owned must spread across it.
     if (!reached[f] || missing[f] > kUncovered * surface.ordered().geometry(face).moments.area)
       uncovered.push_back(face);

@@ -22,7 +22,7 @@ constexpr std::size_t kCounted = 16;  // faces a site
 void OrderedSites::assign(const Surface& surface, const Sites& sites) {
   callers_.resize(sites.size());
   for_each_vector(sites.size(), [&](std::size_t k) {
-    callers_[k] = surface.ordered().ordered_face(sites.faces[k]);
+    callers_[k] = surface.ordered().counted_face(sites.faces[k]);
   });
   order_by_face(surface.face_count());
   positions.resize(sites.size());
