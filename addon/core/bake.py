@@ -206,7 +206,9 @@ class Baker:
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
         lean = leaning(self.last, self.lean, turned, vertices, normals)
-        return Solved(Placed(placed.faces, turned, lean=lean), report_of(samples.report), settled)
+        doubled = self._ground.original.doubled_faces
+        report = replace(report_of(samples.report), doubled_faces=doubled)
+        return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
 
     def _there(self, solved: Solved) -> Any:
         """Samples of a solved frame on the ground, to the last bit."""

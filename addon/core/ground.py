@@ -40,7 +40,9 @@ class Ground:
         self._arrays, self._context = arrays, context
         self._refined: Any = None
         density = density_of(arrays, settings.density)
-        self._base: Any = _measured(arrays, density, None if like is None else like._base)
+        self._base: Any = _measured(
+            arrays, density, settings.merge_doubled, None if like is None else like._base
+        )
         self.surface = self._base
         terms = fine_terms(arrays, settings.density)
         around, count = arrays.around, _wanted(self.surface, settings)
@@ -214,11 +216,14 @@ def _placed(density: Floats | None) -> tuple[Floats | None, str]:
     return (density[:, 0], "faces") if density.shape[1] == 1 else (density, "corners")
 
 
-def _measured(arrays: SurfaceArrays, density: Floats | None, like: Any) -> Any:
+def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: Any) -> Any:
     """dapple.Surface of what was read; that of the same faces saves most of the work."""
     values, at = _placed(density)
-    if like is None or not np.array_equal(like.faces, arrays.faces):
-        return package().Surface(arrays.vertices, arrays.faces, values, density_at=at)
+    same = like is not None and like.merge_doubled == merge
+    if not same or not np.array_equal(like.faces, arrays.faces):
+        return package().Surface(
+            arrays.vertices, arrays.faces, values, density_at=at, merge_doubled=merge
+        )
     if not np.array_equal(like.vertices, arrays.vertices):
         like = like.deformed(arrays.vertices)
     return like.with_density(values, density_at=at)

@@ -145,7 +145,8 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
         density = ground.densities(samples)
         gaps = details_of(samples, density).gaps
     effort = {name: getattr(scattered.report, name) for name in _EFFORT}
-    return replace(scattered, report=replace(found, **effort), details=Details(gaps=gaps))
+    report = replace(found, doubled_faces=ground.original.doubled_faces, **effort)
+    return replace(scattered, report=report, details=Details(gaps=gaps))
 
 
 def _cut_alike(solved: Solved | None, arrays: SurfaceArrays) -> SurfaceArrays:
@@ -388,7 +389,12 @@ def _scattered(
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
     binding = _with_directions(before.binding, binding_of(samples, arrays), old, stays, arrays)
     binding = pointing(binding, arrays, settings.forward)
-    report = replace(report_of(samples.report), count=len(samples), measured=False)
+    report = replace(
+        report_of(samples.report),
+        count=len(samples),
+        measured=False,
+        doubled_faces=ground.original.doubled_faces,
+    )
     solved, mass = Solved(arrays, ground, fine), float(ground.surface.mass)
     positions = np.asarray(samples.positions)
     return Scattered(positions, binding, columns, report, Details(), settings, mass, solved)

@@ -33,9 +33,8 @@ class Report:
     alpha_mean: float = 0.0
     capacity_variation: float = 0.0
     whole_count_variation: float = 0.0  # what of it whole numbers of points on separate parts make
-    thin_share: float = (
-        0.0  # of the points on parts thinner than the spacing, which alpha leaves out
-    )
+    thin_share: float = 0.0  # of the points: those on parts thinner than the spacing
+    doubled_faces: int = 0  # of the surface, which do not count
     evaluations: int = 0
     milliseconds: float = 0.0
     converged: bool = False
@@ -97,7 +96,10 @@ def scatter(
     columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
     binding = pointing(binding_of(samples, arrays), arrays, settings.forward)
     positions = np.asarray(samples.positions)
-    report, details = report_of(samples.report).of_ids(ids), details_of(fine, density)
+    report = replace(
+        report_of(samples.report).of_ids(ids), doubled_faces=ground.original.doubled_faces
+    )
+    details = details_of(fine, density)
     mass, solved = float(ground.surface.mass), Solved(arrays, ground, fine)
     return Scattered(positions, binding, columns, report, details, settings, mass, solved)
 

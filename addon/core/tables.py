@@ -79,6 +79,16 @@ _AMOUNT = (
         field="per_area",
     ),
 )
+_FACES = (
+    Setting(
+        "merge_doubled",
+        Kind.SWITCH,
+        True,
+        "Merge Doubled Faces",
+        "Faces that lie on each other corner by corner count as one, whichever way they are "
+        "turned. Otherwise each gets points of its own",
+    ),
+)
 _DIRECTION = (
     Setting(
         "forward",
@@ -222,7 +232,7 @@ _UPDATES = (
         Changes.NOTHING,
     ),
 )
-SCATTER: Settings = (*_AMOUNT, *SAMPLE, *_DIRECTION, *DISPLAY, *MOTION, *_BAKE, *_UPDATES)
+SCATTER: Settings = (*_AMOUNT, *_FACES, *SAMPLE, *_DIRECTION, *DISPLAY, *MOTION, *_BAKE, *_UPDATES)
 # By the name of the property that holds the group; "" is the scatter itself.
 GROUPS: dict[str, Settings] = {
     "": (*SCATTER, *INSTANCES),

@@ -67,15 +67,16 @@ struct NormalsArgument {
 std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::object& faces,
                                       const py::object& density, const std::string& density_at,
                                       std::optional<double> weld, const py::object& normals,
-                                      double sharp_angle, const ContextPtr& context) {
+                                      double sharp_angle, bool merge_doubled,
+                                      const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
   const DensityArgument values(density, density_at);
   const NormalsArgument corners(normals);
   const py::gil_scoped_release released;
-  return std::make_shared<Surface>(
-      corners.shade(Surface(as_points(points), as_faces(triangles), values.view(),
-                            {.weld = weld, .sharp_angle = sharp_angle}, context.get())));
+  return std::make_shared<Surface>(corners.shade(Surface(
+      as_points(points), as_faces(triangles), values.view(),
+      {.weld = weld, .sharp_angle = sharp_angle, .merge_doubled = merge_doubled}, context.get())));
 }
 
 std::shared_ptr<Surface> deformed(const Surface& surface, const py::object& vertices,
@@ -162,6 +163,9 @@ Args:
     normals: (m, 3, 3) float64, normals at the corners of the faces as the surface is shaded, of any length; zero
         where none is known. None: those of the faces, smooth except over hard edges.
     sharp_angle: edges whose faces' normals differ by more than this, in degrees 0..180, are hard.
+    merge_doubled: whether faces that lie on each other corner by corner, turned the same way or not, count as one: the
+        first of them. The others have no area, connect nothing, and get no samples. Corners are at one place as weld
+        says, or if their indices are equal. Faces that overlap in another way stay as they are.
     context: a Context to watch and cancel it by.
 
 Raises:
@@ -172,7 +176,8 @@ Raises:
       .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
            py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices",
            py::arg("weld") = SurfaceOptions{}.weld, py::arg("normals") = py::none(),
-           py::arg("sharp_angle") = SurfaceOptions{}.sharp_angle, py::arg("context") = nullptr)
+           py::arg("sharp_angle") = SurfaceOptions{}.sharp_angle,
+           py::arg("merge_doubled") = SurfaceOptions{}.merge_doubled, py::arg("context") = nullptr)
       .def_property_readonly(
           "vertices", [](const Surface& s) { return give(s.vertices()); },
           "(v, 3) float64, a read-only copy.")
@@ -190,6 +195,10 @@ Raises:
           "diagonal; None: by indices alone.")
       .def_property_readonly("sharp_angle", &Surface::sharp_angle,
                              "Edges whose faces differ by more are hard, in degrees.")
+      .def_property_readonly("doubled_faces", &Surface::doubled_faces,
+                             "How many faces do not count because they lie on others.")
+      .def_property_readonly("merge_doubled", &Surface::merge_doubled,
+                             "Whether faces that lie on each other count as one.")
       .def_property_readonly("corner_normals", &corner_normals_of,
                              "(m, 3, 3) float64, unit normals at the corners of the faces, as the "
                              "surface is shaded there: those that were given, elsewhere the mean "

@@ -63,7 +63,11 @@ Surface surface_like(const Surface& before, std::span<const Vec3> vertices,
     throw ArgumentError(
         "faces are others than before, and the surface has a density: give the frame as a Surface "
         "with its density");
-  return {vertices, faces, Density{}, SurfaceOptions{.weld = before.weld()}, context};
+  return {vertices, faces, Density{},
+          SurfaceOptions{.weld = before.weld(),
+                         .sharp_angle = before.sharp_angle(),
+                         .merge_doubled = before.merge_doubled()},
+          context};
 }
 
 std::shared_ptr<Samples> advance_population(Population& population, const py::object& vertices,

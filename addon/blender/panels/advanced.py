@@ -28,6 +28,7 @@ class DAPPLE_PT_advanced(ScatterPanel, bpy.types.Panel):
         for setting in EVENNESS:
             column.prop(obj.dapple, setting.name)
         layout.prop(obj.dapple, "keep_points")
+        layout.prop(obj.dapple, "merge_doubled")
         _draw_attached(layout, obj)
         _draw_figures(layout, obj)
 

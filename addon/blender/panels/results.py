@@ -19,7 +19,8 @@ def result_lines(obj: bpy.types.Object, context: bpy.types.Context) -> list[tupl
         return [(_result(obj), "NONE")]
     why = watcher.trouble(obj)
     trouble = [(told("Not updated: {why}", why=why), "ERROR")] if why else []
-    return [*_fit(_result(obj), freshness.findings(obj, context)), *trouble]
+    fit = _fit(_result(obj), freshness.findings(obj, context))
+    return [*fit, *_doubled(obj.dapple.report), *trouble]
 
 
 def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
@@ -48,6 +49,15 @@ def figure_lines(obj: bpy.types.Object) -> list[tuple[str, str]]:
 def _has_spacing(report: bpy.types.PropertyGroup) -> bool:
     """Whether the ideal spacing means something: along a wire points are farther apart."""
     return bool(0.0 < report.alpha_mean <= 1.0) or report.count < 2
+
+
+def _doubled(report: bpy.types.PropertyGroup) -> list[tuple[str, str]]:
+    """How many faces of the surface lie on others: (text, icon)."""
+    count = report.doubled_faces
+    if not count:
+        return []
+    text = counted(count, "{count} doubled face counts once", "{count:,} doubled faces count once")
+    return [(text, "INFO")]
 
 
 def _result(obj: bpy.types.Object) -> str:

@@ -65,6 +65,11 @@ class DAPPLE_PG_report(bpy.types.PropertyGroup):
         "spacing, such as wires. Min and Mean Spacing leave them out",
         **_SHARE,
     )
+    doubled_faces: IntProperty(
+        name="Doubled Faces",
+        description="Number of faces that do not count because they lie on others",
+        min=0,
+    )
     evaluations: IntProperty(
         name="Evaluations",
         description="How often the energy was evaluated, which is most of the work",

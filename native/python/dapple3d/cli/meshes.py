@@ -88,12 +88,24 @@ class Loaded:
     surface: dapple.Surface
     density: Density
 
+    def doubled(self) -> str:
+        """The end of a line about the surface: how many faces do not count."""
+        doubled = self.surface.doubled_faces
+        if not doubled:
+            return ""
+        return (
+            "; 1 doubled face counts once"
+            if doubled == 1
+            else f"; {doubled} doubled faces count once"
+        )
+
     def describe(self) -> dict[str, Any]:
         """What a report says about its input."""
         return {
             "mesh": str(self.mesh.path),
             "vertices": len(self.surface.vertices),
             "faces": len(self.surface.faces),
+            "doubled_faces": self.surface.doubled_faces,
             "area": self.surface.area,
             "density": self.density.source or None,
             "density_at": self.density.at,
@@ -101,7 +113,12 @@ class Loaded:
 
 
 def load(
-    mesh: Mesh, density: str | None = None, at: Place | None = None, *, weld: bool = True
+    mesh: Mesh,
+    density: str | None = None,
+    at: Place | None = None,
+    *,
+    weld: bool = True,
+    merge_doubled: bool = True,
 ) -> Loaded:
     """Check a mesh, and give it the density that an option names.
 
@@ -109,16 +126,14 @@ def load(
         mesh: from read_mesh().
         density, at: as for read_density().
         weld: whether border edges at the same place are connected.
+        merge_doubled: whether faces that lie on each other count as one.
 
     Raises:
         ClickException: naming the file, the rule and the first offender.
     """
     with about(mesh.path):
-        surface = (
-            dapple.Surface(mesh.vertices, mesh.faces)
-            if weld
-            else dapple.Surface(mesh.vertices, mesh.faces, weld=None)
-        )
+        unwelded: dict[str, Any] = {} if weld else {"weld": None}
+        surface = dapple.Surface(mesh.vertices, mesh.faces, merge_doubled=merge_doubled, **unwelded)
     found = read_density(mesh, density, at)
     return Loaded(mesh, with_density(surface, found), found)
 

@@ -113,6 +113,17 @@ def weld_option(command: Decorated) -> Decorated:
     )(command)
 
 
+def doubled_option(command: Decorated) -> Decorated:
+    """--merge-doubled, for the surface."""
+    return click.option(
+        "--merge-doubled/--keep-doubled",
+        default=True,
+        show_default=True,
+        help="Count faces that lie on each other corner by corner as one, whichever way they are "
+        "turned.",
+    )(command)
+
+
 def density_options(command: Decorated) -> Decorated:
     """--density and --density-at, for the surface."""
     command = click.option(

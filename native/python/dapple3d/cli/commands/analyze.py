@@ -49,6 +49,7 @@ FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 @options.library_options("analyze")
 @options.library_options("sample", only=["threads"])
 @options.weld_option
+@options.doubled_option
 @options.report_options
 def command(
     points: Path,
@@ -58,6 +59,7 @@ def command(
     plot: Path | None,
     threads: int | None,
     weld: bool,
+    merge_doubled: bool,
     json_out: str | None,
     quiet: bool,
     **measure: Any,
@@ -82,7 +84,13 @@ def command(
     found = read_points(points)
     with about(points):
         places = in_space(found.positions)
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld) if mesh else None
+    loaded = (
+        meshes.load(
+            meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
+        )
+        if mesh
+        else None
+    )
     surface = loaded.surface if loaded else unit_square(points, places)
     with about(points):
         distances = distances_to(surface, places)
@@ -100,6 +108,8 @@ def command(
     )
     if json_out != "-":
         click.echo(table(report, farthest))
+        if loaded and loaded.surface.doubled_faces:
+            click.echo(loaded.doubled().removeprefix("; "))
 
 
 def unit_square(path: Path, places: NDArray) -> dapple.Surface:

@@ -69,6 +69,7 @@ class WantedType(click.ParamType):
 @options.density_options
 @options.library_options("sample_classes")
 @options.weld_option
+@options.doubled_option
 @options.profile_option
 @options.report_options
 def command(
@@ -78,6 +79,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     weld: bool,
+    merge_doubled: bool,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -97,7 +99,9 @@ def command(
     points.check_extension(out)
     densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
     check_outputs([mesh, *densities], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
+    loaded = meshes.load(
+        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
+    )
     listed = [one.on(loaded) for one in wanted]
     chosen = options.given(solver)
     with Work("sampling", quiet=quiet) as work:
@@ -111,7 +115,7 @@ def command(
         settings={"classes": [asdict(one) for one in wanted], **settings},
         report=samples.report.to_dict(),
     )
-    reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}")
+    reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}{loaded.doubled()}")
     for k, quality in enumerate(samples.report.classes):
         reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")
     if profile:

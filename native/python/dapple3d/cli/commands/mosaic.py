@@ -36,6 +36,7 @@ GROUT = 0.1  # spacings
 @options.library_options("mosaic", only=["thickness", "tolerance"])
 @options.library_options("sample", without=["tolerance"])
 @options.weld_option
+@options.doubled_option
 @options.profile_option
 @options.report_options
 def command(
@@ -46,6 +47,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     weld: bool,
+    merge_doubled: bool,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -68,7 +70,9 @@ def command(
     if profile and points:
         raise click.UsageError("--profile needs --count: nothing is solved for --points")
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
+    loaded = meshes.load(
+        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
+    )
     shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
     given = options.given(chosen)
     with Work("tiling", steps=2, quiet=quiet) as work:
@@ -90,7 +94,9 @@ def command(
         tiles=summary(made),
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()
-    reporter.say(f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area")
+    reporter.say(
+        f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area{loaded.doubled()}"
+    )
     if profile:
         reporter.show_profile([samples.report])
 

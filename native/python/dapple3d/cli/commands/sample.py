@@ -31,6 +31,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 )
 @options.library_options("sample")
 @options.weld_option
+@options.doubled_option
 @options.profile_option
 @options.report_options
 def command(
@@ -41,6 +42,7 @@ def command(
     density_at: meshes.Place | None,
     preset: str,
     weld: bool,
+    merge_doubled: bool,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -61,7 +63,9 @@ def command(
     reporter = Reporter(json_out, quiet)
     points.check_extension(out)
     check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, weld=weld)
+    loaded = meshes.load(
+        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
+    )
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
@@ -74,6 +78,6 @@ def command(
         settings=settings | chosen,
         report=samples.report.to_dict(),
     )
-    reporter.say(f"{out}: {count} points, {figures(samples.report)}")
+    reporter.say(f"{out}: {count} points, {figures(samples.report)}{loaded.doubled()}")
     if profile:
         reporter.show_profile([samples.report])

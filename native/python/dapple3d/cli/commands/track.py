@@ -52,6 +52,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
 @options.weld_option
+@options.doubled_option
 @options.profile_option
 @options.report_options
 def command(
@@ -67,6 +68,7 @@ def command(
     reach: float | None,
     seed: int | None,
     weld: bool,
+    merge_doubled: bool,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -106,7 +108,7 @@ def command(
     motion = sequences.read(files)
     if not keep_density:
         sequences.check_same_faces(motion)
-    loaded = meshes.load(motion[0][1], weld=weld)
+    loaded = meshes.load(motion[0][1], weld=weld, merge_doubled=merge_doubled)
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})
@@ -121,7 +123,7 @@ def command(
             assert count is not None
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
         if keep_density:
-            results = follow_population(work, loaded.surface, motion, first, tracking, weld)
+            results = follow_population(work, loaded.surface, motion, first, tracking)
         else:
             follow = follow_together if together else follow_each
             results = follow(work, loaded.surface, motion, first, tracking)
@@ -142,6 +144,7 @@ def command(
     reporter.say(
         f"{out}: {len(first)} points on {len(motion)} frames{turnover(results, keep_density)}, the "
         f"last one: {figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
+        f"{loaded.doubled()}"
     )
     if profile:
         reporter.show_profile([samples.report for samples in results])
@@ -183,13 +186,16 @@ def follow_population(
     motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
-    weld: bool,
 ) -> list[dapple.Samples]:
     """Frame after frame, of any faces."""
     population = dapple.Population(surface, first, **given)
     results = [first]
     for name, mesh in motion[1:]:
-        next_surface = meshes.load(replace(mesh, path=Path(name)), weld=weld).surface
+        next_surface = meshes.load(
+            replace(mesh, path=Path(name)),
+            weld=surface.weld is not None,
+            merge_doubled=surface.merge_doubled,
+        ).surface
         with about(name):
             results.append(work.run(partial(population.advance, next_surface)))
     return results
