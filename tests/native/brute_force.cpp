@@ -136,7 +136,9 @@ bool leads(const std::vector<Vec3>& sites, std::size_t i) {
 
 std::vector<BruteCell> brute_force_cells(const Shape& shape, const std::vector<Vec3>& sites) {
   std::vector<BruteCell> cells(sites.size());
+  const std::vector<bool> counts = shape.counted();
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    if (!counts[f]) continue;
     const LinearDensity density(shape, f);
     if (density.normal().isZero(0.0)) continue;
     for (std::size_t i = 0; i < sites.size(); ++i) {

@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <ostream>
+#include <set>
 #include <utility>
 
 namespace dapple::test {
@@ -221,17 +223,35 @@ double Shape::face_area(std::int32_t face) const {
   return 0.5 * u.cross(v).norm();
 }
 
+std::vector<bool> Shape::counted() const {
+  std::set<std::array<std::array<double, 3>, 3>> seen;
+  std::vector<bool> result;
+  for (const Face& face : faces) {
+    std::array<std::array<double, 3>, 3> corners{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3& p = vertices[static_cast<std::size_t>(face[c])];
+      corners[c] = {p.x(), p.y(), p.z()};
+    }
+    std::sort(corners.begin(), corners.end());
+    result.push_back(seen.insert(corners).second);
+  }
+  return result;
+}
+
 double Shape::area() const {
   double sum = 0.0;
-  for (std::size_t f = 0; f < faces.size(); ++f) sum += face_area(as_index(f));
+  const std::vector<bool> counts = counted();
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    if (counts[f]) sum += face_area(as_index(f));
   return sum;
 }
 
 double Shape::mass() const {
   if (density.empty()) return area();
   double sum = 0.0;
+  const std::vector<bool> counts = counted();
   for (std::size_t f = 0; f < faces.size(); ++f)
-    sum += face_area(as_index(f)) * densities(as_index(f)).mean();
+    if (counts[f]) sum += face_area(as_index(f)) * densities(as_index(f)).mean();
   return sum;
 }
 

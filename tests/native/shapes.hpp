@@ -45,7 +45,9 @@ struct Shape {
   [[nodiscard]] Vec3 densities(std::int32_t face) const;  // at its corners
   [[nodiscard]] Vec3 point(std::int32_t face, const Vec3& weights) const;
   [[nodiscard]] double face_area(std::int32_t face) const;
-  [[nodiscard]] double area() const;
+  /// Per face whether it counts: none before it has the same corners.
+  [[nodiscard]] std::vector<bool> counted() const;
+  [[nodiscard]] double area() const;  // of faces that count
   [[nodiscard]] double mass() const;  // integral of the density
 };
 

@@ -8,7 +8,6 @@
 #include "base/morton.hpp"
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
-#include "surface/doubled.hpp"
 #include "surface/weld.hpp"
 
 namespace dapple {
@@ -18,7 +17,8 @@ namespace {
 constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0.65, kWelded = 0.94;
 
 constexpr double kFarthest = 1e300;  // a coordinate to which the size of a cell can be added
-constexpr double kAll = 2.0;         // of the diagonal: no vertices are farther apart
+constexpr double kNoTolerance = -1.0;
+constexpr double kAll = 2.0;  // of the diagonal: no vertices are farther apart
 
 struct HalfEdgeKey {
   std::int32_t low, high, half_edge;
@@ -66,7 +66,7 @@ std::vector<std::int32_t> link_edges(std::span<const Face> faces, const std::vec
 /// Number the sets of faces connected over edges, in the order of their first faces.
 void find_components(Connectivity& mesh, const Context* context) {
   mesh.component.assign(mesh.faces.size(), -1);
-  const std::vector<bool> left_out = left_out_faces(mesh);
+  const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
   std::vector<OrderedFace> pending;
   std::size_t seen = 0;
   const auto push = [&](OrderedFace face) {
@@ -103,15 +103,15 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
   return inverse;
 }
 
-/// How far vertices of one place may be apart; none where cells of that size have no numbers: the
-/// area of faces of such vertices is 0 or not finite either.
-std::optional<double> tolerance_of(std::span<const Vec3> vertices, double weld) {
+/// How far vertices of one place may be apart; kNoTolerance where cells of that size have no
+/// numbers: the area of faces of such vertices is 0 or not finite either.
+double tolerance_of(std::span<const Vec3> vertices, double weld) {
   Vec3 low = vertices[0], high = vertices[0];
   for (const Vec3& v : vertices) {
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
-  if (low.minCoeff() < -kFarthest || high.maxCoeff() > kFarthest) return std::nullopt;
+  if (low.minCoeff() < -kFarthest || high.maxCoeff() > kFarthest) return kNoTolerance;
   return std::min(weld, kAll) * (high - low).stableNorm();
 }
 
@@ -120,17 +120,19 @@ void link(std::span<const Vec3> vertices, std::optional<double> weld, Connectivi
           Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked), welding(context, kEdgesLinked, kWelded);
   mesh.weld = weld;
-  const auto tolerance = weld ? tolerance_of(vertices, *weld) : std::nullopt;
+  const double tolerance = weld ? tolerance_of(vertices, *weld) : kNoTolerance;
+  const bool welds = tolerance >= 0.0;
   const std::vector<Vec3> ordered = gather(vertices, mesh.original_vertex);
   mesh.welded_vertex.resize(vertices.size());
   std::iota(mesh.welded_vertex.begin(), mesh.welded_vertex.end(), 0);
   if (mesh.merge_doubled)
-    mesh.doubled = find_doubled(
-        mesh, tolerance ? places_of(ordered, *tolerance, context) : mesh.welded_vertex, context);
-  const std::vector<bool> left_out = left_out_faces(mesh);
+    mesh.doubled =
+        find_doubled(mesh.faces, mesh.original_face,
+                     welds ? places_of(ordered, tolerance, context) : mesh.welded_vertex, context);
+  const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
   mesh.next_around_edge = link_edges(mesh.faces, left_out, linking.context());
-  if (tolerance)
-    mesh.welded_vertex = weld_borders(ordered, *tolerance, mesh.faces, left_out,
+  if (welds)
+    mesh.welded_vertex = weld_borders(ordered, tolerance, mesh.faces, left_out,
                                       mesh.next_around_edge, welding.context());
 }
 
@@ -139,8 +141,9 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
           Connectivity& mesh, Context* context) {
   Stretch linking(context, kFacesOrdered, kEdgesLinked);
   const std::vector<std::int32_t> place_of = gather(places, mesh.original_vertex);
-  if (mesh.merge_doubled) mesh.doubled = find_doubled(mesh, place_of, context);
-  const std::vector<bool> left_out = left_out_faces(mesh);
+  if (mesh.merge_doubled)
+    mesh.doubled = find_doubled(mesh.faces, mesh.original_face, place_of, context);
+  const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
   std::vector<HalfEdgeKey> keys;
   for (std::size_t h = 0; h < edges.size(); ++h) {
     if (!left_out.empty() && left_out[h / 3]) continue;

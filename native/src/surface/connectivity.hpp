@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <dapple/context.hpp>
 #include <dapple/types.hpp>
 #include <optional>
 #include <span>
 
-#include "surface/ordered_face.hpp"
+#include "surface/doubled.hpp"
 
 namespace dapple {
-
-/// A face that lies on another corner by corner, and does not count.
-struct DoubledFace {
-  OrderedFace face;
-  OrderedFace counted;                  // the face that it lies on; this one counts
-  std::array<std::uint8_t, 3> corners;  // of `counted`, at the corners of `face`
-};
 
 /// Faces and vertices in an order of their own (along Morton curves, which is kind to caches;
 /// *ordered* for short), how that maps to the caller's, and which faces are neighbors. All surfaces

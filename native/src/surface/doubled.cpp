@@ -51,10 +51,10 @@ std::vector<std::int32_t> first_equals(const std::vector<Face>& at, const Contex
   return result;
 }
 
-DoubledFace doubled_face(OrderedFace face, OrderedFace counted, const Connectivity& mesh,
+DoubledFace doubled_face(OrderedFace face, OrderedFace counted, std::span<const Face> faces,
                          std::span<const std::int32_t> places) {
-  const Face own = at_places(mesh.faces[as_index(face)], places);
-  const Face others = at_places(mesh.faces[as_index(counted)], places);
+  const Face own = at_places(faces[as_index(face)], places);
+  const Face others = at_places(faces[as_index(counted)], places);
   DoubledFace result{face, counted, {}};
   for (std::size_t k = 0; k < 3; ++k)
     result.corners[k] =
@@ -79,38 +79,39 @@ std::vector<std::int32_t> places_of(std::span<const Vec3> vertices, double toler
   return result;
 }
 
-std::vector<DoubledFace> find_doubled(const Connectivity& mesh,
+std::vector<DoubledFace> find_doubled(std::span<const Face> faces,
+                                      std::span<const std::int32_t> original_face,
                                       std::span<const std::int32_t> places,
                                       const Context* context) {
   std::vector<Face> at;
-  at.reserve(mesh.faces.size());
-  for (const Face& face : mesh.faces) at.push_back(sorted(at_places(face, places)));
+  at.reserve(faces.size());
+  for (const Face& face : faces) at.push_back(sorted(at_places(face, places)));
   const std::vector<std::int32_t> first = first_equals(at, context);
   std::map<std::int32_t, std::vector<std::int32_t>> sets;  // of equal faces, by the first
   for (std::size_t f = 0; f < first.size(); ++f)
     if (first[f] != static_cast<std::int32_t>(f))
       sets.try_emplace(first[f], 1, first[f]).first->second.push_back(static_cast<std::int32_t>(f));
   std::vector<DoubledFace> result;
-  for (const auto& [_, faces] : sets) {
+  for (const auto& [_, equal] : sets) {
     const auto original = [&](std::int32_t f) {
-      return mesh.original_face[static_cast<std::size_t>(f)];
+      return original_face[static_cast<std::size_t>(f)];
     };
     const std::int32_t counted = *std::min_element(
-        faces.begin(), faces.end(),
+        equal.begin(), equal.end(),
         [&](std::int32_t a, std::int32_t b) { return original(a) < original(b); });
-    for (const std::int32_t face : faces)
+    for (const std::int32_t face : equal)
       if (face != counted)
-        result.push_back(doubled_face(OrderedFace{face}, OrderedFace{counted}, mesh, places));
+        result.push_back(doubled_face(OrderedFace{face}, OrderedFace{counted}, faces, places));
   }
   std::sort(result.begin(), result.end(),
             [](const DoubledFace& a, const DoubledFace& b) { return a.face < b.face; });
   return result;
 }
 
-std::vector<bool> left_out_faces(const Connectivity& mesh) {
-  if (mesh.doubled.empty()) return {};
-  std::vector<bool> result(mesh.faces.size(), false);
-  for (const DoubledFace& doubled : mesh.doubled) result[as_index(doubled.face)] = true;
+std::vector<bool> left_out_faces(std::span<const DoubledFace> doubled, std::size_t face_count) {
+  if (doubled.empty()) return {};
+  std::vector<bool> result(face_count, false);
+  for (const DoubledFace& one : doubled) result[as_index(one.face)] = true;
   return result;
 }
 

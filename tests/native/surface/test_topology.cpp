@@ -85,8 +85,16 @@ TEST(Topology, OfIsolatedVerticesCountsFacesOnly) {
   EXPECT_EQ(found.border_edges, 12);
 }
 
-TEST(Topology, OfDuplicateFacesHasCrowdedEdges) {
+TEST(Topology, OfDuplicateFacesIsThatWithoutThem) {
   const Topology found = topology(duplicate_faces().surface());
+  EXPECT_TRUE(found.manifold);
+  EXPECT_EQ(found.border_loops, 1);
+}
+
+TEST(Topology, OfDuplicateFacesThatAreKeptHasCrowdedEdges) {
+  const Shape shape = duplicate_faces();
+  const Topology found =
+      topology(Surface(shape.vertices, shape.faces, Density{}, {.merge_doubled = false}));
   EXPECT_FALSE(found.manifold);
   EXPECT_GT(found.nonmanifold_edges, 0);
 }

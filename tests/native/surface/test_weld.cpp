@@ -125,12 +125,26 @@ TEST(Weld, NoneConnectsByIndicesAlone) {
   EXPECT_EQ(refined.surface.ordered().components(), by_index(split).ordered().components());
 }
 
+/// Each face that lies on another counts.
+Surface with_doubled(const Shape& shape) {
+  return {shape.vertices, shape.faces, Density{}, {.merge_doubled = false}};
+}
+
 TEST(Weld, SolidsThatTouchFaceToFaceStayApart) {
   const Shape two = joined(box(2), moved(box(2), {1, 0, 0}));
-  EXPECT_EQ(two.surface().ordered().components(), 2);
-  EXPECT_EQ(soup(two).surface().ordered().components(), 2);
-  EXPECT_EQ(split_edges(two, 30.0).surface().ordered().components(), 2);
-  EXPECT_EQ(topology(soup(two).surface()).border_edges, 0);
+  EXPECT_EQ(with_doubled(two).ordered().components(), 2);
+  EXPECT_EQ(with_doubled(soup(two)).ordered().components(), 2);
+  EXPECT_EQ(with_doubled(split_edges(two, 30.0)).ordered().components(), 2);
+  EXPECT_EQ(topology(with_doubled(soup(two))).border_edges, 0);
+}
+
+TEST(Weld, SolidsThatHaveOneFaceInCommonHangTogether) {
+  const Shape two = joined(box(2), moved(box(2), {1, 0, 0}));
+  for (const Shape& shape : {two, soup(two), split_edges(two, 30.0)}) {
+    EXPECT_EQ(shape.surface().doubled_faces(), 8u);
+    EXPECT_EQ(shape.surface().ordered().components(), 1);
+    EXPECT_EQ(topology(shape.surface()).border_edges, 0);
+  }
 }
 
 TEST(Weld, SolidsThatTouchAlongAnEdgeStayApart) {
@@ -143,11 +157,11 @@ TEST(Weld, SheetsThatLieOnEachOtherStayApart) {
   Shape back = sheet;
   for (Face& face : back.faces) std::swap(face[1], face[2]);
   for (const Shape& two : {joined(sheet, sheet), joined(sheet, back)}) {
-    EXPECT_EQ(two.surface().ordered().components(), 2);
-    EXPECT_EQ(topology(two.surface()).border_edges, 32);
+    EXPECT_EQ(with_doubled(two).ordered().components(), 2);
+    EXPECT_EQ(topology(with_doubled(two)).border_edges, 32);
   }
-  EXPECT_EQ(soup(joined(sheet, sheet)).surface().ordered().components(), 2);
-  EXPECT_EQ(soup(joined(blob(2), blob(2))).surface().ordered().components(), 2);
+  EXPECT_EQ(with_doubled(soup(joined(sheet, sheet))).ordered().components(), 2);
+  EXPECT_EQ(with_doubled(soup(joined(blob(2), blob(2)))).ordered().components(), 2);
 }
 
 TEST(Weld, ADecalStaysApartFromTheFloorUnderIt) {

@@ -95,7 +95,8 @@ def command(
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()
     reporter.say(
-        f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area{loaded.doubled()}"
+        f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area"
+        f"{loaded.doubled()}"
     )
     if profile:
         reporter.show_profile([samples.report])
