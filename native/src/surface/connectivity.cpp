@@ -204,8 +204,9 @@ Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces
 
 Connectivity connect(std::span<const Vec3> vertices, std::span<const Face> faces,
                      std::span<const std::int32_t> edges, std::span<const std::int32_t> places,
-                     Context* context) {
+                     bool merge_doubled, Context* context) {
   Connectivity result = ordered_faces(vertices, faces, context);
+  result.merge_doubled = merge_doubled;
   link(edges, places, result, context);
   if (context) context->advance(kWelded);
   find_components(result, context);

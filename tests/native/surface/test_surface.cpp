@@ -72,9 +72,10 @@ TEST_P(SurfaceOf, WalksRingsAroundEdges) {
       ++in_ring;
       h = surface.ordered().next_around(h);
     } while (h != start && in_ring <= half_edges);
+    const bool counts = surface.ordered().counts(face_of(start));
     for (std::int32_t other = 0; other < half_edges; ++other)
-      on_edge += ends(other) == ends(start) ? 1 : 0;
-    ASSERT_EQ(in_ring, on_edge) << "half-edge " << start;
+      on_edge += ends(other) == ends(start) && surface.ordered().counts(face_of(other)) ? 1 : 0;
+    ASSERT_EQ(in_ring, counts ? on_edge : 1) << "half-edge " << start;
   }
 }
 

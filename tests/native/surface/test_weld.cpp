@@ -127,7 +127,7 @@ TEST(Weld, NoneConnectsByIndicesAlone) {
 
 /// Each face that lies on another counts.
 Surface with_doubled(const Shape& shape) {
-  return {shape.vertices, shape.faces, Density{}, {.merge_doubled = false}};
+  return {shape.vertices, shape.faces, Density{}, SurfaceOptions{.merge_doubled = false}};
 }
 
 TEST(Weld, SolidsThatTouchFaceToFaceStayApart) {
@@ -165,8 +165,7 @@ TEST(Weld, SheetsThatLieOnEachOtherStayApart) {
 }
 
 TEST(Weld, ADecalStaysApartFromTheFloorUnderIt) {
-  Shape decal =
-      moved(mapped(grid(2), [](const Vec3& p) { return Vec3(0.5 * p); }), {0.25, 0.25, 0});
+  Shape decal = moved(mapped(grid(2), [](const Vec3& p) { return Vec3(0.5 * p); }), {0.3, 0.25, 0});
   for (Face& face : decal.faces) std::rotate(face.begin(), face.begin() + 1, face.end());
   EXPECT_EQ(joined(grid(4), decal).surface().ordered().components(), 2);
 }
