@@ -33,7 +33,6 @@ struct SurfaceOptions {
 struct Joints {
   std::span<const std::int32_t> edges;  ///< per face three, from its corner k on: equal if one edge
   std::span<const std::int32_t> places;  ///< per vertex: equal if at one place
-  bool merge_doubled = true;             ///< see SurfaceOptions; corners are where `places` says
 };
 
 class OrderedSurface;
@@ -57,12 +56,13 @@ class Surface {
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
           const SurfaceOptions& options = {}, Context* context = nullptr);
 
-  /// The same with connections that are known, wherever the vertices are.
+  /// The same with connections that are known, wherever the vertices are. Corners are at one place
+  /// as `joints` says.
   /// \throw SurfaceError also if the lengths of `joints` do not fit or the angle is out of range;
   /// Cancelled
   Surface(std::span<const Vec3> vertices, std::span<const Face> faces, const Density& density,
           const Joints& joints, double sharp_angle = SurfaceOptions{}.sharp_angle,
-          Context* context = nullptr);
+          bool merge_doubled = SurfaceOptions{}.merge_doubled, Context* context = nullptr);
 
   /// The same faces and density over moved vertices (as many, in the same order). Hard edges stay
   /// hard, whatever their angle is now; normals that were given are not kept.

@@ -343,8 +343,8 @@ Refined CutMesh::result(bool resolved, Context* context) && {
   }
   const std::vector<double> density = carried_density(*surface_, refined, context);
   refined.surface = Surface(vertices_, faces, Density{DensityAt::kCorners, density},
-                            Joints{joined_edges(), places(), /*merge_doubled=*/false},
-                            surface_->sharp_angle(), context);
+                            Joints{joined_edges(), places()}, surface_->sharp_angle(),
+                            /*merge_doubled=*/false, context);
   if (surface_->has_normals())
     refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined));
   return refined;

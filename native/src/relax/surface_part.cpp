@@ -53,8 +53,9 @@ Surface cut_out(const Surface& whole, std::span<const OrderedFace> faces, Contex
   return {positions,
           corners,
           Density{DensityAt::kCorners, densities},
-          Joints{edges, places, /*merge_doubled=*/false},
+          Joints{edges, places},
           whole.sharp_angle(),
+          /*merge_doubled=*/false,
           context};
 }
 

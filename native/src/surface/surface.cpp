@@ -137,15 +137,15 @@ Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
 
 Surface::Surface(std::span<const Vec3> vertices, std::span<const Face> faces,
                  const Density& density, const Joints& joints, double sharp_angle,
-                 Context* context) {
+                 bool merge_doubled, Context* context) {
   check_mesh(vertices, faces, density);
   check_joints(joints, vertices.size(), faces.size());
   check_sharp_angle(sharp_angle);
   Stretch connecting(context, 0.0, kConnected), measuring(context, kConnected, 1.0);
-  const OrderedSurface plain(vertices,
-                             connect(vertices, faces, joints.edges, joints.places,
-                                     joints.merge_doubled, connecting.context()),
-                             density, measuring.context());
+  const OrderedSurface plain(
+      vertices,
+      connect(vertices, faces, joints.edges, joints.places, merge_doubled, connecting.context()),
+      density, measuring.context());
   ordered_ = shaded_by_angle(plain, sharp_angle);
   if (context) context->advance(1.0);
 }

@@ -38,7 +38,7 @@ std::vector<Shape> doubled_in_all_ways(const Shape& shape) {
 }
 
 Surface kept(const Shape& shape) {
-  return {shape.vertices, shape.faces, Density{}, SurfaceOptions{.merge_doubled = false}};
+  return {shape.vertices, shape.faces, Density{}, {.merge_doubled = false}};
 }
 
 TEST(DoubledFaces, CountOnceHoweverTheyAreTurned) {

@@ -93,8 +93,8 @@ TEST(Topology, OfDuplicateFacesIsThatWithoutThem) {
 
 TEST(Topology, OfDuplicateFacesThatAreKeptHasCrowdedEdges) {
   const Shape shape = duplicate_faces();
-  const Topology found = topology(
-      Surface(shape.vertices, shape.faces, Density{}, SurfaceOptions{.merge_doubled = false}));
+  const Topology found =
+      topology(Surface(shape.vertices, shape.faces, Density{}, {.merge_doubled = false}));
   EXPECT_FALSE(found.manifold);
   EXPECT_GT(found.nonmanifold_edges, 0);
 }

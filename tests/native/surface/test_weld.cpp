@@ -127,7 +127,7 @@ TEST(Weld, NoneConnectsByIndicesAlone) {
 
 /// Each face that lies on another counts.
 Surface with_doubled(const Shape& shape) {
-  return {shape.vertices, shape.faces, Density{}, SurfaceOptions{.merge_doubled = false}};
+  return {shape.vertices, shape.faces, Density{}, {.merge_doubled = false}};
 }
 
 TEST(Weld, SolidsThatTouchFaceToFaceStayApart) {
