@@ -14,8 +14,20 @@ import bpy
 import addon
 from benchmarks.compare.tables import say, table
 from benchmarks.zoo.objects import CASES, Case
+from benchmarks.zoo.standing import at_faces_of_zero, degrees_off
 
-_HEAD = ("object", "points", "variation", "alpha min", "mean", "evaluations", "s", "goals")
+_HEAD = (
+    "object",
+    "points",
+    "variation",
+    "alpha min",
+    "mean",
+    "evaluations",
+    "s",
+    "degrees off",
+    "goals",
+)
+_UPRIGHT = 0.5  # degrees between an instance and the normal as the surface is shaded there
 
 
 def main() -> None:
@@ -46,10 +58,15 @@ def measured(case: Case) -> dict[str, Any]:
     case.make()
     figures: dict[str, Any] = {"name": case.name, "points": case.points}
     try:
+        surface = bpy.context.object
         bpy.ops.dapple.add(count=case.points)
+        if case.attribute:
+            bpy.context.object.dapple.density_attribute = case.attribute
+            bpy.ops.dapple.optimize()
     except RuntimeError as error:
         return {**figures, "error": str(error).strip(), "missed": ["an error"]}
-    report = bpy.context.object.dapple.report
+    scatter = bpy.context.object
+    report = scatter.dapple.report
     figures |= {
         "variation": report.capacity_variation,
         "alpha_min": report.alpha_min,
@@ -57,6 +74,8 @@ def measured(case: Case) -> dict[str, Any]:
         "evaluations": report.evaluations,
         "seconds": report.milliseconds / 1000,
         "converged": report.converged,
+        "degrees_off": degrees_off(scatter, surface),
+        "misplaced": at_faces_of_zero(scatter, surface, case.attribute),
     }
     return {**figures, "missed": _missed(case, figures)}
 
@@ -69,19 +88,24 @@ def _missed(case: Case, figures: dict[str, Any]) -> list[str]:
         missed.append(f"alpha min {case.alpha_min}")
     if case.evaluations and figures["evaluations"] > case.evaluations:
         missed.append(f"evaluations {case.evaluations}")
+    if figures["degrees_off"] > _UPRIGHT:
+        missed.append(f"{_UPRIGHT} degrees")
+    if figures["misplaced"]:
+        missed.append(f"{figures['misplaced']} where the density is 0")
     return missed
 
 
 def _row(one: dict[str, Any]) -> list[str]:
     judged = "missed: " + ", ".join(one["missed"]) if one["missed"] else "met"
     if "error" in one:
-        return [one["name"], str(one["points"]), *("",) * 5, one["error"]]
+        return [one["name"], str(one["points"]), *("",) * 6, one["error"]]
     return [
         one["name"],
         str(one["points"]),
         *(f"{one[name]:.3f}" for name in ("variation", "alpha_min", "alpha_mean")),
         str(one["evaluations"]),
         f"{one['seconds']:.2f}",
+        f"{one['degrees_off']:.2f}",
         judged,
     ]
 

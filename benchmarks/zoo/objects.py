@@ -22,6 +22,7 @@ class Case:
     variation: standard deviation over mean of the areas, at most.
     alpha_min: smallest spacing as a share of the hexagonal one, at least.
     evaluations: at most; 0 if nothing is asked.
+    attribute: of the density, whose faces of 0 have to stay empty.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Case:
     alpha_min: float = 0.55
     evaluations: int = 0
     points: int = 800
+    attribute: str = ""
 
 
 def _modified(make: Callable[[], None], kind: str, **values: Any) -> Callable[[], None]:
@@ -135,13 +137,119 @@ def _soup() -> None:
     _modified(MONKEY, "EDGE_SPLIT", split_angle=0.0)()
 
 
-def _add_mesh(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
+def _smooth(make: Callable[[], None]) -> Callable[[], None]:
+    def build() -> None:
+        make()
+        bpy.ops.object.shade_smooth()
+
+    return build
+
+
+def _by_angle() -> None:
+    _of_mesh("cylinder")()
+    bpy.ops.object.shade_smooth_by_angle()
+
+
+def _plate() -> None:
+    """A square a hundred times as wide as thick."""
+    bpy.ops.mesh.primitive_cube_add(scale=(1.0, 1.0, 0.01))
+
+
+def _stairs() -> None:
+    """Eight steps and the wall behind them, one closed body."""
+    profile = [(0.0, 0.0)]
+    for k in range(8):
+        profile += [(0.5 * k, 0.3 * (k + 1)), (0.5 * (k + 1), 0.3 * (k + 1))]
+    profile.append((4.0, 0.0))
+    count = len(profile)
+    vertices = [(x, y, z) for y in (0.0, 2.0) for x, z in profile]
+    sides = [tuple(range(count)), tuple(reversed(range(count, 2 * count)))]
+    around = [(k, k + count, (k + 1) % count + count, (k + 1) % count) for k in range(count)]
+    _add_polygons("Stairs", vertices, [*sides, *around])
+
+
+def _house() -> None:
+    """Walls with a gable roof, one closed body."""
+    gable = [(-1.0, 0.0), (1.0, 0.0), (1.0, 1.2), (0.0, 2.2), (-1.0, 1.2)]
+    vertices = [(x, y, z) for y in (-1.5, 1.5) for x, z in gable]
+    around = [(k + 5, k, (k + 1) % 5, (k + 1) % 5 + 5) for k in range(5)]
+    _add_polygons("House", vertices, [(4, 3, 2, 1, 0), (5, 6, 7, 8, 9), *around])
+
+
+def _fence() -> None:
+    """Twenty upright wires, a hundred times as long as wide, of eight sides."""
+    for k in range(20):
+        bpy.ops.mesh.primitive_cylinder_add(
+            vertices=8, radius=0.005, depth=1.0, location=(0.1 * k, 0.0, 0.5)
+        )
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.join()
+
+
+def _rope() -> None:
+    """A helix of three turns, far thinner than the points are apart."""
+    angles = np.linspace(0.0, 6.0 * np.pi, 200)
+    data = bpy.data.curves.new("Rope", "CURVE")
+    data.dimensions, data.bevel_depth, data.bevel_resolution = "3D", 0.004, 2
+    spline = data.splines.new("POLY")
+    spline.points.add(len(angles) - 1)
+    for point, angle in zip(spline.points, angles, strict=True):
+        point.co = (np.cos(angle), np.sin(angle), 0.1 * angle, 1.0)
+    _link(bpy.data.objects.new("Rope", data))
+
+
+def _ribbon() -> None:
+    """A wavy band two hundred times as long as wide, without thickness."""
+    along = np.linspace(0.0, 4.0, 201)
+    edges = [np.column_stack([along, np.full(201, y), 0.2 * np.sin(3 * along)]) for y in (0, 0.02)]
+    first = np.arange(200)
+    faces = np.column_stack([first, first + 1, first + 202, first + 201])
+    _add_mesh("Ribbon", np.vstack(edges), faces)
+
+
+def _doubled_cube() -> None:
+    """A cube with each face twice, as two imports on each other leave it."""
+    CUBE()
+    mesh = bpy.context.object.data
+    vertices = [tuple(v.co) for v in mesh.vertices]
+    faces = [tuple(p.vertices) for p in mesh.polygons]
+    bpy.data.objects.remove(bpy.context.object)
+    moved = [tuple(v + 8 for v in face) for face in faces]
+    _add_polygons("Doubled", vertices + vertices, faces + moved)
+
+
+def _two_sided_ground() -> None:
+    """A grid whose faces are there in both directions, of the same vertices."""
+    _grid(30)()
+    mesh = bpy.context.object.data
+    vertices = [tuple(v.co) for v in mesh.vertices]
+    faces = [tuple(p.vertices) for p in mesh.polygons]
+    bpy.data.objects.remove(bpy.context.object)
+    _add_polygons("Two Sides", vertices, faces + [face[::-1] for face in faces])
+
+
+def _masked_cube() -> None:
+    """1 on the top of a cube, 0 on all other faces."""
+    CUBE()
+    mesh = bpy.context.object.data
+    values = [float(polygon.normal.z > 0.5) for polygon in mesh.polygons]
+    mesh.attributes.new("Top", "FLOAT", "FACE").data.foreach_set("value", values)
+
+
+def _add_polygons(name: str, vertices: list[Any], faces: list[Any]) -> None:
     mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new(name, mesh)
+    mesh.from_pydata(vertices, [], faces)
+    _link(bpy.data.objects.new(name, mesh))
+
+
+def _link(obj: bpy.types.Object) -> None:
     bpy.context.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
+
+
+def _add_mesh(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
+    _add_polygons(name, vertices.tolist(), faces.tolist())
 
 
 CASES = (
@@ -176,4 +284,15 @@ CASES = (
     Case("ribbon", _ribbon, 0.01, 0.0, 40, 60),
     Case("metaball", _metaball),
     Case("room", _room, points=2000),
+    Case("monkey, smooth", _smooth(MONKEY)),
+    Case("cylinder, smooth by angle", _by_angle),
+    Case("stairs", _stairs, 0.015, 0.55, 20),
+    Case("house", _house, 0.015, 0.55, 20),
+    Case("fence of wires", _fence, 0.01, 0.0, 40, 200),
+    Case("rope", _rope, 0.01, 0.0, 40, 200),
+    Case("ribbon", _ribbon, 0.01, 0.0, 40, 300),
+    Case("plate thinner than the spacing", _plate, 0.01, 0.0, 40, 300),
+    Case("cube, each face twice", _doubled_cube),
+    Case("ground, both sides", _two_sided_ground, 0.015, 0.6),
+    Case("cube, one face by attribute", _masked_cube, 0.015, 0.6, 20, 300, "Top"),
 )
