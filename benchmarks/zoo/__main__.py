@@ -61,7 +61,7 @@ def measured(case: Case) -> dict[str, Any]:
         surface = bpy.context.object
         bpy.ops.dapple.add(count=case.points)
         if case.attribute:
-            bpy.context.object.dapple.density_attribute = case.attribute
+            bpy.context.object.dapple.density.attribute = case.attribute
             bpy.ops.dapple.optimize()
     except RuntimeError as error:
         return {**figures, "error": str(error).strip(), "missed": ["an error"]}
@@ -74,7 +74,7 @@ def measured(case: Case) -> dict[str, Any]:
         "evaluations": report.evaluations,
         "seconds": report.milliseconds / 1000,
         "converged": report.converged,
-        "degrees_off": degrees_off(scatter, surface),
+        "degrees_off": float(degrees_off(scatter, surface).max()),
         "misplaced": at_faces_of_zero(scatter, surface, case.attribute),
     }
     return {**figures, "missed": _missed(case, figures)}

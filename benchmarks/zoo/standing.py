@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 _NEAR = 1e-3  # of the size of the surface: faces that a point may stand on
 
 
-def degrees_off(scatter: bpy.types.Object, surface: bpy.types.Object) -> float:
-    """Largest angle between an instance's Z axis and the shading normal below it.
+def degrees_off(scatter: bpy.types.Object, surface: bpy.types.Object) -> NDArray[np.float64]:
+    """Angles (n,) between the instances' Z axes and the shading normals below them.
 
     Where several faces are as near (edges, faces on each other) the best of them counts.
     """
-    most = 0.0
+    found = []
     for matrix, triangles in _below(scatter, surface):
         axis = matrix.to_3x3().col[2].normalized()
         place = matrix.translation
@@ -28,8 +28,8 @@ def degrees_off(scatter: bpy.types.Object, surface: bpy.types.Object) -> float:
         for corners, normals, _ in triangles:
             normal = barycentric_transform(place, *corners, *normals)
             angles.append(axis.angle(normal, 0.0))
-        most = max(most, min(angles))
-    return float(np.degrees(most))
+        found.append(min(angles))
+    return np.degrees(found)
 
 
 def at_faces_of_zero(scatter: bpy.types.Object, surface: bpy.types.Object, attribute: str) -> int:
