@@ -99,9 +99,16 @@ def sizes(starts: Ints, corner_count: int) -> Ints:
 
 
 def triangle_corners(mesh: RawMesh) -> Ints:
-    """Corners (m, 3) of the triangles that Blender cuts the polygons into."""
-    if mesh.cut is not None:
-        return mesh.cut
+    """Corners (m, 3) of the triangles that Blender cuts the polygons into.
+
+    Of polygons that lie on each other corner by corner the first is cut so, the others like it:
+    faces count once only where their triangles are the same.
+    """
+    return _cut_alike(mesh, _blenders_cut(mesh) if mesh.cut is None else mesh.cut)
+
+
+def _blenders_cut(mesh: RawMesh) -> Ints:
+    """Of polygons with at most four corners."""
     extra = sizes(mesh.starts, len(mesh.corners)) - 3  # triangles beside the first
     first = np.cumsum(extra + 1) - extra - 1
     found = np.empty((len(mesh.starts) + int(extra.sum()), 3), dtype=np.int32)
@@ -111,6 +118,67 @@ def triangle_corners(mesh: RawMesh) -> Ints:
     found[quads[other]] = begins[other] + np.array([0, 1, 3], dtype=np.int32)
     rest = np.where(other[:, None], np.array([1, 2, 3]), np.array([0, 2, 3]))
     found[quads + 1] = begins + rest
+    return found
+
+
+def _cut_alike(mesh: RawMesh, cut: Ints) -> Ints:
+    """The triangles, those of polygons that lie on others cut like these."""
+    totals = sizes(mesh.starts, len(mesh.corners))
+    firsts, others = _on_each_other(mesh, totals)
+    if not len(firsts):
+        return cut
+    found = cut.copy()
+    begins = np.cumsum(totals - 2) - (totals - 2)  # of their triangles
+    for total in np.unique(totals[firsts]):
+        own, other = (these[totals[firsts] == total] for these in (firsts, others))
+        steps, rows = (np.arange(count, dtype=np.int32) for count in (total, total - 2))
+        there, here = (
+            mesh.positions[mesh.corners[mesh.starts[these, None] + steps]] for these in (own, other)
+        )
+        same = (there[:, :, None] == here[:, None]).all(axis=3)  # (k, corner there, corner here)
+        alike = same.any(axis=2).all(axis=1)
+        own, other, same = own[alike], other[alike], same[alike]
+        local = cut[begins[own, None] + rows] - mesh.starts[own, None, None]
+        like = np.take_along_axis(same.argmax(axis=2), local.reshape(len(own), -1), axis=1)
+        like = like.reshape(local.shape)
+        turned = _are_turned(there[alike], here[alike])
+        like[turned] = like[turned, :, ::-1]
+        found[begins[other, None] + rows] = mesh.starts[other, None, None] + like
+    return found
+
+
+def _on_each_other(mesh: RawMesh, totals: Ints) -> tuple[Ints, Ints]:
+    """Pairs of polygons of more than three corners that may have all places in common."""
+    large = np.flatnonzero(totals > 3)
+    none = np.empty(0, dtype=np.int64)
+    if len(large) < 2:
+        return none, none
+    sums = np.add.reduceat(_mixed(mesh.positions)[mesh.corners], mesh.starts)[large]
+    ordered = np.sort(sums)
+    if not (ordered[1:] == ordered[:-1]).any():
+        return none, none
+    _, first, group = np.unique(sums, return_index=True, return_inverse=True)
+    firsts = large[first[group.reshape(-1)]]
+    pairs = (firsts != large) & (totals[firsts] == totals[large])
+    return firsts[pairs], large[pairs]
+
+
+def _mixed(positions: Singles) -> NDArray[np.uint64]:
+    """A number (v,) for each place, whose sum over a polygon is that of few others."""
+    bits = np.ascontiguousarray(positions + np.float32(0.0)).view(np.uint32).astype(np.uint64)
+    found = np.zeros(len(bits), dtype=np.uint64)
+    for axis in range(3):
+        found = (found ^ bits[:, axis]) * np.uint64(0x9E3779B97F4A7C15)
+        found ^= found >> np.uint64(29)
+    return found
+
+
+def _are_turned(there: Singles, here: Singles) -> NDArray[np.bool_]:
+    """Whether polygons (k, n, 3) are the other sides of those of the same corners."""
+    there, here = (
+        np.cross(p - p[:, :1], np.roll(p, -1, axis=1) - p[:, :1]).sum(axis=1) for p in (there, here)
+    )
+    found: NDArray[np.bool_] = np.einsum("kd,kd->k", there, here) < 0.0
     return found
 
 
