@@ -176,8 +176,8 @@ def _house() -> None:
     _add_polygons("House", vertices, [(4, 3, 2, 1, 0), (5, 6, 7, 8, 9), *around])
 
 
-def _fence() -> None:
-    """Twenty upright wires, a hundred times as long as wide, of eight sides."""
+def _palings() -> None:
+    """Twenty upright cylinders, a hundred times as long as wide, of eight sides."""
     for k in range(20):
         bpy.ops.mesh.primitive_cylinder_add(
             vertices=8, radius=0.005, depth=1.0, location=(0.1 * k, 0.0, 0.5)
@@ -186,25 +186,13 @@ def _fence() -> None:
     bpy.ops.object.join()
 
 
-def _rope() -> None:
-    """A helix of three turns, far thinner than the points are apart."""
-    angles = np.linspace(0.0, 6.0 * np.pi, 200)
-    data = bpy.data.curves.new("Rope", "CURVE")
-    data.dimensions, data.bevel_depth, data.bevel_resolution = "3D", 0.004, 2
-    spline = data.splines.new("POLY")
-    spline.points.add(len(angles) - 1)
-    for point, angle in zip(spline.points, angles, strict=True):
-        point.co = (np.cos(angle), np.sin(angle), 0.1 * angle, 1.0)
-    _link(bpy.data.objects.new("Rope", data))
-
-
-def _ribbon() -> None:
+def _band() -> None:
     """A wavy band two hundred times as long as wide, without thickness."""
     along = np.linspace(0.0, 4.0, 201)
     edges = [np.column_stack([along, np.full(201, y), 0.2 * np.sin(3 * along)]) for y in (0, 0.02)]
     first = np.arange(200)
     faces = np.column_stack([first, first + 1, first + 202, first + 201])
-    _add_mesh("Ribbon", np.vstack(edges), faces)
+    _add_mesh("Band", np.vstack(edges), faces)
 
 
 def _doubled_cube() -> None:
@@ -288,9 +276,8 @@ CASES = (
     Case("cylinder, smooth by angle", _by_angle),
     Case("stairs", _stairs, 0.015, 0.55, 20),
     Case("house", _house, 0.015, 0.55, 20),
-    Case("fence of wires", _fence, 0.01, 0.0, 40, 200),
-    Case("rope", _rope, 0.01, 0.0, 40, 200),
-    Case("ribbon", _ribbon, 0.01, 0.0, 40, 300),
+    Case("fence of cylinders", _palings, 0.01, 0.0, 40, 200),
+    Case("wavy band", _band, 0.01, 0.0, 40, 300),
     Case("plate thinner than the spacing", _plate, 0.01, 0.0, 40, 300),
     Case("cube, each face twice", _doubled_cube),
     Case("ground, both sides", _two_sided_ground, 0.015, 0.6),
