@@ -104,7 +104,8 @@ def triangle_corners(mesh: RawMesh) -> Ints:
     Of polygons that lie on each other corner by corner the first is cut so, the others like it:
     faces count once only where their triangles are the same.
     """
-    return _cut_alike(mesh, _blenders_cut(mesh) if mesh.cut is None else mesh.cut)
+    cut = _blenders_cut(mesh) if mesh.cut is None else mesh.cut
+    return cut_alike(mesh.positions, mesh.corners, mesh.starts, cut)
 
 
 def _blenders_cut(mesh: RawMesh) -> Ints:
@@ -121,10 +122,13 @@ def _blenders_cut(mesh: RawMesh) -> Ints:
     return found
 
 
-def _cut_alike(mesh: RawMesh, cut: Ints) -> Ints:
-    """The triangles, those of polygons that lie on others cut like these."""
-    totals = sizes(mesh.starts, len(mesh.corners))
-    firsts, others = _on_each_other(mesh, totals)
+def cut_alike(positions: Singles, corners: Ints, starts: Ints, cut: Ints) -> Ints:
+    """Corners (m, 3) of triangles, those of polygons that lie on others cut like these.
+
+    positions (v, 3) of vertices, corners (c,) vertices, starts (p,) first corners of polygons.
+    """
+    totals = sizes(starts, len(corners))
+    firsts, others = _on_each_other(positions[corners], starts, totals)
     if not len(firsts):
         return cut
     found = cut.copy()
@@ -132,28 +136,26 @@ def _cut_alike(mesh: RawMesh, cut: Ints) -> Ints:
     for total in np.unique(totals[firsts]):
         own, other = (these[totals[firsts] == total] for these in (firsts, others))
         steps, rows = (np.arange(count, dtype=np.int32) for count in (total, total - 2))
-        there, here = (
-            mesh.positions[mesh.corners[mesh.starts[these, None] + steps]] for these in (own, other)
-        )
+        there, here = (positions[corners[starts[these, None] + steps]] for these in (own, other))
         same = (there[:, :, None] == here[:, None]).all(axis=3)  # (k, corner there, corner here)
         alike = same.any(axis=2).all(axis=1)
         own, other, same = own[alike], other[alike], same[alike]
-        local = cut[begins[own, None] + rows] - mesh.starts[own, None, None]
+        local = cut[begins[own, None] + rows] - starts[own, None, None]
         like = np.take_along_axis(same.argmax(axis=2), local.reshape(len(own), -1), axis=1)
         like = like.reshape(local.shape)
         turned = _are_turned(there[alike], here[alike])
         like[turned] = like[turned, :, ::-1]
-        found[begins[other, None] + rows] = mesh.starts[other, None, None] + like
+        found[begins[other, None] + rows] = starts[other, None, None] + like
     return found
 
 
-def _on_each_other(mesh: RawMesh, totals: Ints) -> tuple[Ints, Ints]:
+def _on_each_other(places: Singles, starts: Ints, totals: Ints) -> tuple[Ints, Ints]:
     """Pairs of polygons of more than three corners that may have all places in common."""
     large = np.flatnonzero(totals > 3)
     none = np.empty(0, dtype=np.int64)
     if len(large) < 2:
         return none, none
-    sums = np.add.reduceat(_mixed(mesh.positions)[mesh.corners], mesh.starts)[large]
+    sums = np.add.reduceat(_mixed(places), starts)[large]
     ordered = np.sort(sums)
     if not (ordered[1:] == ordered[:-1]).any():
         return none, none

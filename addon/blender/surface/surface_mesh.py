@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from ...core.errors import ScatterError
-from ...core.raw import RawValues, placed_values, sizes, world_normals
+from ...core.raw import RawValues, cut_alike, placed_values, sizes, world_normals
 from ...core.sources import digest_of
-from ...core.surface import Floats, SurfaceArrays, topology_digest
+from ...core.surface import Floats, Ints, SurfaceArrays, topology_digest
 from ..base.corners import (
     corner_vertices,
     has_corner_normals,
@@ -59,7 +59,7 @@ def read_surface(
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = matrix_of(obj.evaluated_get(depsgraph))
         vertices = read_points(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
-        loops = triangle_corners(mesh) if cut else np.empty((0, 3), dtype=np.int32)
+        loops = _triangles(mesh) if cut else np.empty((0, 3), dtype=np.int32)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             loops = np.ascontiguousarray(loops[:, ::-1])
         raw = _stored_values(obj, mesh, names, materials)
@@ -78,6 +78,15 @@ def read_surface(
             time=float(depsgraph.scene.frame_current_final),
             digests=digests,
         )
+
+
+def _triangles(mesh: bpy.types.Mesh) -> Ints:
+    """Corners (m, 3) of the triangles, faces on each other cut alike."""
+    cut = triangle_corners(mesh)
+    if len(cut) == len(mesh.polygons):
+        return cut
+    positions = read_points(mesh).astype(np.float32)
+    return cut_alike(positions, corner_vertices(mesh), polygon_starts(mesh), cut)
 
 
 def _world_normals(mesh: bpy.types.Mesh, matrix: Floats) -> Floats | None:
