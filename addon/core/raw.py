@@ -149,7 +149,9 @@ def cut_alike(positions: Singles, corners: Ints, starts: Ints, cut: Ints) -> Int
     return found
 
 
-def _on_each_other(places: Singles, starts: Ints, totals: Ints) -> tuple[Ints, Ints]:
+def _on_each_other(
+    places: Singles, starts: Ints, totals: Ints
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs of polygons of more than three corners that may have all places in common."""
     large = np.flatnonzero(totals > 3)
     none = np.empty(0, dtype=np.int64)

@@ -66,3 +66,30 @@ def test_whole_counts_on_separate_parts_are_said(addon):
     assert scatter.dapple.report.whole_count_variation > 0.1
     lines = [text for text, _ in addon.blender.panels.results.figure_lines(scatter)]
     assert any("whole numbers" in line for line in lines)
+
+
+def test_a_double_sided_ground_is_even():
+    """Both sides' quads were cut along different lines, so each side got half of the points."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=12, y_subdivisions=12)
+    single = scattered().dapple.report
+    ground = bpy.context.object.dapple.surface.data
+    vertices = [tuple(vertex.co) for vertex in ground.vertices]
+    faces = [tuple(polygon.vertices) for polygon in ground.polygons]
+    mesh = bpy.data.meshes.new("Ground")
+    mesh.from_pydata(vertices, [], faces + [face[::-1] for face in faces])
+    obj = bpy.data.objects.new("Ground", mesh)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    double = scattered()
+    assert double.dapple.report.alpha_min == pytest.approx(single.alpha_min, abs=0.05)
+    z = [matrix.normalized().col[2].z for matrix in instance_matrices(double)]
+    assert min(z) > 0.99, "no instance hangs upside down"
+
+
+def instance_matrices(scatter):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return [
+        instance.matrix_world.copy()
+        for instance in depsgraph.object_instances
+        if instance.is_instance and instance.parent.original == scatter
+    ]
