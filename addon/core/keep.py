@@ -34,6 +34,7 @@ _HANDFUL = 3  # points that come or go at a place without many others giving way
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
 _STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
+_MOST = 1.0  # of all points: where more have to come from elsewhere, all are placed anew
 _MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
 
 _ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
@@ -258,7 +259,10 @@ def _relaxed(
         return sampled(ground, settings, context)
     if everything or not len(changed) or not len(given):
         return _resampled(ground, given, settings, context, locked)
-    if not settings.per_area and _coming(ground, given, changed) > _MANY * wanted:
+    coming = 0.0 if settings.per_area else _coming(ground, given, changed)
+    if locked is None and coming > _MOST * wanted:
+        return sampled(ground, settings, context)
+    if coming > _MANY * wanted:
         return _resampled(ground, given, settings, context, locked)
     options = {"locked": _rows(given, locked), "context": context, **settings.sample_options()}
     found = package().relax(ground.surface, given, changed, **options)

@@ -193,6 +193,19 @@ def test_slope_finds_walls_alone():
     assert (np.abs(found[:, 2]) < 1.0 - FLAT).all()
 
 
+def test_the_colors_of_a_density_end_at_the_edges_of_faces():
+    obj = scenes.scattered(with_faces(cube(), "Grass", is_top), count=50)
+    optimized(obj, attribute="Grass")
+    overlay = addon_host.part("blender.viewport.overlay")
+    overlay.start(obj)
+    places, colors = (one.reshape(-1, 3, one.shape[1]) for one in overlay.triangles())
+    overlay.stop()
+    top = (places[:, :, 2] > 0.99).all(axis=1)
+    assert top.sum() == 2
+    assert (colors[top, :, 0] > 0.9).all(), "yellow"
+    assert (colors[~top, :, 0] < 0.2).all(), "dark"
+
+
 @pytest.mark.parametrize("lift", [0.0, 0.1, 123.4])
 def test_a_sharp_height_has_no_points_on_the_walls_below_a_floor(lift):
     surface = cube()
@@ -463,6 +476,26 @@ def test_an_assignment_to_other_faces_is_noticed(live):
     assert live.settle() > 0
     found = scenes.positions(obj)
     assert not inside_bottom(found).any()
+
+
+def test_other_materials_in_the_slots_are_followed(live):
+    surface = with_materials(cube(), sides)
+    obj = scenes.scattered(surface, count=100)
+    choose(obj, "Grass")
+    optimized(obj, use_material=True)
+    obj.dapple.auto_update_choice = "ON"
+    live.settle()
+    surface.data.materials[0] = bpy.data.materials["Grass"]
+    assert live.settle() > 0
+    assert on_top(scenes.positions(obj)) < 50
+    surface.material_slots[0].link = "OBJECT"
+    surface.material_slots[0].material = bpy.data.materials["Stone"]
+    assert live.settle() > 0
+    assert on_top(scenes.positions(obj)) == 100
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.dapple.remove_material(index=0) == {"FINISHED"}
+    assert live.settle() > 0
+    assert on_top(scenes.positions(obj)) < 50
 
 
 # Bakes

@@ -181,3 +181,17 @@ def test_triangles_have_the_values_of_their_polygons_and_corners():
     other = cut.copy()
     other[4:] = [[8, 9, 11], [9, 10, 11]]  # the quad along its other diagonal
     assert raw.placed_values("Mixed", values, starts, other)[1] == digests
+
+
+def test_points_spread_evenly_over_faces_that_get_a_density():
+    """All points came together on a quarter of the surface, or were as many as before there."""
+    few = (half() > 0.0) & (half_by_x() > 0.0)
+    settings = Settings(count=200, density=DensitySettings(attribute="Grass"))
+    start = scatter(surface_of(Grass=few.astype(float)), settings, None)
+    for values in (np.ones((len(FACES), 1)), half(upper=False)):
+        found = changed(start, surface_of(Grass=values), settings)
+        surface = found.solved.ground.surface
+        report = dapple.analyze(surface, found.solved.samples)
+        assert report.count == 200
+        assert report.capacity_variation < 0.02
+        assert len(np.intersect1d(found.columns["id"], start.columns["id"])) == 200
