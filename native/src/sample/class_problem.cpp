@@ -216,15 +216,15 @@ double share_of_start(const ClassProblem& problem, const ClassOptions& options) 
 void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context) {
   options.max_evaluations = std::min(kMore, options.max_evaluations - found.minimum.evaluations);
   if (options.max_evaluations < 1 ||
-      capacity_variation(found.objective, found.minimum.state) <= kEven)
+      capacity_variation(found.objective, found.minimum.state) <= kEven) {
+    if (context) context->advance(1.0);
     return;
+  }
   options.tolerance *= kThin;
   Minimum next = minimize(found.objective, found.minimum.state.sites, options, context);
   next.evaluations += found.minimum.evaluations;
   next.iterations += found.minimum.iterations;
   next.converged = next.converged || found.minimum.converged;
-  next.energies.insert(next.energies.begin(), found.minimum.energies.begin(),
-                       found.minimum.energies.end());
   found.minimum = std::move(next);
 }
 

@@ -185,7 +185,7 @@ TEST(Domain, StepsDoNotHopToAnotherSheetAtTheSamePlace) {
   for (std::size_t f = static_cast<std::size_t>(count); f < shape.faces.size(); ++f)
     for (std::int32_t& v : shape.faces[f])
       if (shape.vertices[static_cast<std::size_t>(v)].x() == 0.0) v -= vertices;  // the fold
-  const Surface surface = shape.surface();
+  const Surface surface(shape.vertices, shape.faces, Density{}, {.merge_doubled = false});
   ASSERT_EQ(surface.ordered().components(), 1);
   Random random(1);
   const Sites sites = random_sites(shape, 200, random, true);
