@@ -15,7 +15,7 @@ from .frames import carried, shading
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
 from .kinds import tracked
-from .lean import lean_to, leaning, shown
+from .lean import Leaning
 from .native import package
 from .records import Binding
 from .rest import Shape, bound_at_rest, rest_columns
@@ -65,7 +65,7 @@ class Baker:
         self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
         self.topologies = [self.bound.topology]
         self.last = start.binding
-        self.lean: Floats | None = None  # of the last frame
+        self._leaning = Leaning()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._tracker: Any = None
         self._ground: Any = None  # that the tracker stands on
@@ -96,18 +96,17 @@ class Baker:
         for, and with a rest shape of any moments.
         """
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
-        self.lean, lean = None, self.lean
+        last, leaning, self._leaning = self.last, self._leaning, Leaning()
         if after.rest is None:
-            last = self.last
             with named(after.name):
                 self.last = rebound(last, before, after)
-            if self.at_seam:  # what moves between both is next to nothing
-                axes = shown(last, lean, before.vertices, shading(before))
-                self.lean = lean_to(axes, self.last, after.vertices, shading(after))
+            if self.at_seam:
+                leaning.cross(last, before, self.last, after)
+                self._leaning = leaning
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
-            self.last = bound_at_rest(rest_columns(self.last, before), after)
+            self.last = bound_at_rest(rest_columns(last, before), after)
         self._chain.add(before)
         self._chain.add(after)
         self.start = replace(self.start, binding=self.last)
@@ -205,7 +204,7 @@ class Baker:
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
-        lean = leaning(self.last, self.lean, turned, vertices, normals)
+        lean = self._leaning.next(self.last, turned, vertices, normals)
         doubled = self._ground.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
@@ -242,7 +241,9 @@ class Baker:
     def _add(self, solved: Solved) -> None:
         self._check_distinct(solved.placed.binding)
         self._solved, self._vertices = solved, self._now.vertices
-        self.last, self.lean = solved.placed.binding, solved.placed.lean
+        self.last = solved.placed.binding
         self.reports.append(solved.report)
         spacing = solved.report.spacing
+        normals = shading(self._now, self.bound.faces)
+        self._leaning.add(solved.placed.lean, self._vertices, normals, spacing)
         self.keyframes.add(solved.placed, self.bound, self._now, spacing)

@@ -14,12 +14,14 @@ against the new first edge.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from .records import Binding
 from .surface import Floats, Ints, SurfaceArrays
 
+SMOOTH = 180.0  # degrees: no edge is sharp
 LEAST_HEIGHT = 0.1  # of 1 + the cosine between a triangle and its normal, which may be inside out
 _TINY = 1e-30
 
@@ -93,6 +95,13 @@ def corner_normals(surface: SurfaceArrays) -> Floats:
         return vertex_normals(surface.vertices, surface.faces)[surface.faces]
     found: Floats = _unit(surface.normals)[surface.face_corners]
     return found
+
+
+def shaded(surface: SurfaceArrays) -> dict[str, Any]:
+    """The options of a dapple.Surface that is shaded as this one is."""
+    if surface.normals is None:
+        return {"sharp_angle": SMOOTH}
+    return {"normals": corner_normals(surface)}
 
 
 def frames(binding: Binding, vertices: Floats, normals: Normals) -> Frames:

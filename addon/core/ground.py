@@ -12,6 +12,7 @@ import numpy as np
 
 from .density import density_of, product
 from .fine import Term, at_corners, blocked, fine_terms, to_cut
+from .frames import SMOOTH, shaded
 from .native import package
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays
@@ -219,13 +220,14 @@ def _placed(density: Floats | None) -> tuple[Floats | None, str]:
 def _measured(arrays: SurfaceArrays, density: Floats | None, merge: bool, like: Any) -> Any:
     """dapple.Surface of what was read; that of the same faces saves most of the work."""
     values, at = _placed(density)
+    own = shaded(arrays)
     same = like is not None and like.merge_doubled == merge
+    same = same and (like.sharp_angle == SMOOTH) == ("normals" not in own)
     if not same or not np.array_equal(like.faces, arrays.faces):
-        return package().Surface(
-            arrays.vertices, arrays.faces, values, density_at=at, merge_doubled=merge
-        )
-    if not np.array_equal(like.vertices, arrays.vertices):
-        like = like.deformed(arrays.vertices)
+        own |= {"density_at": at, "merge_doubled": merge}
+        return package().Surface(arrays.vertices, arrays.faces, values, **own)
+    if "normals" in own or not np.array_equal(like.vertices, arrays.vertices):
+        like = like.deformed(arrays.vertices, normals=own.get("normals"))
     return like.with_density(values, density_at=at)
 
 

@@ -16,9 +16,8 @@ from .binding import bound_to, faces_with_corners, samples_of
 from .errors import ScatterError
 from .frames import carried, shading
 from .ground import Ground
-from .keys import Placed, padded
+from .keys import Placed
 from .kinds import of_classes
-from .lean import leaning
 from .native import package
 from .records import Binding, Columns, joined
 from .sidecar import Solved
@@ -183,8 +182,7 @@ class PopulationBaker(Baker):
         after = bound_to(self.bound, faces, weights)
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         turned = carried(self.last, after, vertices, normals)
-        lean = None if self.lean is None else padded(self.lean, len(faces))
-        return Placed(faces, turned, gone, leaning(self.last, lean, turned, vertices, normals))
+        return Placed(faces, turned, gone, self._leaning.next(self.last, turned, vertices, normals))
 
     def _appear(self, samples: Any, new: Any) -> None:
         """Give new ids rows at their first places."""

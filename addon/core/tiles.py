@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .binding import samples_of
+from .frames import shaded
 from .native import package
 from .records import Binding, Columns, own_random
 from .settings import TileSettings
@@ -43,7 +44,7 @@ def tiled(
     """The cells of bound points on a surface as it stands."""
     ids, classes = columns["id"], columns["dapple_class"]
     with named(arrays.name):
-        surface = package().Surface(arrays.vertices, arrays.faces)
+        surface = package().Surface(arrays.vertices, arrays.faces, **shaded(arrays))
         samples = samples_of(binding, surface, ids, classes)
         spacing = samples.report.spacing
         made = package().mosaic(

@@ -77,6 +77,20 @@ def test_over_a_ridge_a_thing_turns_by_no_more_than_the_limit_and_rights_itself(
     assert placed[-1].lean is None
 
 
+def test_where_a_fold_flips_the_normal_an_instance_turns_little_more_than_its_neighbors():
+    lean = part("lean")
+    random = np.random.default_rng(3)
+    places, then = random.uniform(0.0, 10.0, (400, 3)) * [1, 1, 0], np.tile(np.eye(3), (400, 1, 1))
+    turned = lean.rotations(np.tile(np.radians([0.0, 7.0, 0.0]), (400, 1)))
+    alone = turned.copy()
+    alone[[17, 230]] = lean.rotations(np.radians([[0.0, 170.0, 0.0], [80.0, 0.0, 0.0]]))
+    found = lean.steadied(lean.Shown(then, 0.5), alone, places)
+    degrees = np.degrees(turn_between(found, turned))
+    np.testing.assert_allclose(np.delete(degrees, [17, 230]), 0.0, atol=1e-5)
+    assert degrees.max() < 45.0
+    assert lean.steadied(lean.Shown(then, 0.5), turned, places) is turned
+
+
 def test_where_nothing_flips_nothing_leans():
     surface = scenes.sphere()
     bpy.ops.object.shade_smooth()

@@ -241,3 +241,14 @@ def test_an_export_has_the_shading_normals(tmp_path):
         w, x, y, z = stored["orientations"].T
     up = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
     assert np.abs(np.abs(up).max(axis=1) - 1.0).max() < 1e-4
+
+
+@pytest.mark.parametrize("make", [cube, smooth_monkey, cylinder_smooth_by_angle])
+def test_the_package_is_told_the_shading_normals(make):
+    surface = make()
+    part = addon_host.part
+    reading, settings = part("blender.surface.surface_mesh"), part("core.settings")
+    arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
+    ground = part("core.ground").Ground(arrays, settings.Settings())
+    told, own = ground.surface.corner_normals, part("core.frames").corner_normals(arrays)
+    np.testing.assert_allclose(told, own, atol=2e-3)  # where smooth: of other triangles
