@@ -186,34 +186,32 @@ def _as_picture(image: ArrayLike) -> NDArray[np.float64]:
 def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     """Read a picture: (rows, columns) if it is gray, else (rows, columns, 4), all uint8.
 
+    It is turned as its EXIF orientation says. Deeper pictures are reduced to 8 bits: whole numbers
+    of 12, 16 or 32 bits from the full range of their kind (32 bits that hold no number above 8 or
+    16 bits count as such), floating-point numbers from [0, 1]. What is transparent in a gray
+    picture is white.
+
     Args:
-        path: any format that Pillow knows; deeper ones are reduced to 8 bits.
+        path: any format that Pillow knows.
 
     Raises:
-        OSError: the file is missing, no picture, or one of more than 179 million pixels.
+        OSError: the file is missing, no picture, one of more than 179 million pixels, or has a
+            pixel below 0 or, as a floating-point number, above 1.
         ImportError: Pillow is not installed.
     """
     from PIL import Image
 
+    from . import _pictures
+
+    name = os.fspath(path)
     try:
-        return _pixels(path)
+        return _pictures.read(path)
     except (Image.DecompressionBombError, *BROKEN) as error:
-        raise OSError(f"{os.fspath(path)}: could not be read as a picture: {error}") from error
-
-
-def _pixels(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
-    from PIL import Image
-
-    with Image.open(path) as picture:
-        if picture.mode in ("1", "L"):
-            return np.asarray(picture.convert("L"))
-        if picture.mode.startswith(("I", "F")):  # 16 bits
-            return (np.asarray(picture, np.float64) / 257.0 + 0.5).astype(np.uint8)
-        color = np.asarray(picture.convert("RGBA"))
-    alike = np.array_equal(color[..., 0], color[..., 1]) and np.array_equal(
-        color[..., 1], color[..., 2]
-    )
-    return color[..., 0] if alike and (color[..., 3] == 255).all() else color
+        raise OSError(f"{name}: could not be read as a picture: {error}") from error
+    except OSError as error:
+        if error.strerror:  # of the system, which names the file
+            raise
+        raise OSError(f"{name}: could not be read as a picture: {error}") from error
 
 
 def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:

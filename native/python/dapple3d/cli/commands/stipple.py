@@ -42,8 +42,9 @@ def command(
 ) -> None:
     """Render PICTURE with COUNT dots, into OUT.
 
-    PICTURE is .png, .jpg or what else Pillow reads. A gray one becomes black dots; one in color
-    becomes red, green, blue, cyan, magenta, yellow and black ones. OUT is .png, .svg or .pdf.
+    PICTURE is .png, .jpg or what else Pillow reads, turned as its EXIF orientation says. A gray one
+    becomes black dots; one in color becomes red, green, blue, cyan, magenta, yellow and black ones.
+    What is transparent is paper. OUT is .png, .svg or .pdf.
 
     \b
     Examples:
