@@ -51,6 +51,8 @@ class Points:
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
 WIDTHS = {"normals": 3, "barycentric": 3, "orientations": 4, "scales": 3, "velocities": 3}
+SINGLE = 1e-6  # of coordinates that a mesh's file keeps in single precision
+TOUCH = 1e-3  # of the spacing
 WHOLE = ("ids", "classes", "faces", "prototypes")
 VECTORS = {name: heads for name, heads in COLUMNS.items() if len(heads) > 1 and name != "positions"}
 WHOLE_COLUMNS = {name: heads[0] for name, heads in COLUMNS.items() if len(heads) == 1}
@@ -156,13 +158,48 @@ def bound(surface: dapple.Surface, path: Path) -> dapple.Samples:
         ClickException: naming the file and its first point that is not finite or has no place.
     """
     points = read_points(path)
+    stored = stored_places(surface, points, path)
+    if stored is not None:
+        return stored
+    with about(path):
+        near = dapple.project(surface, in_space(points.positions))
+        return dapple.Samples(
+            surface, near.faces, near.barycentric, ids=points.ids, classes=points.classes
+        )
+
+
+def stored_places(surface: dapple.Surface, points: Points, path: Path) -> dapple.Samples | None:
+    """The points on the faces that their file names, if it does and they are of this surface.
+
+    If they are not, a sentence says so on stderr.
+    """
+    if points.faces is None or points.barycentric is None:
+        return None
     with about(path):
         places = in_space(points.positions)
-        faces, weights = points.faces, points.barycentric
-        if faces is None or weights is None:
-            near = dapple.project(surface, places)
-            faces, weights = near.faces, near.barycentric
-        return dapple.Samples(surface, faces, weights, ids=points.ids, classes=points.classes)
+    try:
+        found = dapple.Samples(
+            surface, points.faces, points.barycentric, ids=points.ids, classes=points.classes
+        )
+        _check_places(surface, found, places)
+    except ValueError as error:
+        click.echo(
+            f"{path}: its faces are not those of the mesh ({error}); "
+            "each point counts where the mesh is nearest",
+            err=True,
+        )
+        return None
+    return found
+
+
+def _check_places(surface: dapple.Surface, found: dapple.Samples, places: NDArray) -> None:
+    """Whether points are where their faces say, but for rounding and a touch of their spacing."""
+    size = float(np.abs(surface.vertices).max(initial=0.0))
+    most = SINGLE * size + TOUCH * surface.spacing(len(found))
+    off = np.linalg.norm(found.positions - places, axis=1)
+    wrong = np.flatnonzero(~(off <= most))
+    if len(wrong):
+        raise ValueError(f"point {wrong[0]} is {off[wrong[0]]:.3g} away from its place there")
 
 
 def _columns(points: Points) -> Arrays:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import dapple3d as dapple
 from dapple3d.cli import meshes, options
 from dapple3d.cli.files import about, check_outputs
-from dapple3d.cli.points import in_space, read_points
+from dapple3d.cli.points import in_space, read_points, stored_places
 from dapple3d.cli.report import Reporter
 from dapple3d.cli.work import Work
 from dapple3d.writing import replacing
@@ -28,6 +28,7 @@ ROWS = (
     ("bond_order", "psi6", ".4f", "white noise 0.36, dart throwing 0.42, hexagons 1"),
     ("energy", "energy", ".5f", "normalized; 0.16037 for hexagons"),
 )
+Places = NDArray | dapple.Samples  # in space, or on the faces of a mesh
 FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 
 
@@ -36,8 +37,8 @@ FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 @click.option(
     "--mesh",
     type=options.INPUT,
-    help="The surface they lie on; each point counts where it is nearest.  "
-    "[default: the unit square]",
+    help="The surface they lie on. A point counts on the face that an .npz of 'sample' names for "
+    "it, else where the mesh is nearest.  [default: the unit square]",
 )
 @options.density_options
 @click.option(
@@ -95,14 +96,17 @@ def command(
     with about(points):
         distances = distances_to(surface, places)
     chosen = options.given(measure)
-    report = measured(surface, places, found.classes, chosen)
+    stored = stored_places(surface, found, points) if mesh else None
+    on_mesh = places if stored is None else stored
+    report = measured(surface, on_mesh, found.classes, chosen)
     if plot:
-        draw(plot, surface if mesh else None, places, threads, quiet)
+        draw(plot, surface if mesh else None, on_mesh, threads, quiet)
     farthest = float(np.max(distances, initial=0.0) / report["spacing"])
     reporter.store(
         "analyze",
         input={"points": str(points), **(loaded.describe() if loaded else {"mesh": None})},
         settings=options.library_defaults("analyze") | chosen,
+        bound="nearest" if stored is None else "stored",
         report=report,
         farthest_from_surface=farthest,
     )
@@ -143,18 +147,28 @@ def distances_to(surface: dapple.Surface, places: NDArray) -> NDArray:
 
 
 def measured(
-    surface: dapple.Surface, places: NDArray, classes: NDArray | None, chosen: dict[str, Any]
+    surface: dapple.Surface, places: Places, classes: NDArray | None, chosen: dict[str, Any]
 ) -> dict[str, Any]:
     """The report of all points, with those of each class if there are several."""
     report = dapple.analyze(surface, places, **chosen).to_dict()
     kinds = np.unique(classes) if classes is not None else np.zeros(1)
     if classes is not None and len(kinds) > 1:
-        parts = {int(k): dapple.analyze(surface, places[classes == k], **chosen) for k in kinds}
+        parts = {
+            int(k): dapple.analyze(surface, only(surface, places, classes == k), **chosen)
+            for k in kinds
+        }
         report["classes"] = [
             {"class": k, **{name: getattr(part, name) for name, *_ in ROWS}}
             for k, part in parts.items()
         ]
     return report
+
+
+def only(surface: dapple.Surface, places: Places, chosen: NDArray[np.bool_]) -> Places:
+    """The chosen of the points."""
+    if isinstance(places, dapple.Samples):
+        return dapple.Samples(surface, places.faces[chosen], places.barycentric[chosen])
+    return places[chosen]
 
 
 def table(report: dict[str, Any], farthest: float) -> str:
@@ -174,7 +188,7 @@ def table(report: dict[str, Any], farthest: float) -> str:
 
 
 def draw(
-    path: Path, surface: dapple.Surface | None, places: NDArray, threads: int | None, quiet: bool
+    path: Path, surface: dapple.Surface | None, places: Places, threads: int | None, quiet: bool
 ) -> None:
     """Draw the spectrum of points on a surface, or else in the unit square."""
     from dapple3d import plot
@@ -185,7 +199,7 @@ def draw(
         if surface:
             spectrum = work.run(partial(dapple.surface_spectrum, surface, places, **given))
         else:
-            flat = np.ascontiguousarray(places[:, :2])
+            flat = np.ascontiguousarray(np.asarray(places)[:, :2])
             spectrum = work.run(partial(dapple.spectrum, flat, **given))
     figure = plot.summary(spectrum)
     with replacing(path) as file:
