@@ -8,6 +8,7 @@
 
 from typing import Any, Final
 
+from . import _starting  # noqa: F401  first, as the others take long
 from ._native import (
     Cancelled,
     Context,

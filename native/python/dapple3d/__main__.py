@@ -9,8 +9,10 @@ def start() -> None:
     """Run the command line, or say what it lacks."""
     if not find_spec("click"):
         sys.exit("Error: the command line needs click, which is missing: pip install click")
+    from dapple3d import _starting
     from dapple3d.cli.app import main
 
+    _starting.ready()
     main(prog_name="dapple")
 
 

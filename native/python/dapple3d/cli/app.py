@@ -8,9 +8,8 @@ from typing import Any
 import click
 
 import dapple3d as dapple
+from dapple3d._starting import CANCELLED, INTERRUPTED
 from dapple3d.cli import commands
-
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 class Commands(click.Group):
@@ -30,7 +29,7 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            click.echo("Cancelled: nothing was written.", err=True)
+            click.echo(CANCELLED, err=True)
             ctx.exit(INTERRUPTED)
         except BrokenPipeError:
             raise  # click ends quietly when nobody reads on
