@@ -6,6 +6,7 @@
 #include <dapple/errors.hpp>
 #include <dapple/mesh_file.hpp>
 #include <dapple/projector.hpp>
+#include <dapple/spacing.hpp>
 #include <dapple/topology.hpp>
 
 #include "arrays.hpp"
@@ -212,6 +213,12 @@ Raises:
           py::arg("count"),
           "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
+      .def("count", &count_at_spacing, py::arg("spacing"),
+           "How many samples have this distance between neighbors if they are packed hexagonally, "
+           "where the density is largest: 2 M / (sqrt(3) spacing^2) to the nearest, at least 1. M "
+           "is the mass over the largest density, so the area if there is one density everywhere. "
+           "Raises ValueError if the spacing is not finite and > 0, or for more than a hundred "
+           "million samples.")
       .def("deformed", &deformed, py::arg("vertices"), py::kw_only(),
            py::arg("normals") = py::none(), py::arg("context") = nullptr,
            "The same faces and density over moved vertices, (v, 3) float64. Hard edges stay hard, "

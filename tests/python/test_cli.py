@@ -84,6 +84,33 @@ def test_says_when_click_is_missing():
     )
 
 
+@pytest.mark.parametrize("imported", ["numpy", "click"])
+@pytest.mark.parametrize("start", ["module", "script"])
+def test_ctrl_c_while_modules_are_imported_prints_no_traceback(tmp_path, imported, start):
+    package = tmp_path / "first" / imported
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("import os, signal; os.kill(os.getpid(), signal.SIGINT)")
+    script = tmp_path / "dapple"
+    script.write_text("from dapple3d.__main__ import start\nstart()\n")
+    program = ["-m", "dapple3d"] if start == "module" else [script]
+    found = subprocess.run(
+        [sys.executable, *program, "--help"],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(package.parent)},
+    )
+    assert (found.returncode, found.stdout) == (130, "")
+    assert found.stderr == "Cancelled: nothing was written.\n"
+
+
+def test_a_program_that_imports_the_package_keeps_its_ctrl_c(tmp_path):
+    code = (
+        "import signal, dapple3d, dapple3d.cli.app\n"
+        "assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_helps_with_an_example_and_the_librarys_defaults(name):
     text = " ".join(done(name, "--help").stdout.split())
@@ -579,3 +606,59 @@ def test_shows_progress_in_a_terminal_and_ends_by_ctrl_c(tmp_path, torus):
 
 def test_shows_no_progress_elsewhere(tmp_path, torus):
     assert done("sample", torus, tmp_path / "points.ply", "-n", 50).stderr == ""
+
+
+# A spacing instead of a number
+
+
+def test_a_spacing_is_a_number_of_points(tmp_path, torus, surface):
+    by_spacing, by_count = tmp_path / "spacing.csv", tmp_path / "count.csv"
+    spacing = surface.spacing(150)
+    found = done("sample", torus, by_spacing, "--spacing", spacing, "--json", tmp_path / "told")
+    assert "spacing.csv: 150 points" in found.stdout
+    told = json.loads((tmp_path / "told").read_text())["settings"]
+    assert (told["count"], told["spacing"]) == (150, spacing)
+    done("sample", torus, by_count, "-n", 150)
+    assert by_spacing.read_bytes() == by_count.read_bytes()
+
+
+def test_a_spacing_is_that_where_the_density_is_largest(tmp_path, archive, surface):
+    spacing = surface.spacing(400)
+    halves = dict(np.load(archive))["half"]
+    share = surface.with_density(halves, density_at="faces").mass / surface.area
+    found = done(
+        "sample", archive, tmp_path / "points.csv", "--spacing", spacing, "--density", "half"
+    )
+    assert f"points.csv: {round(400 * share)} points" in found.stdout
+
+
+def test_tiles_motions_and_classes_take_a_spacing_too(tmp_path, torus, surface):
+    spacing = surface.spacing(60)
+    by = ("--spacing", spacing)
+    assert "60 tiles" in done("mosaic", torus, tmp_path / "t.ply", *by).stdout
+    assert "60 points" in done("track", torus, torus, tmp_path / "m.npz", *by).stdout
+    listed = ["--class", f"spacing={spacing}", "--class", "20", "--json", tmp_path / "told"]
+    assert "80 points" in done("classes", torus, tmp_path / "c.ply", *listed).stdout
+    told = json.loads((tmp_path / "told").read_text())["settings"]["classes"]
+    assert [one["count"] for one in told] == [60, 20]
+    assert [one.get("spacing") for one in told] == [spacing, None]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["sample", "-n", 5, "--spacing", 1], 2, "give either --count or --spacing"),
+        (["sample", "--spacing", 0], 2, "0.0 is not in the range x>0"),
+        (["sample", "--spacing", "nan"], 1, "spacing is nan: it must be finite and > 0"),
+        (["sample", "--spacing", 1e-9], 1, "at most 100000000 are possible"),
+        (["mosaic", "-n", 5, "--spacing", 1], 2, "give either --count or --spacing"),
+        (["mosaic", "--points", "{mesh}", "--spacing", 1], 2, "either --count or --points"),
+        (["classes", "--class", "spacing=big"], 2, "'big' is not a valid float"),
+    ],
+)
+def test_refuses_spacings(tmp_path, torus, arguments, code, message):
+    verb, *rest = arguments
+    filled = [str(torus) if one == "{mesh}" else one for one in rest]
+    found = run(verb, torus, tmp_path / "out.ply", *filled)
+    assert found.exit_code == code, found.output
+    assert message in " ".join(found.stderr.split())

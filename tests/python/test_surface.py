@@ -27,6 +27,23 @@ def test_measures_area_and_mass():
     assert surface.spacing(50) == pytest.approx(np.sqrt(2 / (np.sqrt(3) * 50)))
 
 
+def test_counts_samples_of_a_spacing():
+    vertices, faces = grid(5)
+    surface = dapple.Surface(vertices, faces)
+    assert surface.count(surface.spacing(50)) == 50
+    assert surface.count(0.1) == round(2 / (np.sqrt(3) * 0.01))
+    assert surface.count(100) == 1
+    half = surface.with_density(4.0 * vertices[:, 0])
+    assert half.count(0.1) == round(1 / (np.sqrt(3) * 0.01))
+
+
+@pytest.mark.parametrize("spacing", [0.0, -1.0, np.nan, np.inf, 1e-9])
+def test_refuses_a_spacing_that_is_none(spacing):
+    vertices, faces = grid(5)
+    with pytest.raises(ValueError, match="spacing is "):
+        dapple.Surface(vertices, faces).count(spacing)
+
+
 @pytest.mark.parametrize("dtype", [np.int8, np.int16, np.int32, np.int64, np.uint16, np.uint64])
 def test_takes_any_integers(dtype):
     vertices, faces = grid(2)

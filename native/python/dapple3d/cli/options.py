@@ -16,6 +16,7 @@ FRAMES = click.Path(exists=True, path_type=Path)  # or a folder of them
 OUTPUT = click.Path(path_type=Path)
 NOT_NEGATIVE = click.FloatRange(min=0)
 COUNT = click.IntRange(min=1, max=100_000_000)
+SPACING = click.FloatRange(min=0, min_open=True)
 
 
 def library_defaults(verb: str) -> dict[str, Any]:
@@ -74,10 +75,47 @@ def given(options: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
-def check_either(count: int | None, points: Path | None) -> None:
-    """Raise UsageError unless there is a number of new points, or else a file with points."""
-    if (count is None) == (points is None):
-        raise click.UsageError("give either --count or --points")
+def count_options(words: str) -> Callable[[Decorated], Decorated]:
+    """--count and --spacing; words say of what."""
+
+    def decorate(command: Decorated) -> Decorated:
+        command = click.option(
+            "--spacing",
+            type=SPACING,
+            help="Instead of a number: the distance between neighbors, in the mesh's units, where "
+            "the density is largest.",
+        )(command)
+        return click.option("-n", "--count", type=COUNT, help=words)(command)
+
+    return decorate
+
+
+def check_amount(count: int | None, spacing: float | None) -> None:
+    """Raise UsageError unless there is a number of new points, or else their spacing."""
+    if count is None and spacing is None:
+        raise click.UsageError("Missing option '-n' / '--count', or '--spacing'.")
+    if count is not None and spacing is not None:
+        raise click.UsageError("give either --count or --spacing")
+
+
+def check_either(count: int | None, spacing: float | None, points: Path | None) -> None:
+    """Raise UsageError unless there are new points, or else a file with points."""
+    if count is not None and spacing is not None:
+        check_amount(count, spacing)
+    if (count is None and spacing is None) == (points is None):
+        raise click.UsageError("give either --count or --points; --spacing stands for a count")
+
+
+def counted(surface: dapple.Surface, count: int | None, spacing: float | None) -> int:
+    """The number of new points, given or by their spacing.
+
+    Raises:
+        ClickException: the spacing is that of too many.
+    """
+    if spacing is None:
+        assert count is not None
+        return count
+    return surface.count(spacing)
 
 
 def report_options(command: Decorated) -> Decorated:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple classes: points of several classes on a mesh."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,23 +19,31 @@ from dapple3d.cli.work import Work
 class Wanted:
     """One class, as it stands on the command line."""
 
-    count: int
+    count: int | None
+    spacing: float | None = None
     radius: float = 0.0
     density: str | None = None
+
+    def settings(self, count: int) -> dict[str, Any]:
+        """What the report says of it, which has so many points."""
+        told = {"count": count, "radius": self.radius, "density": self.density}
+        return told | options.given({"spacing": self.spacing})
 
     def on(self, loaded: meshes.Loaded) -> dapple.SampleClass:
         """The class with the density that it names."""
         if self.density is None:
-            return dapple.SampleClass(self.count, radius=self.radius)
+            count = options.counted(loaded.surface, self.count, self.spacing)
+            return dapple.SampleClass(count, radius=self.radius)
         found = meshes.read_density(loaded.mesh, self.density)
-        meshes.with_density(loaded.surface, found)  # so that its errors name the file
+        surface = meshes.with_density(loaded.surface, found)  # whose errors name the file
+        count = options.counted(surface, self.count, self.spacing)
         return dapple.SampleClass(
-            self.count, density=found.values, density_at=found.at, radius=self.radius
+            count, density=found.values, density_at=found.at, radius=self.radius
         )
 
 
 class WantedType(click.ParamType):
-    """COUNT[:radius=R][,density=D]."""
+    """COUNT[:radius=R][,density=D], or spacing=S in place of COUNT."""
 
     name = "class"
 
@@ -50,6 +58,9 @@ class WantedType(click.ParamType):
             if key not in ("radius", "density") or not text or key in fields:
                 self.fail(f"'{part}': radius=R or density=D is needed, each once", param, ctx)
             fields[key] = click.FLOAT.convert(text, param, ctx) if key == "radius" else text
+        if head.startswith("spacing="):
+            spacing = options.SPACING.convert(head.removeprefix("spacing="), param, ctx)
+            return Wanted(None, spacing, **fields)
         return Wanted(options.COUNT.convert(head, param, ctx), **fields)
 
 
@@ -62,9 +73,10 @@ class WantedType(click.ParamType):
     type=WantedType(),
     multiple=True,
     required=True,
-    metavar="COUNT[:radius=R,density=D]",
-    help="Once for each class. R >= 0, in the units of MESH, keeps things apart by the sum of "
-    "their radii (0: points); D is a density as for --density, else that of MESH.",
+    metavar="COUNT|spacing=S[:radius=R,density=D]",
+    help="Once for each class. S, in place of a number, is the distance between its points where "
+    "the density is largest. R >= 0 keeps things apart by the sum of their radii (0: points). Both "
+    "are in the units of MESH. D is a density as for --density, else that of MESH.",
 )
 @options.density_options
 @options.library_options("sample_classes")
@@ -93,6 +105,7 @@ def command(
     \b
     Examples:
       dapple classes meadow.ply plants.ply --class 800 --class 400:radius=0.02
+      dapple classes meadow.ply plants.ply --class spacing=0.1 --class spacing=0.5:radius=0.1
       dapple classes meadow.npz plants.csv --class 800:density=moist --class 200
     """
     reporter = Reporter(json_out, quiet)
@@ -112,7 +125,10 @@ def command(
         "classes",
         input=loaded.describe(),
         output=str(out),
-        settings={"classes": [asdict(one) for one in wanted], **settings},
+        settings={
+            "classes": [one.settings(made.count) for one, made in zip(wanted, listed, strict=True)],
+            **settings,
+        },
         report=samples.report.to_dict(),
     )
     reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}{loaded.doubled()}")

@@ -20,7 +20,7 @@ GROUT = 0.1  # spacings
 @click.command("mosaic", short_help="Tiles over a mesh.")
 @click.argument("mesh", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
-@click.option("-n", "--count", type=options.COUNT, help="Number of tiles, around new points.")
+@options.count_options("Number of tiles, around new points.")
 @click.option(
     "--points",
     type=options.INPUT,
@@ -43,6 +43,7 @@ def command(
     mesh: Path,
     out: Path,
     count: int | None,
+    spacing: float | None,
     points: Path | None,
     density: str | None,
     density_at: meshes.Place | None,
@@ -66,7 +67,7 @@ def command(
     """
     reporter = Reporter(json_out, quiet)
     polygons.check_extension(out)
-    options.check_either(count, points)
+    options.check_either(count, spacing, points)
     if profile and points:
         raise click.UsageError("--profile needs --count: nothing is solved for --points")
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
@@ -79,7 +80,7 @@ def command(
         if points:
             samples = bound(loaded.surface, points)
         else:
-            assert count is not None
+            count = options.counted(loaded.surface, count, spacing)
             samples = work.run(partial(dapple.sample, loaded.surface, count, **given))
         shape.setdefault("grout", GROUT * samples.report.spacing)
         tiling = {name: given[name] for name in ("cells", "threads") if name in given} | shape
@@ -90,7 +91,13 @@ def command(
         "mosaic",
         input={**loaded.describe(), "points": str(points) if points else None},
         output=str(out),
-        settings={"count": len(samples), **options.library_defaults("mosaic"), **given} | tiling,
+        settings={
+            "count": len(samples),
+            **options.given({"spacing": spacing}),
+            **options.library_defaults("mosaic"),
+            **given,
+        }
+        | tiling,
         tiles=summary(made),
     )
     left = 100 * made.areas.sum() / made.cell_areas.sum()

@@ -19,7 +19,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 @click.command("sample", short_help="Points on a mesh, evenly spaced.")
 @click.argument("mesh", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
-@click.option("-n", "--count", type=options.COUNT, required=True, help="Number of points.")
+@options.count_options("Number of points.")
 @options.density_options
 @click.option(
     "--preset",
@@ -37,7 +37,8 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 def command(
     mesh: Path,
     out: Path,
-    count: int,
+    count: int | None,
+    spacing: float | None,
     density: str | None,
     density_at: meshes.Place | None,
     preset: str,
@@ -58,19 +59,27 @@ def command(
     \b
     Examples:
       dapple sample bunny.ply points.ply -n 2000
+      dapple sample bunny.ply points.ply --spacing 0.004
       dapple sample bunny.npz points.csv -n 2000 --density fur --json report.json
     """
     reporter = Reporter(json_out, quiet)
+    options.check_amount(count, spacing)
     points.check_extension(out)
     check_outputs([mesh, options.density_file(density)], [out, reporter.file])
     loaded = meshes.load(
         meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
     )
+    count = options.counted(loaded.surface, count, spacing)
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
     points.write_points(out, points.points_of(samples))
-    settings = {"count": count, "preset": preset, **options.library_defaults("sample")}
+    settings = {
+        "count": count,
+        **options.given({"spacing": spacing}),
+        "preset": preset,
+        **options.library_defaults("sample"),
+    }
     reporter.store(
         "sample",
         input=loaded.describe(),

@@ -29,7 +29,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @click.command("track", short_help="Points that stay put on a moving mesh.")
 @click.argument("frames", type=options.FRAMES, nargs=-1, required=True)
 @click.argument("out", type=options.OUTPUT)
-@click.option("-n", "--count", type=options.COUNT, help="Number of points, on the first frame.")
+@options.count_options("Number of points, on the first frame.")
 @click.option(
     "--points",
     type=options.INPUT,
@@ -59,6 +59,7 @@ def command(
     frames: tuple[Path, ...],
     out: Path,
     count: int | None,
+    spacing: float | None,
     points: Path | None,
     together: bool,
     closed: bool | None,
@@ -102,7 +103,7 @@ def command(
         raise click.UsageError("--fade and --reach need --keep-density")
     if keep_density and together:
         raise click.UsageError("--keep-density goes frame by frame, so not --together")
-    options.check_either(count, points)
+    options.check_either(count, spacing, points)
     files = sequences.files_of(frames)
     check_outputs([*files, points], [out, reporter.file])
     motion = sequences.read(files)
@@ -120,7 +121,7 @@ def command(
             first = bound(loaded.surface, points)
             tracking |= of_classes(first)
         else:
-            assert count is not None
+            count = options.counted(loaded.surface, count, spacing)
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
         if keep_density:
             results = follow_population(work, loaded.surface, motion, first, tracking)
@@ -130,7 +131,11 @@ def command(
     with replacing(out) as file:
         write_npz(file, (changing_arrays if keep_density else motion_arrays)(results))
     verb = "Population" if keep_density else "track_window" if together else "Tracker"
-    settings = {"count": len(first), "together": together} | options.library_defaults(verb)
+    settings = {
+        "count": len(first),
+        **options.given({"spacing": spacing}),
+        "together": together,
+    } | options.library_defaults(verb)
     settings["seed"] = options.library_defaults("sample")["seed"]
     reporter.store(
         "track",
