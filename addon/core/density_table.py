@@ -32,7 +32,8 @@ DENSITY = (
         "",
         "Image",
         "Image that multiplies the density, as painted: by its brightness and opacity, or by one "
-        "channel",
+        "channel. UDIM tiles count where the UV map points at them; where there is no tile, there "
+        "are no points",
     ),
     Setting(
         "image_channel",

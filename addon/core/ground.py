@@ -16,8 +16,10 @@ from .frames import SMOOTH, shaded
 from .native import package
 from .settings import Settings
 from .surface import Floats, Ints, SurfaceArrays
+from .udim import Tile, crossing, laid_out
 
 _FINE = 0.3  # longest edge where a density changes within faces, in spacings of the points
+_AT_BORDER = 0.05  # the same at the border of a UDIM tile, where a density may jump
 _ROUNDS = 24  # of halving edges there
 _MOST_FACES = 1_000_000
 _ROUNDING = 1e-6  # of texture coordinates, which are stored in single precision
@@ -51,6 +53,8 @@ class Ground:
             self._cut_for(terms, count)
         if around.image is not None and around.uv is not None:
             self._lay_picture(around.image, around.uv, count)
+        if around.tiles and around.uv is not None:
+            self._lay_tiles(around.tiles, around.uv, count)
 
     def there(self, samples: Any) -> Any:
         """dapple.Samples of the faces that were read, on the surface that is sampled."""
@@ -179,9 +183,41 @@ class Ground:
             factors = factors * at_corners(term, vertices, faces)
         return factors * self.at_corners()
 
+    def _cut_uv(self, uv: Floats) -> Floats:
+        """Texture coordinates of the faces as they are cut so far, of those that were read."""
+        if self._refined is None:
+            return uv
+        found: Floats = np.einsum(
+            "fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents]
+        )
+        return found
+
+    def _lay_tiles(self, tiles: tuple[Tile, ...], uv: Floats, count: int) -> None:
+        self._cut_at_borders(tiles, uv, count)
+        most = int(_PIXELS * np.sqrt(count))
+        small = [(number, reduced(picture, most)) for number, picture in tiles]
+        picture, places = laid_out(self._cut_uv(uv), small)
+        options = {"max_faces": 2 * _MOST_FACES, "context": self._context}
+        self._extend(package().refine_image(self.surface, places, picture, **options))
+
+    def _cut_at_borders(self, tiles: tuple[Tile, ...], uv: Floats, count: int) -> None:
+        """Halve the edges of the faces that reach over a tile's border, until they are short."""
+        target = _AT_BORDER * _spacing(self.surface, self.at_corners(), count)
+        for _ in range(_ROUNDS):
+            lengths = _longest_edges(self.surface)
+            long = crossing(self._cut_uv(uv), tiles) & (lengths > target)
+            if not long.any():
+                break
+            limits = np.where(long, 0.51 * lengths, np.inf)
+            cut = package().refine_edges(
+                self.surface, limits, max_faces=_MOST_FACES, context=self._context
+            )
+            self._extend(cut)
+            if not cut.resolved:
+                break
+
     def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
-        if self._refined is not None:
-            uv = np.einsum("fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents])
+        uv = self._cut_uv(uv)
         picture = reduced(image, int(_PIXELS * np.sqrt(count)))
         beyond = float(uv.min()) < -_ROUNDING or float(uv.max()) > 1.0 + _ROUNDING
         options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES, "context": self._context}

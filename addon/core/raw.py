@@ -5,7 +5,7 @@ Reading has to be done in the main thread, where the artist waits for it; the re
 """
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -289,6 +289,19 @@ class RawImage:
 
     name: str
     pixels: NDArray[np.float32]  # (rows, columns, channels)
+    tile: int = 0  # number of a UDIM tile; 0: the image is in one piece
+
+
+def laid_image(images: Sequence[RawImage], channel: str) -> dict[str, Any]:
+    """What an image, or its UDIM tiles, is to Surroundings; errors as of shade()."""
+    if not images:
+        return {}
+    if not images[0].tile:
+        return {"image": shade(images[0], channel)}
+    values = [_values(image, channel) for image in images]
+    if not any(one.any() for one in values):
+        raise _too_dark(images[0], channel)
+    return {"tiles": tuple((image.tile, one) for image, one in zip(images, values, strict=True))}
 
 
 def shade(image: RawImage, channel: str) -> Floats:
@@ -297,6 +310,18 @@ def shade(image: RawImage, channel: str) -> Floats:
     Raises:
         ScatterError: there is none of it, or it is no density.
     """
+    values = _values(image, channel)
+    if not values.any():
+        raise _too_dark(image, channel)
+    return values
+
+
+def _too_dark(image: RawImage, channel: str) -> ScatterError:
+    dark = "black" if channel == "BRIGHTNESS" else f"0 in its channel {channel.title()}"
+    return ScatterError(f"Image '{image.name}' is {dark} everywhere: no point can be placed")
+
+
+def _values(image: RawImage, channel: str) -> Floats:
     rows, columns, _ = image.pixels.shape
     values = np.empty((rows, columns))
     for row in range(rows):  # one by one: in double precision, all channels take much memory
@@ -305,12 +330,10 @@ def shade(image: RawImage, channel: str) -> Floats:
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
         raise ScatterError(
-            f"Image '{image.name}' is {values[row, column]:.6g} at pixel ({column}, {row}); a "
-            "density must be finite and not negative"
+            f"Image '{image.name}' is {values[row, column]:.6g} at pixel ({column}, {row})"
+            f"{f' of tile {image.tile}' if image.tile else ''}; a density must be finite and not "
+            "negative"
         )
-    if not values.any():
-        dark = "black" if channel == "BRIGHTNESS" else f"0 in its channel {channel.title()}"
-        raise ScatterError(f"Image '{image.name}' is {dark} everywhere: no point can be placed")
     return values
 
 

@@ -185,6 +185,9 @@ def around_sources(pose: Pose, around: Surroundings) -> Sources:
     exact, near = {}, {}
     if around.image is not None:
         exact["image"] = digest_of([around.image])
+    elif around.tiles:
+        numbers = np.array([number for number, _ in around.tiles])
+        exact["image"] = digest_of([numbers, *(picture for _, picture in around.tiles)])
     if around.uv is not None:
         exact["uv"] = digest_of([around.uv])
     if around.camera is not None:

@@ -26,6 +26,7 @@ class Surroundings:
 
     uv: Floats | None = None  # (m, 3, 2) texture coordinates of the faces' corners
     image: Floats | None = None  # (rows, columns) >= 0, row 0 at v = 0
+    tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles in its place, by their numbers: udim.py
     camera: Floats | None = None  # (4, 4) world space to clip space
     obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # others' to keep away from
@@ -38,6 +39,8 @@ class Surroundings:
         """All of it, for digests."""
         meshes = [array for mesh in (*self.obstacles, *self.targets) for array in mesh]
         single = [self.uv, self.image, self.camera, self.points, self.radii, self.lines]
+        for number, picture in self.tiles:
+            single += [np.array([number]), picture]
         return [array for array in (*single, *meshes) if array is not None]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..surface.surroundings import picture_digest
+from ..surface.images import picture_digest
 
 _GLANCE = 1.0  # seconds between two glances, or more where they take long
 _RARELY = 20.0  # so much longer than a glance took is the pause

@@ -20,7 +20,7 @@ from ..base.handlers import Handlers
 from ..base.held import Held
 from ..base.sidebars import is_shown, redraw
 from ..base.timers import call_in, call_off
-from ..surface.surroundings import picture_digest
+from ..surface.images import picture_digest
 from .present import AROUND, Present, depends_on
 from .staleness import Verdict, verdict
 from .workfiles import all_work_files, left_over, unfinished

@@ -15,7 +15,7 @@ from ...core.raw import (
     RawImage,
     RawMesh,
     RawValues,
-    shade,
+    laid_image,
     surface_of_raw,
 )
 from ...core.settings import DensitySettings, Settings, materials_of
@@ -24,9 +24,10 @@ from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.held import Held
 from ..data.scatter import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
+from .images import read_images
 from .lines import read_lines
 from .mesh_parts import Parts, evaluated, material_values, mesh_parts, read_uv, value_parts
-from .surroundings import balls, read_camera, read_image
+from .surroundings import balls, read_camera
 
 
 @dataclass
@@ -36,7 +37,7 @@ class Read:
     mesh: RawMesh
     values: list[RawValues] = field(default_factory=list)
     uv: Any = None  # (c, 2) of the corners
-    image: RawImage | None = None
+    images: list[RawImage] = field(default_factory=list)  # one, or its tiles
     channel: str = ""  # of the image
     camera: Floats | None = None
     obstacles: list[RawMesh] = field(default_factory=list)
@@ -48,13 +49,13 @@ class Read:
     def arrays(self) -> SurfaceArrays:
         """All of it, as read_with would have read it; for a worker."""
         around = Surroundings(
-            image=None if self.image is None else shade(self.image, self.channel),
             camera=self.camera,
             obstacles=_meshes(self.obstacles),
             points=self.points,
             radii=self.radii,
             targets=_meshes(self.targets),
             lines=np.concatenate(self.lines),
+            **laid_image(self.images, self.channel),
         )
         return surface_of_raw(self.mesh, self.values, around, self.uv)
 
@@ -77,8 +78,10 @@ def read_parts(settings: Settings, surface: Held, own: Held) -> Parts:
     if density.image:
         found.uv = read_uv(surface, found.mesh, density.uv_map)
         yield PAUSE
-        found.image, found.channel = read_image(density.image), density.image_channel
-        yield PAUSE
+        found.channel = density.image_channel
+        for image in read_images(density.image):
+            found.images.append(image)
+            yield PAUSE
     if density.use_camera:
         found.camera = read_camera(evaluated())
     if density.obstacles:

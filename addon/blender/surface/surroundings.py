@@ -2,20 +2,21 @@
 """What a density takes from beside its surface: an image, the camera, objects to avoid."""
 
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
 
 from ...core.density import names_of
 from ...core.errors import ScatterError
-from ...core.raw import RawImage, shade
+from ...core.raw import laid_image
 from ...core.records import check_columns
 from ...core.settings import DensitySettings, Settings, materials_of
-from ...core.sources import digest_of
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
 from ..base.meshio import read_columns, read_points, to_world
 from ..data.scatter import is_scatter
-from .beside import by_full_name, check_targets, obstacles_of, targets_of
+from .beside import check_targets, obstacles_of, targets_of
+from .images import read_images
 from .lines import read_lines
 from .surface_mesh import evaluated_mesh, read_surface
 
@@ -49,13 +50,13 @@ def read_around(
     targets, lines = _targets(density, obj, depsgraph, own)
     return Surroundings(
         uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
-        image=_picture(density.image, density.image_channel) if density.image else None,
         camera=read_camera(depsgraph) if density.use_camera else None,
         obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
         points=points,
         radii=radii,
         targets=targets,
         lines=lines,
+        **_picture(density.image, density.image_channel),
     )
 
 
@@ -103,36 +104,14 @@ def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.type
     return layer
 
 
-def _picture(name: str, channel: str) -> Floats:
-    return shade(read_image(name), channel)
-
-
-def read_image(name: str) -> RawImage:
-    """The pixels of an image; ScatterError if there are none."""
-    image = by_full_name(bpy.data.images, name)
-    if image is None:
-        raise ScatterError(f"There is no image '{name}'")
-    width, height = image.size
-    if not width or not height or not image.channels:
-        raise ScatterError(f"Image '{name}' has no pixels: its file may be missing")
-    stored = np.empty(width * height * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(stored)
-    return RawImage(name, stored.reshape(height, width, image.channels))
+def _picture(name: str, channel: str) -> dict[str, Any]:
+    return laid_image(list(read_images(name)), channel) if name else {}
 
 
 def check_camera(scene: bpy.types.Scene) -> None:
     """ScatterError if a scene has none."""
     if scene.camera is None:
         raise ScatterError(f"Scene '{scene.name}' has no camera, which Camera View needs")
-
-
-def picture_digest(image: bpy.types.Image) -> str:
-    """Digest of all that an image holds."""
-    width, height = image.size
-    stored = np.empty(width * height * image.channels, dtype=np.float32)
-    if len(stored):
-        image.pixels.foreach_get(stored)
-    return digest_of([stored])
 
 
 def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:

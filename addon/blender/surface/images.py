@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels of images. Blender hands out those of the first UDIM tile only; the others are read from
+their files, from what is packed, or, where they were painted, from a copy that it saves."""
+
+import ctypes
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import ScatterError
+from ...core.raw import RawImage
+from ...core.sources import digest_of
+from ...core.udim import ACROSS, FIRST
+from .beside import by_full_name
+
+Pixels = NDArray[np.float32]  # (rows, columns, channels), row 0 at the bottom
+_SAVES_COPIES = (4, 4, 0)  # the first Blender that saves an image elsewhere and leaves it as it is
+
+
+def read_images(name: str) -> Iterator[RawImage]:
+    """The pixels of an image, or of one UDIM tile after the other; ScatterError if there are none.
+
+    They are as Blender shows them on the surface: it does not turn photos by their orientation.
+    """
+    image = by_full_name(bpy.data.images, name)
+    if image is None:
+        raise ScatterError(f"There is no image '{name}'")
+    if image.source == "TILED":
+        for number, pixels in tile_pixels(image, name):
+            yield RawImage(name, pixels, number)
+        return
+    pixels = pixels_of(image)
+    if not pixels.size:
+        raise ScatterError(f"Image '{name}' has no pixels: its file may be missing")
+    yield RawImage(name, pixels)
+
+
+def picture_digest(image: bpy.types.Image) -> str:
+    """Digest of all that an image holds; nothing if a tile of it cannot be read."""
+    if image.source != "TILED":
+        return digest_of([pixels_of(image)])
+    try:
+        tiles = list(tile_pixels(image, image.name))
+    except ScatterError:
+        return ""
+    return digest_of([np.array([number for number, _ in tiles]), *(one for _, one in tiles)])
+
+
+def pixels_of(image: bpy.types.Image) -> Pixels:
+    """The pixels of an image, or of its first tile; none if its file is missing."""
+    width, height = image.size
+    stored = np.empty(width * height * image.channels, dtype=np.float32)
+    if len(stored):
+        image.pixels.foreach_get(stored)
+    return stored.reshape(height, width, image.channels)
+
+
+def tile_pixels(image: bpy.types.Image, name: str) -> Iterator[tuple[int, Pixels]]:
+    """Number and pixels of one UDIM tile after the other.
+
+    Raises:
+        ScatterError: a tile has none.
+    """
+    numbers = [tile.number for tile in image.tiles]
+    with tempfile.TemporaryDirectory(prefix="dapple-") as folder:
+        files = _files(image, numbers, Path(folder))
+        for index, number in enumerate(numbers):
+            found = _read(files[number], image) if index else pixels_of(image)
+            if not found.size:
+                raise ScatterError(
+                    f"Image '{name}' has no pixels in tile {number}: its file may be missing or "
+                    "not saved yet"
+                )
+            yield number, found
+
+
+def _files(image: bpy.types.Image, numbers: list[int], folder: Path) -> dict[int, Path]:
+    """Where the tiles can be read, by their numbers."""
+    files = {number: _named(image, number) for number in numbers}
+    for packed in image.packed_files:
+        files[packed.tile_number] = folder / f"packed.{packed.tile_number}"
+        files[packed.tile_number].write_bytes(packed.packed_file.data)
+    if image.is_dirty and bpy.app.version >= _SAVES_COPIES:
+        with suppress(RuntimeError):  # of a tile without pixels: the others are there
+            image.save(filepath=str(folder / "painted.<UDIM>"), save_copy=True)
+        painted = {number: folder / f"painted.{number}" for number in numbers}
+        files |= {number: path for number, path in painted.items() if path.exists()}
+    return files
+
+
+def _named(image: bpy.types.Image, number: int) -> Path:
+    """The file of a tile, as its image names them all."""
+    down, across = divmod(number - FIRST, ACROSS)
+    named = image.filepath.replace("<UDIM>", str(number))
+    named = named.replace("<UVTILE>", f"u{across + 1}_v{down + 1}")
+    return Path(bpy.path.abspath(named, library=image.library))
+
+
+def _read(path: Path, like: bpy.types.Image) -> Pixels:
+    """The pixels of a file, read as an image reads its own; none if that is not possible.
+
+    It is loaded beside the scene's data: an image more or less there would be a change of the scene
+    to all who wait for one.
+    """
+    none = np.empty((0, 0, 4), dtype=np.float32)
+    if not path.is_file():
+        return none
+    with bpy.data.temp_data() as data:
+        # Blender frees these data once for its own context manager and once for this name.
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(data))
+        try:
+            image = data.images.load(str(path))
+        except RuntimeError:
+            return none
+        image.colorspace_settings.name = like.colorspace_settings.name
+        image.alpha_mode = like.alpha_mode
+        found = pixels_of(image)
+        data.images.remove(image)
+        return found
