@@ -252,3 +252,30 @@ def test_the_package_is_told_the_shading_normals(make):
     ground = part("core.ground").Ground(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.frames").corner_normals(arrays)
     np.testing.assert_allclose(told, own, atol=2e-3)  # where smooth: of other triangles
+
+
+def test_a_preview_stands_along_the_shading_normal():
+    surface = flat_cylinder()
+    obj = scenes.scattered(surface, count=80)
+    part = addon_host.part
+    other = scenes.scattered(surface, count=80)
+    other.dapple.seed = 5
+    bpy.context.view_layer.objects.active = other
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    binding, _ = part("blender.data.points").read_binding(other, len(surface.data.vertices))
+    before = scenes.positions(obj)
+    part("blender.viewport.preview_binding").show_binding(obj, binding)
+    bpy.context.view_layer.update()
+    assert np.abs(scenes.positions(obj) - before).max() > 0.1
+    assert degrees_off(obj, surface).max() < 0.5
+
+
+@pytest.mark.parametrize("changed", [cube_with_one_flat_face, subdivided_cube])
+def test_reattached_points_stand_along_the_normal_of_their_new_place(changed):
+    surface = cube()
+    obj = scenes.scattered(surface, count=80)
+    surface.data = changed().data
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.dapple.rebind() == {"FINISHED"}
+    assert degrees_off(obj, surface).max() < 0.5
