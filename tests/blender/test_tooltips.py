@@ -14,7 +14,7 @@ PLAIN = {  # numbers without a unit: how many, how strong, how many times, which
     *("count", "points_per_area", "max_evaluations", "evaluations", "noise_detail"),
     *("capacity_weight", "repulsion_weight", "stickiness", "tolerance", "share", "weight"),
     *("scale", "scale_x", "scale_y", "scale_z"),
-    *("seed", "noise_seed", "id", "object_type", "class_index"),
+    *("seed", "noise_seed", "id", "object_type", "class_index", "index"),
     "preview_budget",  # in milliseconds, which Blender does not know
 }
 

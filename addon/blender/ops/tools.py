@@ -89,7 +89,9 @@ class DAPPLE_OT_remove_material(bpy.types.Operator):
     bl_label = "Remove Material"
     bl_options = OPTIONS
 
-    index: IntProperty(name="Index", description="Index of the material in the list", min=0)
+    index: IntProperty(
+        name="Index", description="Index of the material in the list", min=0, soft_max=100
+    )
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
