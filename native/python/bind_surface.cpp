@@ -113,13 +113,54 @@ std::shared_ptr<Projection> project_points(const Surface& surface, const py::obj
   return std::make_shared<Projection>(Projector(surface).project(as_points(array)));
 }
 
-py::tuple read_mesh_arrays(const std::filesystem::path& path) {
+/// Whatever the bytes of a name are.
+py::object name_of(const MeshAttribute& attribute) {
+  return py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+      attribute.name.data(), static_cast<py::ssize_t>(attribute.name.size()), "replace"));
+}
+
+/// The rows of all corners, (m, 3, columns); none if the file has none.
+template <typename Row>
+py::object give_corners(std::vector<Row>&& rows, py::ssize_t columns) {
+  using Number = std::remove_cvref_t<decltype(rows[0][0][0])>;
+  static_assert(sizeof(Row) % (3 * sizeof(Number)) == 0);
+  if (rows.empty()) return py::none();
+  auto* kept = new std::vector<Row>(std::move(rows));
+  const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<Row>*>(p); });
+  return view(owner, &(*kept)[0][0][0], {static_cast<py::ssize_t>(kept->size()), 3, columns});
+}
+
+py::dict read_mesh_arrays(const std::filesystem::path& path, bool may_be_empty) {
   MeshArrays mesh;
   {
     const py::gil_scoped_release released;
-    mesh = read_mesh(path);
+    mesh = read_mesh(path, may_be_empty);
   }
-  return py::make_tuple(give(std::move(mesh.vertices)), give(std::move(mesh.faces)));
+  py::dict found, at_vertices, at_faces;
+  for (MeshAttribute& attribute : mesh.attributes) {
+    const py::dict& owner = attribute.at_faces ? at_faces : at_vertices;
+    owner[name_of(attribute)] = give(std::move(attribute.values));
+  }
+  found["vertices"] = give(std::move(mesh.vertices));
+  found["faces"] = give(std::move(mesh.faces));
+  found["polygons"] = give(std::move(mesh.polygons));
+  found["uv"] = give_corners(std::move(mesh.uv), 2);
+  found["normals"] = give_corners(std::move(mesh.normals), 3);
+  found["colors"] = give_corners(std::move(mesh.colors), 4);
+  found["vertex_attributes"] = at_vertices;
+  found["face_attributes"] = at_faces;
+  return found;
+}
+
+py::dict vertex_columns(const std::filesystem::path& path) {
+  std::vector<MeshAttribute> columns;
+  {
+    const py::gil_scoped_release released;
+    columns = read_vertex_columns(path);
+  }
+  py::dict found;
+  for (MeshAttribute& column : columns) found[name_of(column)] = give(std::move(column.values));
+  return found;
 }
 
 void write_mesh_arrays(const std::filesystem::path& path, const py::object& vertices,
@@ -255,11 +296,13 @@ Raises:
 }
 
 void bind_files(py::module_& m) {
-  m.def("read_mesh", &read_mesh_arrays, py::arg("path"),
-        R"(Read a triangle mesh from .off, .obj, .ply or .stl; polygons are cut into fans.
+  m.def("_read_mesh", &read_mesh_arrays, py::arg("path"), py::arg("may_be_empty"),
+        R"(The arrays of dapple3d.MeshArrays by name, from .off, .obj, .ply or .stl.
 
-Returns:
-    vertices (v, 3) float64 and faces (m, 3) int32, with every digit of the file.
+Raises:
+    FileError: naming the file and what is wrong with it.)");
+  m.def("_read_vertex_columns", &vertex_columns, py::arg("path"),
+        R"(All numbers of the vertices of a .ply file by name, also of one without faces.
 
 Raises:
     FileError: naming the file and what is wrong with it.)");

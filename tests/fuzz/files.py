@@ -24,8 +24,9 @@ import numpy as np
 from damage import damaged
 from dapple3d import gltf, stippling
 from dapple3d.cli import files, meshes, motions, points
+from dapple3d.cli.attributes import with_attributes
 from dapple3d.distributed import streams
-from dapple3d.instances import Instances, Reference
+from dapple3d.instances import Instances, Mesh, Reference
 from dapple3d.reading import BROKEN
 from PIL import Image
 
@@ -56,6 +57,9 @@ def read_points(path: Path) -> None:
 def read_surface(path: Path) -> None:
     loaded = meshes.load(meshes.read_mesh(path))
     assert loaded.surface.area > 0.0
+    if loaded.mesh.said is not None:
+        samples = dapple.Samples(loaded.surface, [0], [[0.25, 0.25, 0.5]])
+        with_attributes(loaded.mesh, samples, points.points_of(samples))
     if loaded.density.values is not None:
         assert np.isfinite(loaded.surface.density).all()
 
@@ -121,6 +125,28 @@ def write_mesh(path: Path) -> None:
     dapple.write_mesh(path, VERTICES, FACES)
 
 
+COLORED_PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 4\n"
+    + "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz", "s", "t"))
+    + "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int64 age\n"
+    "element face 1\nproperty list uchar int vertex_indices\nproperty float fur\nend_header\n"
+    "0 0 0 0 0 1 0 0 9 8 7 1\n2 0 0 0 0 1 1 0 9 8 7 2\n0.5 0.5 0 0 0 1 1 1 9 8 7 3\n"
+    "0 2 0 0 0 1 0 1 9 8 7 4\n4 0 1 2 3 0.5\n"
+)
+
+
+def write_colored_ply(path: Path) -> None:
+    path.write_text(COLORED_PLY)
+
+
+def write_other_table(path: Path) -> None:
+    path.write_bytes("sep=;\r\nX;Y;ID\r\n0,5;0,25;3\r\n1;2;4\r\n".encode("utf-16"))
+
+
+def write_scene(path: Path) -> None:
+    gltf.write(path, Instances(np.eye(3)), prototypes=[Mesh(VERTICES, FACES)])
+
+
 def write_arrays(path: Path) -> None:
     np.savez(path, vertices=VERTICES, faces=FACES, density=np.arange(1.0, 7.0), fur=np.ones((6, 3)))
 
@@ -143,13 +169,15 @@ READERS = (
             **{f"points{end}": write_points for end in (".ply", ".csv", ".npz", ".obj", ".off")},
             **{f"scene{end}": write_points for end in (".glb", ".gltf")},
             **{"frames.npz": write_frames, "table.csv": write_table, "text.ply": write_text_ply},
+            **{"other.csv": write_other_table, "colored.ply": write_colored_ply},
         },
     ),
     Reader(
         "surface",
         read_surface,
-        {"mesh.npz": write_arrays}
-        | {f"mesh.{end}": write_mesh for end in ("ply", "obj", "off", "stl")},
+        {"mesh.npz": write_arrays, "colored.ply": write_colored_ply}
+        | {f"mesh.{end}": write_mesh for end in ("ply", "obj", "off", "stl")}
+        | {f"scene.{end}": write_scene for end in ("glb", "gltf")},
     ),
     Reader("density", read_density, {"mesh.npz": write_arrays, "mesh.ply": write_mesh}),
     Reader("prototype", read_prototype, {f"mesh{end}": write_points for end in (".glb", ".gltf")}),

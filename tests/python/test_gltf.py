@@ -157,7 +157,7 @@ def plants(tmp_path) -> Path:
 
 def corners_of(path: Path) -> np.ndarray:
     """All corners of all instances of triangles, y up, as a viewer has them."""
-    document = gltf._load(path)
+    document = gltf.load(path)
     found = []
     for node in document.tree["nodes"]:
         if "mesh" in node:

@@ -80,6 +80,7 @@ dapple3d\._native\.\w+
 dapple3d\._native\.\w+\.__init__
 dapple3d\.libdapple_embree
 dapple3d\.cli\.meshes\.Place
+dapple3d\._meshes\.MeshArrays
 dapple3d\.distributed\.grids\._open_\w+
 dapple3d\.distributed\.layout\.Kind
 dapple3d\.distributed\.meshes\._mapped

@@ -2,7 +2,6 @@
 """Surfaces that are read from files piece by piece."""
 
 import pickle
-from pathlib import Path
 
 import dapple3d as dapple
 import numpy as np
@@ -241,7 +240,7 @@ def test_what_is_wrong_with_a_mesh_is_said_by_name(tmp_path, change, message):
 def test_a_ply_that_was_cut_off_is_refused(mesh, tmp_path):
     path = write_native(".ply")(tmp_path / "torus", *mesh)
     path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(ValueError, match=r"torus\.ply: ends before its last face"):
+    with pytest.raises(ValueError, match=r"torus\.ply: ends too early"):
         open_surface(path, tmp_path / "sorted")
 
 
@@ -271,16 +270,46 @@ def test_an_npz_whose_array_has_a_wrong_header_is_refused(mesh, tmp_path):
         open_surface(path, tmp_path / "sorted")
 
 
-def test_a_ply_of_polygons_is_refused(tmp_path):
+def binary_ply(path, vertices, polygons, more="", values=()):
+    """Faces of any number of corners, each with a float behind it if there are values."""
     header = (
-        "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
-        "property float y\nproperty float z\nelement face 1\n"
-        "property list uchar int vertex_indices\nend_header\n"
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(polygons)}\nproperty list uchar int vertex_indices\n{more}end_header\n"
     )
-    content = np.eye(4, 3, dtype="<f4").tobytes() + b"\4" + np.arange(4, dtype="<i4").tobytes()
-    Path(tmp_path / "quad.ply").write_bytes(header.encode() + content)
-    with pytest.raises(ValueError, match=r"quad\.ply: has a face that is no triangle"):
-        open_surface(tmp_path / "quad.ply", tmp_path / "sorted")
+    content = np.asarray(vertices, "<f4").tobytes()
+    for k, corners in enumerate(polygons):
+        content += bytes([len(corners)]) + np.asarray(corners, "<i4").tobytes()
+        content += np.asarray(values[k : k + 1], "<f4").tobytes()
+    path.write_bytes(header.encode() + content)
+
+
+def test_a_binary_ply_of_quads_is_read(tmp_path):
+    vertices = [[x, y, 0] for y in range(11) for x in range(11)]
+    quads = [[k, k + 1, k + 12, k + 11] for k in range(110) if k % 11 < 10]
+    binary_ply(tmp_path / "quads.ply", vertices, quads)
+    made = sample_tiles(tmp_path / "quads.ply", tmp_path / "out", 200, tile=2000)
+    found = np.concatenate([tile.positions for tile in made.tiles()])
+    assert len(found) == 200
+    assert found[:, :2].min() > 0
+    assert found[:, :2].max() < 10
+
+
+def test_a_ply_of_quads_and_triangles_is_read(tmp_path):
+    vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]]
+    binary_ply(tmp_path / "mixed.ply", vertices, [[0, 1, 2, 3], [1, 4, 2]])
+    found = open_surface(tmp_path / "mixed.ply", tmp_path / "sorted")
+    assert found.face_count == 3
+
+
+@pytest.mark.parametrize("corners", [[0, 1, 2], [0, 1, 2, 3]])
+def test_a_density_of_the_faces_of_a_ply_is_read(tmp_path, corners):
+    path = tmp_path / "dense.ply"
+    polygons, values = [corners, [0, 2, 3]], [2.0, 5.0]
+    binary_ply(path, np.eye(4, 3), polygons, "property float density\n", values)
+    stream = streams.open_stream(path)
+    found = np.concatenate(list(stream.density.chunks()))
+    assert found.tolist() == [2.0] * (len(corners) - 2) + [5.0]
 
 
 def test_a_density_that_a_mesh_cannot_take_is_refused(tmp_path):

@@ -9,6 +9,7 @@
 from typing import Any, Final
 
 from . import _starting  # noqa: F401  first, as the others take long
+from ._meshes import MeshArrays, read_mesh
 from ._native import (
     Cancelled,
     Context,
@@ -51,7 +52,6 @@ from ._native import (
     option_table,
     progressive_ranks,
     project,
-    read_mesh,
     refine_edges,
     refine_image,
     refine_obstacles,
@@ -92,6 +92,7 @@ __all__ = [
     "Energy",
     "FileError",
     "FlatDomain",
+    "MeshArrays",
     "Mosaic",
     "Option",
     "PlanarSamples",

@@ -37,7 +37,8 @@ MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 EMBEDDED = "data:application/octet-stream;base64,"
 FLOAT, UNSIGNED_INT = 5126, 5125
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+MOST_ZEROS = 1000  # rows that a byte of the file can stand for
 LARGEST_ID = 2**24  # whole numbers up to it are 32-bit floats
 # Keys whose whole numbers count the entries of a list of the file.
 COUNTING = {
@@ -54,7 +55,7 @@ MERGED = ("bufferViews", "accessors", "images", "samplers", "textures", "materia
 
 
 @dataclass
-class _Document:
+class Document:
     """A file as it is put together or was read."""
 
     tree: dict[str, Any] = field(default_factory=dict)
@@ -85,16 +86,36 @@ class _Document:
     def array(self, number: int) -> NDArray:
         """The values of an accessor."""
         entry = self.tree["accessors"][number]
-        view = self.tree["bufferViews"][entry["bufferView"]]
         dtype, width = np.dtype(COMPONENTS[entry["componentType"]]), WIDTHS[entry["type"]]
-        start = view.get("byteOffset", 0) + entry.get("byteOffset", 0)
-        stride = view.get("byteStride") or dtype.itemsize * width
-        shape, strides = (entry["count"], width), (stride, dtype.itemsize)
-        found: NDArray = np.ndarray(shape, dtype, self.blob, start, strides)
-        values = found.astype(np.float64)
+        if "bufferView" in entry:
+            values = self._rows(entry, dtype, width, entry["count"])
+        else:
+            self._check_sparse(entry)
+            values = np.zeros((entry["count"], width), dtype)
+        if "sparse" in entry:
+            values = values.copy()
+            sparse, indices = entry["sparse"], entry["sparse"]["indices"]
+            kind = np.dtype(COMPONENTS[indices["componentType"]])
+            places = self._rows(indices, kind, 1, sparse["count"])[:, 0]
+            values[places] = self._rows(sparse["values"], dtype, width, sparse["count"])
+        values = values.astype(np.float64)
         if entry.get("normalized"):
             values = np.maximum(values / np.iinfo(dtype).max, -1.0)
         return values[:, 0] if width == 1 else values
+
+    def _check_sparse(self, entry: dict[str, Any]) -> None:
+        """Without a view of its own a file could promise any number of zeros."""
+        if entry["count"] > MOST_ZEROS * (len(self.blob) + 1):
+            raise ValueError(f"an accessor promises {entry['count']} rows of nothing")
+
+    def _rows(self, entry: dict[str, Any], dtype: np.dtype, width: int, count: int) -> NDArray:
+        """Of a view of the bytes, as far as these reach."""
+        view = self.tree["bufferViews"][entry["bufferView"]]
+        start = view.get("byteOffset", 0) + entry.get("byteOffset", 0)
+        stride = view.get("byteStride") or dtype.itemsize * width
+        shape, strides = (count, width), (stride, dtype.itemsize)
+        found: NDArray = np.ndarray(shape, dtype, self.blob, start, strides)
+        return found
 
 
 # Writing
@@ -152,7 +173,7 @@ def write_scatters(
         raise ValueError(f"up is {up!r}: Y or Z is needed")
     if not (np.isfinite(meters_per_unit) and meters_per_unit > 0):
         raise ValueError(f"meters_per_unit is {meters_per_unit}: a number > 0 is needed")
-    document = _Document({"asset": {"version": "2.0", "generator": "Dapple"}})
+    document = Document({"asset": {"version": "2.0", "generator": "Dapple"}})
     roots = [_add_scatter(document, one, up, meters_per_unit, target) for one in scatters]
     document.tree |= {"scene": 0, "scenes": [{"nodes": roots}]}
     used = {EXTENSION, *document.tree.get("extensionsUsed", ())}
@@ -161,7 +182,7 @@ def write_scatters(
         file.write(_encoded(document, target.suffix.lower()))
 
 
-def _encoded(document: _Document, suffix: str) -> bytes:
+def _encoded(document: Document, suffix: str) -> bytes:
     document.blob.extend(bytes(-len(document.blob) % 4))
     buffer: dict[str, Any] = {"byteLength": len(document.blob)}
     if suffix == ".gltf":
@@ -176,7 +197,7 @@ def _encoded(document: _Document, suffix: str) -> bytes:
 
 
 def _add_scatter(
-    document: _Document, scatter: Scatter, up: Up, meters_per_unit: float, target: Path
+    document: Document, scatter: Scatter, up: Up, meters_per_unit: float, target: Path
 ) -> int:
     """The node that holds those of its prototypes."""
     if len(scatter.frames) != 1:
@@ -239,7 +260,7 @@ class _Placed:
         assert found.scales is not None
         return _Placed(found.positions, found.orientations, found.scales, self.ids)
 
-    def added(self, document: _Document) -> dict[str, int]:
+    def added(self, document: Document) -> dict[str, int]:
         """Accessors of the attributes."""
         arrays = {
             "TRANSLATION": self.positions,
@@ -277,7 +298,7 @@ def _with_y_up(vectors: NDArray) -> NDArray:
     return vectors[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
 
 
-def _with_z_up(vectors: NDArray) -> NDArray:
+def with_z_up(vectors: NDArray) -> NDArray:
     return vectors[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
@@ -290,7 +311,7 @@ def _matrices(turns: NDArray) -> NDArray:
     return np.eye(3) + 2.0 * turns[:, :1, None] * cross + 2.0 * cross @ cross
 
 
-def _add_mesh(document: _Document, mesh: Mesh, up: Up, factor: float) -> int:
+def _add_mesh(document: Document, mesh: Mesh, up: Up, factor: float) -> int:
     vertices = np.asarray(mesh.vertices, np.float64) * factor
     if up == "Z":
         vertices = _with_y_up(vertices)
@@ -321,11 +342,11 @@ def _ball(radius: float) -> Mesh:
 
 
 def _merge(
-    document: _Document, reference: Reference, target: Path
+    document: Document, reference: Reference, target: Path
 ) -> list[tuple[int, NDArray[np.float64]]]:
     """Take over what meshes need; the numbers of those below the node, and where they are."""
-    other = _load(Path(reference.path))
-    with _reading(reference.path):
+    other = load(Path(reference.path))
+    with reading(reference.path):
         used = list(other.tree.get("extensionsUsed", ()))
         if not all(isinstance(name, str) for name in used):
             raise ValueError(f"extensionsUsed is {used}: names are needed")
@@ -333,20 +354,20 @@ def _merge(
     if refused:
         raise ValueError(f"{reference.path}: uses {min(refused)}, which cannot be taken over")
     starts = _starts(other, reference)
-    with _reading(reference.path):
+    with reading(reference.path):
         found = _meshes_below(other, starts)
     if not found:
         raise ValueError(f"{reference.path}: has no mesh")
     key = Path(reference.path).resolve()
     if key not in document.merged:
         document.merged[key] = {name: len(document.tree.get(name, ())) for name in MERGED}
-        with _reading(reference.path):
+        with reading(reference.path):
             _take_over(document, other, key, target)
     first = document.merged[key]["meshes"]
     return [(mesh + first, matrix) for mesh, matrix in found]
 
 
-def _take_over(document: _Document, other: _Document, source: Path, target: Path) -> None:
+def _take_over(document: Document, other: Document, source: Path, target: Path) -> None:
     """All lists of the other file that belong to meshes, and its bytes."""
     offsets = document.merged[source]
     document.blob.extend(bytes(-len(document.blob) % 4))
@@ -384,9 +405,9 @@ def _relative(uri: str, source: Path, target: Path) -> str:
     return Path(os.path.relpath(place, target.resolve().parent)).as_posix()
 
 
-def _starts(other: _Document, reference: Reference) -> list[int]:
+def _starts(other: Document, reference: Reference) -> list[int]:
     """The node that is named, or those of the scene."""
-    with _reading(reference.path):
+    with reading(reference.path):
         if not reference.prim:
             scene = other.tree.get("scenes", [{}])[other.tree.get("scene", 0)]
             return list(scene.get("nodes", ()))
@@ -398,20 +419,20 @@ def _starts(other: _Document, reference: Reference) -> list[int]:
 
 
 def _meshes_below(
-    other: _Document, starts: list[int], above: NDArray | None = None
+    other: Document, starts: list[int], above: NDArray | None = None
 ) -> list[tuple[int, NDArray[np.float64]]]:
     """Meshes and where they are."""
     found = []
     for number in starts:
         node = other.tree["nodes"][number]
-        matrix = _matrix(node) if above is None else above @ _matrix(node)
+        matrix = matrix_of(node) if above is None else above @ matrix_of(node)
         if "mesh" in node:
             found.append((int(node["mesh"]), matrix))
         found += _meshes_below(other, node.get("children", []), matrix)
     return found
 
 
-def _matrix(node: dict[str, Any]) -> NDArray[np.float64]:
+def matrix_of(node: dict[str, Any]) -> NDArray[np.float64]:
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     matrix = np.eye(4)
@@ -435,17 +456,17 @@ def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
         ValueError: there are none, or the file is broken.
         OSError: naming the file.
     """
-    document = _load(Path(path))
-    with _reading(path):
+    document = load(Path(path))
+    with reading(path):
         nodes = [node for node in document.tree.get("nodes", ()) if _is_first(node)]
     if not nodes:
         raise ValueError(f"{path}: has no node with {EXTENSION}")
-    with _reading(path):
+    with reading(path):
         return _instances(document, nodes, up)
 
 
 @contextmanager
-def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
+def reading(path: str | os.PathLike[str]) -> Iterator[None]:
     """Say of whatever a broken file makes Python raise that the file is broken."""
     try:
         yield
@@ -457,14 +478,23 @@ def _reading(path: str | os.PathLike[str]) -> Iterator[None]:
         ) from error
 
 
-def _instances(document: _Document, nodes: list[dict[str, Any]], up: Up) -> Instances:
+def instance_matrices(document: Document, node: dict[str, Any]) -> NDArray[np.float64]:
+    """(n, 4, 4) of the instances of a node."""
+    found = _read_node(document, node, 0)
+    matrices = np.tile(np.eye(4), (len(found["positions"]), 1, 1))
+    matrices[:, :3, :3] = _matrices(found["orientations"]) * found["scales"][:, None, :]
+    matrices[:, :3, 3] = found["positions"]
+    return matrices
+
+
+def _instances(document: Document, nodes: list[dict[str, Any]], up: Up) -> Instances:
     parts = [_read_node(document, node, k) for k, node in enumerate(nodes)]
     names = set.intersection(*(set(part) for part in parts))
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
     if up == "Z":
-        arrays["positions"] = _with_z_up(arrays["positions"])
+        arrays["positions"] = with_z_up(arrays["positions"])
         turns = arrays["orientations"]
-        arrays["orientations"] = np.column_stack([turns[:, 0], _with_z_up(turns[:, 1:])])
+        arrays["orientations"] = np.column_stack([turns[:, 0], with_z_up(turns[:, 1:])])
         arrays["scales"] = arrays["scales"][:, [0, 2, 1]]
     return Instances(**arrays)
 
@@ -474,7 +504,7 @@ def _is_first(node: dict[str, Any]) -> bool:
     return EXTENSION in node.get("extensions", {}) and not node.get("extras", {}).get("part")
 
 
-def _read_node(document: _Document, node: dict[str, Any], number: int) -> dict[str, NDArray]:
+def _read_node(document: Document, node: dict[str, Any], number: int) -> dict[str, NDArray]:
     attributes = node["extensions"][EXTENSION]["attributes"]
     found = {name: document.array(accessor) for name, accessor in attributes.items()}
     if not found:
@@ -490,16 +520,36 @@ def _read_node(document: _Document, node: dict[str, Any], number: int) -> dict[s
     return arrays | ({"ids": found["_ID"].astype(np.int64)} if "_ID" in found else {})
 
 
-def _load(path: Path) -> _Document:
+def load(path: Path) -> Document:
+    """A file with the bytes of all its buffers.
+
+    Raises:
+        ValueError: naming the file and what is wrong with it.
+        OSError: naming the file.
+    """
     content = path.read_bytes()
-    with _reading(path):
+    with reading(path):
         tree, blob = _chunks(content) if content[:4] == b"glTF" else (json.loads(content), b"")
-        for buffer in tree.get("buffers", ())[:1]:
-            if "uri" in buffer:
-                blob = _bytes_of(buffer["uri"], path)
-        if len(tree.get("buffers", ())) > 1:
-            raise ValueError("it has several buffers")
-        return _Document(tree, bytearray(blob))
+        return Document(tree, _gathered(tree, blob, path))
+
+
+def _gathered(tree: dict[str, Any], blob: bytes, path: Path) -> bytearray:
+    """All buffers one after the other; views count from the start of the first."""
+    buffers, bytes_of_all, starts = tree.get("buffers", ()), bytearray(), list[int]()
+    for k, buffer in enumerate(buffers):
+        bytes_of_all.extend(bytes(-len(bytes_of_all) % 8))
+        starts.append(len(bytes_of_all))
+        if "uri" in buffer:
+            bytes_of_all.extend(_bytes_of(buffer["uri"], path))
+        elif k == 0:
+            bytes_of_all.extend(blob)
+        else:
+            raise ValueError(f"buffer {k} is nowhere")
+    if len(buffers) > 1:
+        for view in tree.get("bufferViews", ()):
+            view["byteOffset"] = view.get("byteOffset", 0) + starts[view["buffer"]]
+            view["buffer"] = 0
+    return bytes_of_all
 
 
 def _chunks(content: bytes) -> tuple[dict[str, Any], bytes]:

@@ -8,9 +8,7 @@
 #include "surface/mesh_readers.hpp"
 #include "surface/mesh_writers.hpp"
 
-// The readers and writers are our own: those of CGAL and OpenMesh trust what they read (a word for
-// a number, a property without an element and cut bytes have crashed them), round to single
-// precision, or split vertices where faces do not fit into a half-edge mesh.
+// docs/development/reading.md compares other libraries with these readers.
 
 namespace dapple {
 namespace {
@@ -36,20 +34,32 @@ const Format& format_of(const std::filesystem::path& path) {
                   "': known are .off, .obj, .ply and .stl");
 }
 
-}  // namespace
-
-MeshArrays read_mesh(const std::filesystem::path& path) {
-  const Format& format = format_of(path);
+/// What is made of the bytes of a file, whose name stands before what is wrong with them.
+template <typename Read>
+auto about(const std::filesystem::path& path, Read read) {
   if (!std::filesystem::is_regular_file(path))
     throw FileError(path.string() + " is not a readable file");
   const std::string bytes = read_whole(path);
   try {
-    MeshArrays mesh = format.read(bytes);
-    if (mesh.faces.empty()) throw ReadError("holds no faces");
-    return mesh;
+    return read(std::string_view(bytes));
   } catch (const ReadError& error) {
     throw FileError(path.string() + ": " + error.what());
   }
+}
+
+}  // namespace
+
+MeshArrays read_mesh(const std::filesystem::path& path, bool may_be_empty) {
+  const Format& format = format_of(path);
+  return about(path, [&](std::string_view bytes) {
+    MeshArrays mesh = format.read(bytes);
+    if (mesh.faces.empty() && !may_be_empty) throw ReadError("holds no faces");
+    return mesh;
+  });
+}
+
+std::vector<MeshAttribute> read_vertex_columns(const std::filesystem::path& path) {
+  return about(path, read_ply_columns);
 }
 
 void write_mesh(const std::filesystem::path& path, std::span<const Vec3> vertices,

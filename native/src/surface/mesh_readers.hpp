@@ -12,14 +12,18 @@ namespace dapple {
 // it is used, a count before memory is asked for.
 // \throw ReadError
 
-/// OFF in text, also with colors, normals or texture coordinates, which are left out.
+/// OFF in text, also with colors, normals or texture coordinates.
 [[nodiscard]] MeshArrays read_off(std::string_view bytes);
 
-/// The v and f lines of OBJ.
+/// The v, vt, vn and f lines of OBJ; a color may follow the place of a vertex.
 [[nodiscard]] MeshArrays read_obj(std::string_view bytes);
 
-/// PLY (Turk 1994) in text or binary, with any properties besides x, y, z and vertex_indices.
+/// PLY (Turk 1994) in text or binary, of polygons or strips of triangles, with any properties
+/// besides x, y, z and vertex_indices.
 [[nodiscard]] MeshArrays read_ply(std::string_view bytes);
+
+/// All numbers of the vertices of a PLY file by name, which need no faces.
+[[nodiscard]] std::vector<MeshAttribute> read_ply_columns(std::string_view bytes);
 
 /// STL in text or binary; corners at the same place become one vertex.
 [[nodiscard]] MeshArrays read_stl(std::string_view bytes);

@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -39,11 +40,29 @@ class Lines {
     return !words.empty();
   }
 
+  /// The line behind this one, which may hold no word; false at the end.
+  bool next_line() {
+    words.clear();
+    if (!take_line()) return false;
+    split();
+    return true;
+  }
+
   [[nodiscard]] std::string_view rest() const { return rest_; }
 
   [[noreturn]] void refuse(const std::string& why) const {
     throw ReadError("line " + std::to_string(number) + " " + why);
   }
+
+  /// The number in a word, which is said to be `what`.
+  /// \throw ReadError naming the line
+  template <typename T>
+  [[nodiscard]] T number_in(std::string_view word, const char* what) const;
+
+  /// Numbers from the word `first` on.
+  /// \throw ReadError naming the line
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> numbers(std::size_t first, const char* what) const;
 
   std::vector<std::string_view> words;
   std::string_view line;
@@ -131,5 +150,50 @@ template <typename T>
     if (error == std::errc::result_out_of_range) value = out_of_range(word);
   return error == std::errc() || std::is_floating_point_v<T>;
 }
+
+template <typename T>
+T Lines::number_in(std::string_view word, const char* what) const {
+  T value{};
+  if (!parse(word, value)) refuse("has " + quoted(word) + " for " + what);
+  return value;
+}
+
+template <std::size_t N>
+std::array<double, N> Lines::numbers(std::size_t first, const char* what) const {
+  if (words.size() < first + N) refuse("has fewer than " + std::to_string(N) + " " + what + "s");
+  std::array<double, N> values{};
+  for (std::size_t k = 0; k < N; ++k)
+    values[k] = number_in<double>(words[first + k], (std::string("a ") + what).c_str());
+  return values;
+}
+
+/// Whether two words are the same but for capital letters, of which `small` has none.
+[[nodiscard]] inline bool same_word(std::string_view word, std::string_view small) {
+  return std::equal(word.begin(), word.end(), small.begin(), small.end(), [](char a, char b) {
+    return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+  });
+}
+
+/// A text as programs of other systems write it: UTF-16 becomes UTF-8, a byte order mark goes, and
+/// lines that end with a carriage return alone end with a line feed.
+class PlainText {
+ public:
+  explicit PlainText(std::string_view bytes);
+  PlainText(const PlainText&) = delete;
+  PlainText& operator=(const PlainText&) = delete;
+  ~PlainText() = default;
+
+  [[nodiscard]] std::string_view view() const { return view_; }
+
+ private:
+  std::string changed_;
+  std::string_view view_;
+};
+
+/// Without the byte order mark of UTF-8.
+[[nodiscard]] std::string_view without_mark(std::string_view bytes);
+
+/// The same with line feeds in the place of carriage returns that none follows.
+[[nodiscard]] std::string with_line_feeds(std::string_view text);
 
 }  // namespace dapple

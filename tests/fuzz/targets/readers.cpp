@@ -34,6 +34,21 @@ void expect_faces(const MeshArrays& mesh) {
     }
 }
 
+/// Corners have their own of what any of them has.
+void expect_corners(const MeshArrays& mesh) {
+  const std::size_t faces = mesh.faces.size();
+  EXPECT_EQ(mesh.polygons.size(), faces);
+  EXPECT_TRUE(mesh.uv.empty() || mesh.uv.size() == faces);
+  EXPECT_TRUE(mesh.normals.empty() || mesh.normals.size() == faces);
+  EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == faces);
+  EXPECT_TRUE(std::is_sorted(mesh.polygons.begin(), mesh.polygons.end()));
+  for (const auto& corners : mesh.colors)
+    for (const Color& color : corners)
+      for (const float part : color) EXPECT_TRUE(part >= 0.0f && part <= 1.0f);
+  for (const MeshAttribute& attribute : mesh.attributes)
+    EXPECT_EQ(attribute.values.size(), attribute.at_faces ? faces : mesh.vertices.size());
+}
+
 /// What was written is what is read. STL has its places in single precision, in another order.
 void expect_round_trip(const Format& format, const MeshArrays& mesh) {
   const auto written = answer([&] { return format.write(mesh.vertices, mesh.faces); });
@@ -56,6 +71,7 @@ void fuzz_readers(Bytes& bytes) {
     return;
   }
   expect_faces(mesh);
+  expect_corners(mesh);
   if (finite(mesh)) expect_round_trip(format, mesh);
   if (mesh.faces.size() > 200) return;
   const auto surface = answer([&] { return Surface(mesh.vertices, mesh.faces); });

@@ -195,6 +195,24 @@ TEST_F(MeshFile, RefusesBadIndicesAndNumbers) {
   expect_refused(write_text("low.ply", header + "0 0 0\n1 0 0\n0 1 2\n3 0 1 -1\n"));
 }
 
+TEST_F(MeshFile, AFileWithoutFacesIsReadWhereItMayBe) {
+  const fs::path file = write_text("empty.obj", "v 0 0 0\n");
+  expect_message<FileError>([&] { (void)read_mesh(file); }, {"empty.obj", "holds no faces"});
+  EXPECT_EQ(read_mesh(file, true).vertices.size(), 1u);
+}
+
+TEST_F(MeshFile, ReadsNumbersOfVerticesThatHaveNoFaces) {
+  const std::string text =
+      "\xef\xbb\xbfply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "element vertex 2\nproperty float x\nproperty int64 id\nend_header\n3 0 1 1\n1 7\n2 8\n";
+  const auto columns = read_vertex_columns(write_text("points.ply", text));
+  ASSERT_EQ(columns.size(), 2u);
+  EXPECT_EQ(columns[1].name, "id");
+  EXPECT_EQ(columns[1].values, (std::vector<double>{7, 8}));
+  expect_message<FileError>([&] { (void)read_vertex_columns(write_text("no.ply", "x")); },
+                            {"no.ply", "does not begin with 'ply'"});
+}
+
 TEST_F(MeshFile, NamesAFileItCannotWrite) {
   const Shape shape = tetrahedron();
   const fs::path nowhere = path("no such folder") / "mesh.ply";

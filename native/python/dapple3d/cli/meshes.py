@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces from files: PLY, OBJ, STL, OFF, and npz with densities."""
+"""Surfaces from files: PLY, OBJ, STL, OFF, glTF, and npz with densities."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,12 +23,21 @@ class Mesh:
     vertices: (v, 3) float64, or (frames, v, 3) in an npz of a motion.
     faces: (m, 3) int32.
     arrays: the others of an npz, by name.
+    said: what another file says besides.
     """
 
     path: Path
     vertices: NDArray
     faces: NDArray
     arrays: Arrays = field(default_factory=dict)
+    said: dapple.MeshArrays | None = None
+
+    @property
+    def polygons(self) -> NDArray[np.int64]:
+        """(m,), not falling: the polygon of each triangle, or each its own."""
+        if self.said is not None and self.said.polygons is not None:
+            return self.said.polygons.astype(np.int64)
+        return np.arange(len(self.faces))
 
 
 @dataclass(frozen=True)
@@ -40,14 +49,15 @@ class Density:
     source: str = ""
 
 
-def read_mesh(path: Path) -> Mesh:
-    """Read a mesh, by the extension of its file.
+def read_mesh(path: Path, *, may_be_empty: bool = False) -> Mesh:
+    """Read a mesh, by the extension of its file; one without faces only if it may be empty.
 
     Raises:
         FileError, ClickException: naming the file and what is wrong with it.
     """
     if path.suffix.lower() != ".npz":
-        return Mesh(path, *dapple.read_mesh(path))
+        said = dapple.read_mesh(path, may_be_empty=may_be_empty)
+        return Mesh(path, *said, said=said)
     arrays = load_npz(path)
     for name in ("vertices", "faces"):
         if name not in arrays:
@@ -74,10 +84,19 @@ def read_density(mesh: Mesh, wanted: str | None, at: Place | None = None) -> Den
     Raises:
         ClickException: there is no such array, or it fits neither vertices, faces nor corners.
     """
-    values, source = _density_values(mesh, wanted)
+    values, source = _density_values(mesh, wanted, at)
     if values is None:
         return Density()
-    return Density(values, at or _place_of(mesh, values, source), source)
+    return Density(
+        values, at or _known_place(mesh, wanted) or _place_of(mesh, values, source), source
+    )
+
+
+def _known_place(mesh: Mesh, wanted: str | None) -> Place | None:
+    """Of a property of a PLY, which says what it belongs to."""
+    if mesh.said is None or wanted is None or wanted in mesh.said.vertex_attributes:
+        return None
+    return "faces" if wanted in mesh.said.face_attributes else None
 
 
 @dataclass(frozen=True)
@@ -133,9 +152,32 @@ def load(
     """
     with about(mesh.path):
         unwelded: dict[str, Any] = {} if weld else {"weld": None}
-        surface = dapple.Surface(mesh.vertices, mesh.faces, merge_doubled=merge_doubled, **unwelded)
+        surface = dapple.Surface(
+            mesh.vertices,
+            mesh.faces,
+            merge_doubled=merge_doubled,
+            normals=_normals(mesh),
+            **unwelded,
+        )
     found = read_density(mesh, density, at)
     return Loaded(mesh, with_density(surface, found), found)
+
+
+def _normals(mesh: Mesh) -> NDArray | None:
+    """(m, 3, 3) of the corners, 0 where the mesh has none; None if it has none anywhere."""
+    normals = _npz_normals(mesh) if mesh.said is None else mesh.said.normals
+    return None if normals is None else np.where(np.isfinite(normals), normals, 0.0)
+
+
+def _npz_normals(mesh: Mesh) -> NDArray | None:
+    """Those at corners or vertices; an array of another shape is something else."""
+    normals, faces, count = mesh.arrays.get("normals"), mesh.faces, len(mesh.vertices)
+    if normals is None or normals.dtype.kind not in "fiu":
+        return None
+    if normals.shape == (len(faces), 3, 3):
+        return normals
+    there = faces.dtype.kind in "iu" and ((faces >= 0) & (faces < count)).all()
+    return normals[faces] if normals.shape == (count, 3) and there else None
 
 
 def with_density(surface: dapple.Surface, density: Density) -> dapple.Surface:
@@ -146,21 +188,31 @@ def with_density(surface: dapple.Surface, density: Density) -> dapple.Surface:
         return surface.with_density(density.values, density_at=density.at)
 
 
-def _density_values(mesh: Mesh, wanted: str | None) -> tuple[NDArray | None, str]:
+def _density_values(mesh: Mesh, wanted: str | None, at: Place | None) -> tuple[NDArray | None, str]:
     if wanted is None:
         return mesh.arrays.get("density"), f"{mesh.path}, array 'density'"
     if wanted.lower().endswith(".npy"):
         return load_npy(Path(wanted)), wanted
-    arrays = mesh.arrays
-    if mesh.path.suffix.lower() == ".ply":
-        with about(mesh.path):
-            arrays = ply.read(mesh.path)
+    arrays = _named_arrays(mesh)
     if wanted not in arrays:
         known = f"it has {', '.join(arrays)}" if arrays else "it holds none"
         raise click.ClickException(
             f"{mesh.path}: has no density '{wanted}' ({known}); a file's name ends with .npy"
         )
+    if at == "faces" and mesh.said and wanted in mesh.said.face_attributes:
+        return mesh.said.face_attributes[wanted], f"{mesh.path}, array '{wanted}'"
     return arrays[wanted], f"{mesh.path}, array '{wanted}'"
+
+
+def _named_arrays(mesh: Mesh) -> Arrays:
+    """Those of an npz; of a PLY what vertices have, and faces where that has another name."""
+    if mesh.said is None:
+        return mesh.arrays
+    arrays: Arrays = {}
+    if mesh.path.suffix.lower() == ".ply":
+        with about(mesh.path):
+            arrays |= ply.read(mesh.path)
+    return {**mesh.said.face_attributes, **arrays, **mesh.said.vertex_attributes}
 
 
 def _place_of(mesh: Mesh, values: NDArray, source: str) -> Place:

@@ -121,7 +121,9 @@ def _frames(arrays: dict[str, NDArray]) -> list[Points]:
     count = len(positions)
     if count == 0:
         raise ValueError("positions holds no frame")
-    known = {name: values for name, values in arrays.items() if name in points.NAMES}
+    known = {
+        name: values for name, values in arrays.items() if name in (*points.NAMES, *points.CARRIED)
+    }
     moving = {name for name, values in known.items() if values.ndim > _dimensions(name)}
     for name in moving:
         if len(known[name]) != count:

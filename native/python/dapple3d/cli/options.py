@@ -162,6 +162,16 @@ def doubled_option(command: Decorated) -> Decorated:
     )(command)
 
 
+def attributes_option(command: Decorated) -> Decorated:
+    """--attributes, for commands that put points on a mesh."""
+    return click.option(
+        "--attributes",
+        is_flag=True,
+        help="Also write what MESH has where the points are: texture coordinates, colors, the "
+        "number of the polygon, other properties of a ply and arrays of an npz.",
+    )(command)
+
+
 def density_options(command: Decorated) -> Decorated:
     """--density and --density-at, for the surface."""
     command = click.option(
@@ -173,8 +183,8 @@ def density_options(command: Decorated) -> Decorated:
         "--density",
         metavar="FILE.npy|NAME",
         help="Values >= 0, points per area in relation: a .npy file, an array of MESH's npz, or a "
-        "property of the vertices of MESH's ply.  [default: the npz's array 'density', else the "
-        "same everywhere]",
+        "property of the vertices or faces of MESH's ply.  [default: the npz's array 'density', "
+        "else the same everywhere]",
     )(command)
 
 

@@ -12,12 +12,14 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from dapple3d import _native as native
 from dapple3d.cli.files import Arrays
 from dapple3d.distributed.streams import ORDERS as BINARY
 from dapple3d.distributed.streams import TYPES
 
-WRITTEN = {"f": "double", "i": "int"}
+WRITTEN = {"f": ("double", "<f8"), "i": ("int", "<i4"), "u": ("uchar", "u1")}
 ORDERS = {**BINARY, "ascii": "="}
+USUAL = (b"ply\n", b"ply\r\n")  # others begin with a mark, or have other ends of lines
 
 
 @dataclass
@@ -29,33 +31,43 @@ class _Element:
 
 
 def write(file: IO[bytes], columns: Arrays) -> None:
-    """Write columns of float64 or int32 as vertices, binary and little-endian."""
+    """Write columns of float64, int32 or uint8 as vertices, binary and little-endian."""
     kinds = {name: values.dtype.kind for name, values in columns.items()}
-    dtype = [(name, "<f8" if kind == "f" else "<i4") for name, kind in kinds.items()]
+    dtype = [(name, WRITTEN[kind][1]) for name, kind in kinds.items()]
     count = len(next(iter(columns.values())))
     rows = np.empty(count, dtype)
     for name, values in columns.items():
         rows[name] = values
-    properties = [f"property {WRITTEN[kind]} {name}" for name, kind in kinds.items()]
+    properties = [f"property {WRITTEN[kind][0]} {name}" for name, kind in kinds.items()]
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {count}", *properties]
     file.write(("\n".join([*header, "end_header"]) + "\n").encode())
     file.write(rows.tobytes())
 
 
 def read(path: Path) -> Arrays:
-    """The properties of the vertices by name, each (n,) of its own type.
+    """The properties of the vertices by name, each (n,) of its own type, or of float64.
 
     Raises:
         ValueError: the file is broken, or has no vertices.
+        FileError: the same, naming the file.
     """
     with path.open("rb") as file:
-        order, elements = _read_header(file)
-        for element in elements:
-            if element.has_list:
-                raise ValueError(f"its element '{element.name}' has a list and must follow vertex")
-            rows = _read_rows(file, order, element)
-            if element.name == "vertex":
-                return {name: rows[name] for name, _ in element.fields}
+        if file.readline(20) in USUAL:
+            file.seek(0)
+            order, elements = _read_header(file)
+            if not any(element.has_list for element in elements[:-1]):
+                return _read_vertices(file, order, elements)
+    found: Arrays = {**native._read_vertex_columns(path)}
+    return found
+
+
+def _read_vertices(file: IO[bytes], order: str, elements: list[_Element]) -> Arrays:
+    for element in elements:
+        if element.has_list:
+            raise ValueError(f"its element '{element.name}' has a list")
+        rows = _read_rows(file, order, element)
+        if element.name == "vertex":
+            return {name: rows[name] for name, _ in element.fields}
     raise ValueError("has no element 'vertex'")
 
 

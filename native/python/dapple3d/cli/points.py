@@ -4,10 +4,10 @@
 All digits are kept, but by USD and glTF, whose numbers have 32 bits.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import click
 import numpy as np
@@ -30,6 +30,8 @@ class Points:
     faces, barycentric: (n,) int32 and (n, 3) float64, where on the mesh each point is.
     orientations, scales, velocities: (n, 4), (n, 3), (n, 3) float64, and
     prototypes: (n,) int32, as in dapple3d.instances.
+    uv, colors, polygons: (n, 2) and (n, 4) float64, (n,) int32, of the mesh there.
+    attributes: its other numbers there by name, each (n,) or (n, k).
     """
 
     positions: NDArray
@@ -42,20 +44,35 @@ class Points:
     scales: NDArray | None = None
     velocities: NDArray | None = None
     prototypes: NDArray | None = None
+    uv: NDArray | None = None
+    colors: NDArray | None = None
+    polygons: NDArray | None = None
+    attributes: Any = field(default_factory=dict)  # Arrays, which mypy would have of all fields
 
     def arrays(self) -> Arrays:
         """Those that are there, by name."""
-        return {name: value for name, value in vars(self).items() if value is not None}
+        own = {name: value for name, value in vars(self).items() if name != "attributes"}
+        return {name: value for name, value in own.items() if value is not None} | self.attributes
 
 
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
-WIDTHS = {"normals": 3, "barycentric": 3, "orientations": 4, "scales": 3, "velocities": 3}
 SINGLE = 1e-6  # of coordinates that a mesh's file keeps in single precision
 TOUCH = 1e-3  # of the spacing
-WHOLE = ("ids", "classes", "faces", "prototypes")
-VECTORS = {name: heads for name, heads in COLUMNS.items() if len(heads) > 1 and name != "positions"}
-WHOLE_COLUMNS = {name: heads[0] for name, heads in COLUMNS.items() if len(heads) == 1}
+CARRIED = ("uv", "colors", "polygons")  # of a mesh
+WIDTHS = {
+    **{"normals": 3, "barycentric": 3, "orientations": 4, "scales": 3, "velocities": 3},
+    **{"uv": 2, "colors": 4},
+}
+WHOLE = ("ids", "classes", "faces", "prototypes", "polygons")
+VECTORS = {
+    **{name: heads for name, heads in COLUMNS.items() if len(heads) > 1 and name != "positions"},
+    **{"uv": ("u", "v"), "colors": ("red", "green", "blue", "alpha")},
+}
+WHOLE_COLUMNS = {
+    **{name: heads[0] for name, heads in COLUMNS.items() if len(heads) == 1},
+    "polygons": "polygon",
+}
 
 
 def points_of(samples: dapple.Samples) -> Points:
@@ -211,7 +228,35 @@ def _columns(points: Points) -> Arrays:
     for name, column in WHOLE_COLUMNS.items():
         if getattr(points, name) is not None:
             columns[column] = getattr(points, name)
+    for name, values in points.attributes.items():
+        columns |= dict(_named_columns(name, values))
     return columns
+
+
+def _named_columns(name: str, values: NDArray) -> Iterator[tuple[str, NDArray]]:
+    """Of (n,) the name itself, of (n, k) name_0, name_1 and so on."""
+    if values.ndim == 1:
+        yield name, values if values.dtype == np.int32 else values.astype(np.float64)
+        return
+    for k, column in enumerate(values.reshape(len(values), -1).T):
+        yield f"{name}_{k}", column.astype(np.float64)
+
+
+def check_carried(source: str, name: str, values: NDArray) -> None:
+    """Refuse texture coordinates, colors and polygons of another shape.
+
+    Raises:
+        ClickException: naming the file and the array.
+    """
+    widths = {"uv": (2,), "colors": (3, 4), "polygons": ()}.get(name)
+    if widths is None:
+        return
+    fits = values.ndim == 1 if not widths else values.ndim == 2 and values.shape[1] in widths
+    if not fits:
+        raise click.ClickException(
+            f"{source}: array '{name}' has {values.shape[1:]} numbers a row: "
+            f"{' or '.join(map(str, widths)) or 'one'} are needed"
+        )
 
 
 def whole(name: str, values: NDArray) -> NDArray[np.int32]:
@@ -255,7 +300,18 @@ def from_columns(columns: Mapping[str, NDArray]) -> Points:
         for name, column in WHOLE_COLUMNS.items()
         if column in columns
     }
-    return Points(positions, **vectors, **numbers)
+    return Points(positions, **vectors | {"colors": _colors(columns)}, **numbers)
+
+
+def _colors(columns: Mapping[str, NDArray]) -> NDArray | None:
+    """Up to 1; whole numbers of a PLY go up to 255."""
+    if not all(name in columns for name in ("red", "green", "blue")):
+        return None
+    parts = [columns[name] for name in VECTORS["colors"] if name in columns]
+    values = np.column_stack(parts).astype(np.float64)
+    if all(part.dtype.kind == "u" for part in parts) or values.max(initial=0.0) > 1.0:
+        values /= 255.0
+    return np.column_stack([values, np.ones((len(values), 4 - len(parts)))])
 
 
 def from_arrays(arrays: Mapping[str, NDArray]) -> Points:
@@ -266,7 +322,7 @@ def from_arrays(arrays: Mapping[str, NDArray]) -> Points:
     """
     positions = _numbers("positions", arrays["positions"], "n", 2, 3)
     found: Arrays = {"positions": positions}
-    for name in NAMES[1:]:
+    for name in (*NAMES[1:], *CARRIED):
         if name not in arrays:
             continue
         values = arrays[name]
@@ -312,7 +368,11 @@ def _write_npz(file: IO[bytes], points: Points) -> None:
 
 
 def _write_ply(file: IO[bytes], points: Points) -> None:
-    ply.write(file, _columns(points))
+    columns = _columns(points)
+    if points.colors is not None:  # as other programs read them
+        for name in VECTORS["colors"]:
+            columns[name] = np.rint(255.0 * np.clip(columns[name], 0.0, 1.0)).astype(np.uint8)
+    ply.write(file, columns)
 
 
 def _write_csv(file: IO[bytes], points: Points) -> None:

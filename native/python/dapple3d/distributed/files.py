@@ -21,8 +21,8 @@ def open_surface(
     Args:
         path: a terrain: GeoTIFF (.tif, .tiff, .vrt), an array of .npy or .zarr, a group of .zarr
             with 'heights' and perhaps 'density'. Or a mesh: .npz with 'vertices', 'faces' and
-            perhaps 'density', .ply perhaps with a property 'density' of the vertices, .obj, .stl
-            and .off.
+            perhaps 'density', .ply perhaps with a property 'density' of the vertices or
+            faces, .obj, .stl, .off, .glb and .gltf.
         work: a folder for the faces of a mesh, sorted by where they are; made if it is missing, and
             taken as it is if it is there.
         density: of a terrain: a file with as many numbers.

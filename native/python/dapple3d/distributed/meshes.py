@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._native import FileError
 from ..reading import BROKEN
 from .patches import Floats, Patch, Place, check_density
 from .streams import Column, Stream, open_stream
@@ -117,6 +118,8 @@ def sorted_mesh(path: Path, folder: Path) -> SortedMesh:
         part.mkdir(parents=True)
         try:
             _sort(path.name, open_stream(path), part)
+        except FileError as error:  # which names the file
+            raise ValueError(str(error)) from error
         except BROKEN as error:
             raise ValueError(f"{path}: {error}") from error
         part.rename(folder)

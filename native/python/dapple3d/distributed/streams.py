@@ -5,13 +5,14 @@ import os
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _native as native
+from .. import _meshes as meshes
 from ..reading import check_archive, entry_header, npy_header
 from .patches import check_real
 
@@ -20,8 +21,10 @@ ROWS = 1 << 19  # of a chunk
 TYPES = {
     **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"long": "i8", "ulong": "u8", "int64": "i8", "uint64": "u8"},
     **{"float": "f4", "float32": "f4", "double": "f8", "float64": "f8"},
 }
+INDICES = ("vertex_indices", "vertex_index")
 ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 Chunks = Iterator[NDArray]
 
@@ -47,10 +50,11 @@ class Stream:
 
 
 def open_stream(path: Path) -> Stream:
-    """A mesh in a file: npz and binary PLY are read in chunks, others at once.
+    """A mesh in a file: npz and binary PLY of triangles are read in chunks, others at once.
 
     Raises:
         those of dapple3d.reading.BROKEN, saying what is wrong with it, also as it is read on.
+        OSError: naming the file.
     """
     if path.suffix.lower() == ".npz":
         return _open_npz(path)
@@ -58,8 +62,11 @@ def open_stream(path: Path) -> Stream:
         found = _open_ply(path)
         if found:
             return found
-    vertices, faces = native.read_mesh(path)
-    return Stream(_column(vertices), _column(faces))
+    mesh = meshes.read_mesh(path)
+    density = mesh.vertex_attributes.get("density", mesh.face_attributes.get("density"))
+    return Stream(
+        _column(mesh.vertices), _column(mesh.faces), None if density is None else _column(density)
+    )
 
 
 def _column(values: NDArray) -> Column:
@@ -116,7 +123,7 @@ class _Element:
 
 
 def _open_ply(path: Path) -> Stream | None:
-    """None of one in text, or whose faces have no fixed size."""
+    """None of one in text, or with other faces than triangles."""
     with path.open("rb") as file:
         header = _ply_header(file)
         start = file.tell()
@@ -128,11 +135,18 @@ def _open_ply(path: Path) -> Stream | None:
         dtype = _row_type(element, order)
         found[element.name] = element, dtype, start
         start += dtype.itemsize * element.rows
-    if "vertex" not in found or "face" not in found or not found["face"][0].indices:
+    if "vertex" not in found or "face" not in found:
         return None
-    if start > os.path.getsize(path):
-        raise ValueError("ends before its last face, or has faces that are no triangles")
+    if start > os.path.getsize(path) or not _of_triangles(path, found["face"]):
+        return None
     return _ply_stream(path, found)
+
+
+def _of_triangles(path: Path, face: tuple[_Element, np.dtype, int]) -> bool:
+    name = face[0].indices
+    return name in INDICES and all(
+        (rows[name]["count"] == 3).all() for rows in _ply_chunks(path, *face)
+    )
 
 
 def _ply_stream(path: Path, found: dict[str, tuple[_Element, np.dtype, int]]) -> Stream:
@@ -145,14 +159,16 @@ def _ply_stream(path: Path, found: dict[str, tuple[_Element, np.dtype, int]]) ->
 
     def corners() -> Chunks:
         for rows in _ply_chunks(path, *found["face"]):
-            if (rows[face.indices]["count"] != 3).any():
-                raise ValueError("has a face that is no triangle")
             yield rows[face.indices]["corners"]
 
-    def densities() -> Chunks:
-        return (rows["density"] for rows in _ply_chunks(path, *found["vertex"]))
+    def densities(owner: str) -> Chunks:
+        return (rows["density"] for rows in _ply_chunks(path, *found[owner]))
 
-    density = Column(vertex.rows, densities) if "density" in names else None
+    density = None
+    if "density" in names:
+        density = Column(vertex.rows, partial(densities, "vertex"))
+    elif "density" in [name for name, _ in face.fields]:
+        density = Column(face.rows, partial(densities, "face"))
     return Stream(Column(vertex.rows, places), Column(face.rows, corners), density)
 
 
@@ -176,7 +192,9 @@ def _row_type(element: _Element, order: str) -> np.dtype:
 def _ply_header(file: IO[bytes]) -> tuple[str, list[_Element]] | None:
     """The byte order, and the elements; None if it is no binary file with one list at most."""
     order, elements = "", list[_Element]()
-    for number, line in enumerate(file, 1):
+    if file.readline(20).strip() != b"ply":  # not with other ends of lines
+        return None
+    for number, line in enumerate(file, 2):
         words = line.decode("ascii", "replace").split()
         try:
             match words:

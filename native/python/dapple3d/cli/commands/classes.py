@@ -10,6 +10,7 @@ import click
 
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, points
+from dapple3d.cli.attributes import with_attributes
 from dapple3d.cli.files import check_outputs
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
@@ -79,6 +80,7 @@ class WantedType(click.ParamType):
     "are in the units of MESH. D is a density as for --density, else that of MESH.",
 )
 @options.density_options
+@options.attributes_option
 @options.library_options("sample_classes")
 @options.weld_option
 @options.doubled_option
@@ -90,6 +92,7 @@ def command(
     wanted: tuple[Wanted, ...],
     density: str | None,
     density_at: meshes.Place | None,
+    attributes: bool,
     weld: bool,
     merge_doubled: bool,
     profile: bool,
@@ -119,7 +122,10 @@ def command(
     chosen = options.given(solver)
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample_classes, loaded.surface, listed, **chosen))
-    points.write_points(out, points.points_of(samples))
+    found = points.points_of(samples)
+    if attributes:
+        found = with_attributes(loaded.mesh, samples, found)
+    points.write_points(out, found)
     settings = {**options.library_defaults("sample_classes"), **chosen}
     reporter.store(
         "classes",

@@ -9,6 +9,7 @@ import click
 
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, points
+from dapple3d.cli.attributes import with_attributes
 from dapple3d.cli.files import check_outputs
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
@@ -21,6 +22,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 @click.argument("out", type=options.OUTPUT)
 @options.count_options("Number of points.")
 @options.density_options
+@options.attributes_option
 @click.option(
     "--preset",
     type=click.Choice(list(PRESETS)),
@@ -41,6 +43,7 @@ def command(
     spacing: float | None,
     density: str | None,
     density_at: meshes.Place | None,
+    attributes: bool,
     preset: str,
     weld: bool,
     merge_doubled: bool,
@@ -51,9 +54,10 @@ def command(
 ) -> None:
     """Put COUNT points on MESH, evenly spaced and unpatterned, into OUT.
 
-    MESH is .ply, .obj, .stl, .off or .npz (arrays 'vertices' (v, 3) and 'faces' (m, 3), others
-    for --density). OUT is .ply or .csv (positions, normals, ids, classes), .npz (also the face and
-    the barycentric coordinates of each point), .obj or .off (positions and normals). Numbers keep
+    MESH is .ply, .obj, .stl, .off, .glb, .gltf or .npz (arrays 'vertices' (v, 3) and 'faces'
+    (m, 3), others for --density and --attributes). OUT is .ply or .csv (positions, normals, ids,
+    classes), .npz (also the face and the barycentric coordinates of each point), .obj or .off
+    (positions and normals); --attributes adds to each what it has room for. Numbers keep
     all their digits.
 
     \b
@@ -73,7 +77,10 @@ def command(
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:
         samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
-    points.write_points(out, points.points_of(samples))
+    found = points.points_of(samples)
+    if attributes:
+        found = with_attributes(loaded.mesh, samples, found)
+    points.write_points(out, found)
     settings = {
         "count": count,
         **options.given({"spacing": spacing}),

@@ -64,8 +64,8 @@ def command(
     """Put COUNT points on SURFACE, tile by tile, into FOLDER.
 
     SURFACE is a terrain: GeoTIFF (.tif, .vrt), heights as .npy or .zarr; or a mesh: .npz, .ply,
-    .obj, .stl or .off. It is never in memory as a whole, nor are the points. Each tile is a file,
-    FOLDER/tiles/tile-ROW-COLUMN.npz. The same command goes on where it was stopped.
+    .obj, .stl, .off or glTF. It is never in memory as a whole, nor are the points. Each tile is a
+    file, FOLDER/tiles/tile-ROW-COLUMN.npz. The same command goes on where it was stopped.
 
     \b
     Examples:

@@ -2,13 +2,14 @@
 """dapple track: points that stay put on a moving mesh."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, sequences
@@ -77,15 +78,19 @@ def command(
 ) -> None:
     """Keep COUNT points, or a file's, even and in place on the FRAMES of a motion.
 
-    FRAMES are meshes as for `dapple sample` with the same faces, a folder of them, or one .npz with
-    'vertices' (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals'
+    FRAMES are meshes as for `dapple sample` with the same polygons, a folder of them, or one .npz
+    with 'vertices' (frames, v, 3) and 'faces' (m, 3). OUT is an .npz: 'positions' and 'normals'
     (frames, n, 3), 'faces' (frames, n) and 'barycentric' (frames, n, 3): where on the mesh each
     point is; 'ids' and 'classes' (n,), and 'reports' (frames,), JSON.
 
-    With --keep-density faces may be others on each frame; one .npz then has 'vertices_0',
-    'faces_0', 'vertices_1' and so on. The points of all frames follow each other in OUT: those of
-    frame k are the rows 'starts'[k] to 'starts'[k + 1] of each array. 'fade' (rows,) is how far a
-    point has appeared, 0 to 1.
+    A folder's files are in the order of the numbers in their names; a minus is a sign where another
+    name has a number in its place (f-1, f0), else a dash (shot-1, shot-2). Polygons may begin at
+    another corner. Triangles of .stl hang together where those of the first frame do.
+
+    With --keep-density faces may be others on each frame, or none: no points then. One .npz then
+    has 'vertices_0', 'faces_0', 'vertices_1' and so on. The points of all frames follow each other
+    in OUT: those of frame k are the rows 'starts'[k] to 'starts'[k + 1] of each array. 'fade'
+    (rows,) is how far a point has appeared, 0 to 1.
 
     \b
     Examples:
@@ -106,10 +111,15 @@ def command(
     options.check_either(count, spacing, points)
     files = sequences.files_of(frames)
     check_outputs([*files, points], [out, reporter.file])
-    motion = sequences.read(files)
+    motion = sequences.read(files, may_be_empty=keep_density)
     if not keep_density:
-        sequences.check_same_faces(motion)
-    loaded = meshes.load(motion[0][1], weld=weld, merge_doubled=merge_doubled)
+        motion = sequences.with_same_faces(motion)
+    begin = first_with_faces(motion)
+    loaded = meshes.load(
+        replace(motion[begin][1], path=Path(motion[begin][0])),
+        weld=weld,
+        merge_doubled=merge_doubled,
+    )
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})
@@ -124,7 +134,10 @@ def command(
             count = options.counted(loaded.surface, count, spacing)
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
         if keep_density:
-            results = follow_population(work, loaded.surface, motion, first, tracking)
+            empty: list[Any] = [Nothing() for _ in motion[:begin]]
+            results = empty + follow_population(
+                work, loaded.surface, motion[begin:], first, tracking
+            )
         else:
             follow = follow_together if together else follow_each
             results = follow(work, loaded.surface, motion, first, tracking)
@@ -148,14 +161,61 @@ def command(
     slide = max(samples.report.slide_max for samples in results)
     reporter.say(
         f"{out}: {len(first)} points on {len(motion)} frames{turnover(results, keep_density)}, the "
-        f"last one: {figures(results[-1].report)}, farthest slide {slide:.3f} spacings"
+        f"last one: {of_last(results)}, farthest slide {slide:.3f} spacings"
         f"{loaded.doubled()}"
     )
     if profile:
-        reporter.show_profile([samples.report for samples in results])
+        reporter.show_profile([samples.report for samples in results if len(samples)])
 
 
-def turnover(results: Sequence[dapple.Samples], keep_density: bool) -> str:
+def first_with_faces(motion: Frames) -> int:
+    """The number of the first frame that points can stand on.
+
+    Raises:
+        ClickException: naming the frames, if there is none.
+    """
+    begin = next((k for k, (_, mesh) in enumerate(motion) if len(mesh.faces)), None)
+    if begin is None:
+        raise click.ClickException(f"{motion[0][0]}: holds no faces, nor does any later frame")
+    return begin
+
+
+def of_last(results: Sequence[Any]) -> str:
+    """Figures of the last frame that has points."""
+    return figures(next(samples.report for samples in reversed(results) if len(samples)))
+
+
+@dataclass
+class NoReport:
+    """Of a frame without faces."""
+
+    births: int = 0  # on the next frame that has some
+    deaths: int = 0
+    slide_max: float = 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"births": 0, "deaths": self.deaths}
+
+
+@dataclass
+class Nothing:
+    """The samples of a frame without faces."""
+
+    report: NoReport = field(default_factory=NoReport)
+
+    def __len__(self) -> int:
+        return 0
+
+    def __getattr__(self, name: str) -> NDArray:
+        shapes = {"positions": (0, 3), "normals": (0, 3), "barycentric": (0, 3), "fade": (0,)}
+        if name in shapes:
+            return np.empty(shapes[name])
+        if name in ("faces", "ids", "classes"):
+            return np.empty(0, np.int32)
+        raise AttributeError(name)
+
+
+def turnover(results: Sequence[Any], keep_density: bool) -> str:
     """How many points have appeared and vanished, where they may."""
     if not keep_density:
         return ""
@@ -191,19 +251,68 @@ def follow_population(
     motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
-) -> list[dapple.Samples]:
-    """Frame after frame, of any faces."""
-    population = dapple.Population(surface, first, **given)
-    results = [first]
+) -> list[Any]:
+    """Frame after frame, of any faces or none."""
+    population: dapple.Population | None = dapple.Population(surface, first, **given)
+    density, next_id = len(first) / surface.mass, 0
+    results: list[Any] = [first]
+    last = motion[0][1]
     for name, mesh in motion[1:]:
+        if len(mesh.faces) == 0:
+            if population is not None:
+                next_id = population.state["next_id"]
+            population = None
+            gone = int(np.count_nonzero(np.asarray(results[-1].fade) > 0.0))
+            results.append(Nothing(NoReport(deaths=gone)))
+            work.run(skipped)
+            continue
+        if sequences.same_polygons(mesh, last):
+            mesh = replace(mesh, faces=last.faces)
+        last = mesh
         next_surface = meshes.load(
             replace(mesh, path=Path(name)),
             weld=surface.weld is not None,
             merge_doubled=surface.merge_doubled,
         ).surface
         with about(name):
-            results.append(work.run(partial(population.advance, next_surface)))
+            if population is None:
+                population = work.run(partial(begun, next_surface, density, next_id, given))
+                results[-1].report.births = len(population.samples)
+                results.append(population.samples)
+            else:
+                results.append(work.run(partial(population.advance, next_surface)))
     return results
+
+
+def skipped(context: dapple.Context) -> None:
+    """A step in which nothing is to do."""
+    context.check()
+
+
+def begun(
+    surface: dapple.Surface,
+    density: float,
+    next_id: int,
+    given: dict[str, Any],
+    context: dapple.Context,
+) -> dapple.Population:
+    """A population that appears on a surface, behind frames without faces.
+
+    Raises:
+        ValueError: there are classes.
+    """
+    if "classes" in given:
+        raise ValueError("comes behind a frame without faces, where classes cannot begin anew")
+    count = max(1, round(density * surface.mass))
+    sampling = {name: given[name] for name in START if name in given}
+    found = dapple.sample(surface, count, seed=next_id, context=context, **sampling)
+    ids = np.arange(next_id, next_id + count, dtype=np.int32)
+    found = dapple.Samples(surface, found.faces, found.barycentric, ids=ids)
+    population = dapple.Population(surface, found, **given)
+    step = 1.0 / given.get("fade", options.library_defaults("Population")["fade"])
+    state = population.state | {"fades": np.full(count, step), "densities": np.array([density])}
+    population.resume(surface, population.samples, state)
+    return population
 
 
 def follow_together(

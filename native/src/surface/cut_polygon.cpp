@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/cut_polygon.hpp"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+namespace dapple {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+using Structure = CGAL::Triangulation_data_structure_2<
+    CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>,
+    CGAL::Constrained_triangulation_face_base_2<
+        Kernel, CGAL::Triangulation_face_base_with_info_2<std::optional<bool>, Kernel>>>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                               CGAL::No_constraint_intersection_tag>;
+using Vertex = Triangulation::Vertex_handle;
+
+using Cut = std::array<std::int32_t, 3>;
+using Cuts = std::vector<Cut>;
+
+constexpr double kStraight = 1e-9;          // sine of a corner that is none
+constexpr double kFlat = 1e-9;              // distance from the plane, as a share of the size
+constexpr double kNoPlane = 1e-12;          // area, as a share of the squared size
+constexpr std::size_t kMostSearched = 200;  // corners: the search takes their number cubed
+
+bool all_finite(std::span<const Vec3> corners) {
+  return std::all_of(corners.begin(), corners.end(), [](const Vec3& p) { return p.allFinite(); });
+}
+
+/// Within 1 of the origin; digits stay, as the scale is a power of two.
+std::vector<Vec3> scaled(std::span<const Vec3> corners) {
+  double most = 0.0;
+  for (const Vec3& p : corners) most = std::max(most, p.cwiseAbs().maxCoeff());
+  const double scale = most > 0.0 ? std::ldexp(1.0, -std::clamp(std::ilogb(most), -1000, 1000)) : 1;
+  std::vector<Vec3> result;
+  result.reserve(corners.size());
+  for (const Vec3& p : corners) result.emplace_back(scale * p);
+  return result;
+}
+
+/// Twice the area, along the normal (Newell).
+Vec3 newell(std::span<const Vec3> corners) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 2; k < corners.size(); ++k)
+    sum += (corners[k - 1] - corners[0]).cross(corners[k] - corners[0]);
+  return sum;
+}
+
+double size_of(std::span<const Vec3> corners) {
+  double size = 0.0;
+  for (const Vec3& p : corners) size = std::max(size, (p - corners[0]).norm());
+  return size;
+}
+
+/// The farthest distance from the plane through the first corner.
+double off_plane(std::span<const Vec3> corners, const Vec3& normal) {
+  double most = 0.0;
+  for (const Vec3& p : corners) most = std::max(most, std::abs((p - corners[0]).dot(normal)));
+  return most;
+}
+
+Cuts fan(std::size_t corners) {
+  Cuts cuts;
+  for (std::size_t k = 2; k < corners; ++k)
+    cuts.push_back({0, static_cast<std::int32_t>(k - 1), static_cast<std::int32_t>(k)});
+  return cuts;
+}
+
+/// Whether c is clearly to the left of the way from a to b, seen against the normal.
+bool left(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
+  const Vec3 along = b - a, across = c - a;
+  return along.cross(across).dot(normal) > kStraight * along.norm() * across.norm();
+}
+
+bool convex(std::span<const Vec3> corners, const Vec3& normal) {
+  const std::size_t n = corners.size();
+  for (std::size_t k = 0; k < n; ++k)
+    if (!left(corners[k], corners[(k + 1) % n], corners[(k + 2) % n], normal)) return false;
+  for (std::size_t k = 2; k < n; ++k)
+    if (!left(corners[0], corners[1], corners[k], normal) ||
+        !left(corners[0], corners[k - 1], corners[k], normal))
+      return false;
+  return true;
+}
+
+/// Without the coordinate along which the polygon is seen largest: the others keep their digits, so
+/// that what is on one line stays so.
+std::vector<Point> dropped(std::span<const Vec3> corners, const Vec3& normal) {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  Eigen::Index u = (axis + 1) % 3, v = (axis + 2) % 3;
+  if (normal[axis] < 0.0) std::swap(u, v);
+  std::vector<Point> points;
+  for (const Vec3& p : corners) points.emplace_back(p[u], p[v]);
+  return points;
+}
+
+/// In the plane across the normal.
+std::vector<Point> projected(std::span<const Vec3> corners, const Vec3& normal) {
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  std::vector<Point> points;
+  for (const Vec3& p : corners)
+    points.emplace_back((p - corners[0]).dot(u), (p - corners[0]).dot(v));
+  return points;
+}
+
+/// A polygon in the plane whose edges may touch, but not cross.
+class FlatPolygon {
+ public:
+  /// \param places where the corners are in space
+  /// \return none if edges cross, nothing is inside, or different places fall together
+  std::optional<Cuts> cut(const std::vector<Point>& corners, std::span<const Vec3> places) {
+    for (const Point& p : corners) insert(p);
+    const std::size_t n = at_.size();
+    for (std::size_t k = 0; k < n; ++k)
+      if (places[k] != places[static_cast<std::size_t>(at_[k]->info())]) return std::nullopt;
+    try {
+      for (std::size_t k = 0; k < n; ++k)
+        if (at_[k] != at_[(k + 1) % n]) mesh_.insert_constraint(at_[k], at_[(k + 1) % n]);
+    } catch (const Triangulation::Intersection_of_constraints_exception&) {
+      return std::nullopt;
+    }
+    if (mesh_.dimension() < 2) return std::nullopt;
+    for (std::size_t k = 0; k < n; ++k)
+      if (!count_edges(at_[k], at_[(k + 1) % n])) return std::nullopt;
+    mark();
+    Cuts cuts = inner();
+    return cuts.empty() ? std::nullopt : std::optional(std::move(cuts));  // rounds that cancel
+  }
+
+ private:
+  using Edge = std::pair<std::int32_t, std::int32_t>;
+
+  void insert(const Point& point) {
+    const std::size_t before = mesh_.number_of_vertices();
+    const Vertex vertex = mesh_.insert(point);
+    if (mesh_.number_of_vertices() > before) vertex->info() = static_cast<std::int32_t>(at_.size());
+    at_.push_back(vertex);
+  }
+
+  static Edge between(Vertex a, Vertex b) { return std::minmax(a->info(), b->info()); }
+
+  /// Edges that lie on the way from one corner to the next, over all corners that touch it.
+  bool count_edges(Vertex from, Vertex to) {
+    while (from != to) {
+      const Vertex next = next_on_way(from, to);
+      if (next == Vertex()) return false;
+      odd_[between(from, next)] ^= true;
+      from = next;
+    }
+    return true;
+  }
+
+  Vertex next_on_way(Vertex from, Vertex to) const {
+    auto edge = mesh_.incident_edges(from);
+    const auto end = edge;
+    do {
+      if (mesh_.is_infinite(edge) || !mesh_.is_constrained(*edge)) continue;
+      const auto face = edge->first;
+      const int k = edge->second;
+      const Vertex other = face->vertex(face->cw(k)) == from ? face->vertex(face->ccw(k))
+                                                             : face->vertex(face->cw(k));
+      if (other == to || CGAL::collinear_are_strictly_ordered_along_line(
+                             from->point(), other->point(), to->point()))
+        return other;
+    } while (++edge != end);
+    return {};
+  }
+
+  /// What is inside of an odd number of rounds is inside.
+  void mark() {
+    mesh_.infinite_face()->info() = false;
+    std::vector<Triangulation::Face_handle> pending = {mesh_.infinite_face()};
+    while (!pending.empty()) {
+      const auto face = pending.back();
+      pending.pop_back();
+      for (int k = 0; k < 3; ++k) {
+        const auto next = face->neighbor(k);
+        if (next->info().has_value()) continue;
+        next->info() = face->info().value_or(false) != crosses(face, k);
+        pending.push_back(next);
+      }
+    }
+  }
+
+  bool crosses(Triangulation::Face_handle face, int k) const {
+    if (!face->is_constrained(k)) return false;
+    const auto found = odd_.find(between(face->vertex(face->cw(k)), face->vertex(face->ccw(k))));
+    return found != odd_.end() && found->second;
+  }
+
+  /// In an order that depends on the corners alone.
+  [[nodiscard]] Cuts inner() const {
+    Cuts cuts;
+    for (const auto face : mesh_.finite_face_handles()) {
+      if (!face->info().value_or(false)) continue;
+      Cut cut = {face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
+      std::rotate(cut.begin(), std::min_element(cut.begin(), cut.end()), cut.end());
+      cuts.push_back(cut);
+    }
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+  }
+
+  Triangulation mesh_;
+  std::vector<Vertex> at_;
+  std::map<Edge, bool> odd_;
+};
+
+/// The triangles of the least area over all that have the polygon for their border.
+class LeastArea {
+ public:
+  explicit LeastArea(std::span<const Vec3> corners)
+      : corners_(corners), area_(corners.size() * corners.size()), middle_(area_.size()) {
+    const std::size_t n = corners.size();
+    for (std::size_t length = 2; length < n; ++length)
+      for (std::size_t first = 0; first + length < n; ++first) choose(first, first + length);
+  }
+
+  [[nodiscard]] Cuts cuts() const {
+    Cuts found;
+    add(0, corners_.size() - 1, found);
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+ private:
+  void choose(std::size_t first, std::size_t last) {
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = first + 1;
+    for (std::size_t k = first + 1; k < last; ++k) {
+      const double area =
+          area_[at(first, k)] + area_[at(k, last)] +
+          (corners_[k] - corners_[first]).cross(corners_[last] - corners_[first]).norm();
+      if (area < least) {
+        least = area;
+        best = k;
+      }
+    }
+    area_[at(first, last)] = least;
+    middle_[at(first, last)] = best;
+  }
+
+  void add(std::size_t first, std::size_t last, Cuts& found) const {
+    if (last < first + 2) return;
+    const std::size_t k = middle_[at(first, last)];
+    found.push_back({static_cast<std::int32_t>(first), static_cast<std::int32_t>(k),
+                     static_cast<std::int32_t>(last)});
+    add(first, k, found);
+    add(k, last, found);
+  }
+
+  [[nodiscard]] std::size_t at(std::size_t first, std::size_t last) const {
+    return first * corners_.size() + last;
+  }
+
+  std::span<const Vec3> corners_;
+  std::vector<double> area_;
+  std::vector<std::size_t> middle_;
+};
+
+Cuts least_area(std::span<const Vec3> corners) {
+  return corners.size() <= kMostSearched ? LeastArea(corners).cuts() : fan(corners.size());
+}
+
+}  // namespace
+
+Cuts cut_polygon(std::span<const Vec3> given) {
+  if (given.size() <= 3 || !all_finite(given)) return fan(given.size());
+  const std::vector<Vec3> corners = scaled(given);
+  const Vec3 doubled = newell(corners);
+  const double size = size_of(corners);
+  if (!(doubled.norm() > kNoPlane * size * size)) return least_area(corners);
+  const Vec3 normal = doubled.normalized();
+  if (convex(corners, normal)) return fan(corners.size());
+  const bool flat = off_plane(corners, normal) <= kFlat * size;
+  for (const bool drop : {flat, !flat}) {
+    const auto points = drop ? dropped(corners, normal) : projected(corners, normal);
+    if (const auto cuts = FlatPolygon().cut(points, corners)) return *cuts;
+  }
+  return least_area(corners);
+}
+
+}  // namespace dapple
