@@ -114,9 +114,59 @@ def test_a_surface_that_lost_its_faces_is_named():
     surface.data.vertices.add(3)
     before = scenes.snapshot()
     for action in (bpy.ops.dapple.optimize, bpy.ops.dapple.rebind):
-        with pytest.raises(RuntimeError, match="Surface 'Sphere': faces is empty"):
+        with pytest.raises(RuntimeError, match="Surface 'Sphere' has no faces at frame 1"):
             action()
         assert scenes.snapshot() == before
+
+
+def nodes_on(surface, *kinds):
+    """A node group of these nodes one behind the other, as a modifier."""
+    group = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    before = group.nodes.new("NodeGroupInput").outputs[0]
+    made = []
+    for kind in kinds:
+        node = group.nodes.new(kind)
+        group.links.new(before, node.inputs[0])
+        before = node.outputs[0]
+        made.append(node)
+    group.links.new(before, group.nodes.new("NodeGroupOutput").inputs[0])
+    surface.modifiers.new("Nodes", "NODES").node_group = group
+    return group, made
+
+
+def test_a_surface_of_instances_says_what_to_do():
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    nodes_on(surface, "GeometryNodeGeometryToInstance")
+    before = scenes.snapshot()
+    words = "Surface 'Sphere' has no faces at frame 1, only instances: add Realize Instances"
+    with pytest.raises(RuntimeError, match=words):
+        bpy.ops.dapple.optimize()
+    assert scenes.snapshot() == before
+    surface.modifiers.clear()
+    nodes_on(surface, "GeometryNodeGeometryToInstance", "GeometryNodeRealizeInstances")
+    bpy.ops.dapple.optimize()
+    assert fits(surface, obj)
+
+
+@pytest.mark.parametrize("keep_density", [False, True])
+def test_a_frame_of_a_bake_without_faces_is_named(keep_density):
+    surface = scenes.sphere()
+    obj = scenes.scattered(surface)
+    if keep_density:
+        obj.dapple.count_over_time = "KEEP_DENSITY"
+    obj.dapple.on_topology_change = "REBIND"
+    group, (delete,) = nodes_on(surface, "GeometryNodeDeleteGeometry")
+    time, later = group.nodes.new("GeometryNodeInputSceneTime"), group.nodes.new("ShaderNodeMath")
+    later.operation = "GREATER_THAN"
+    later.inputs[1].default_value = 2.5
+    group.links.new(time.outputs["Frame"], later.inputs[0])
+    group.links.new(later.outputs[0], delete.inputs["Selection"])
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 4
+    with pytest.raises(RuntimeError, match="Surface 'Sphere' has no faces at frame 3"):
+        bpy.ops.dapple.bake()
 
 
 def test_a_scatter_is_no_surface():

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 import bpy
 
+from ...core.errors import ScatterError
 from ...core.settings import Settings
 from ...core.surface import SurfaceArrays, check_unchanged
 from ..base.held import Held
@@ -23,8 +24,23 @@ def read(
     """The surface; with settings, also what they take from it and from beside their scatter."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     if settings is None:
-        return read_surface(surface, depsgraph)
-    return read_with(settings, surface, depsgraph, own)
+        arrays = read_surface(surface, depsgraph)
+    else:
+        arrays = read_with(settings, surface, depsgraph, own)
+    if not len(arrays.faces):
+        raise ScatterError(_without_faces(surface, depsgraph))
+    return arrays
+
+
+def _without_faces(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> str:
+    """That a surface has none now, and what to do where it has instances instead."""
+    told = f"Surface '{surface.name}' has no faces at frame {depsgraph.scene.frame_current_final:g}"
+    if any(
+        one.is_instance and one.parent and one.parent.original == surface
+        for one in depsgraph.object_instances
+    ):
+        return f"{told}, only instances: add Realize Instances at the end of its nodes"
+    return told
 
 
 def at_frame(

@@ -19,13 +19,16 @@ constexpr std::array<std::array<int, 4>, 6> kSides = {
 Vec3 corner(int k) { return {k % 2 * 1.0, k / 2 % 2 * 1.0, k / 4 * 1.0}; }
 
 std::string place(int k) {
-  return std::to_string(k % 2) + " " + std::to_string(k / 2 % 2) + " " + std::to_string(k / 4);
+  std::string words;
+  for (const int value : {k % 2, k / 2 % 2, k / 4})
+    words.append(words.empty() ? "" : " ").append(std::to_string(value));
+  return words;
 }
 
 /// Lines of the eight corners, with words around each.
 std::string places(const std::string& before, const std::string& behind = "") {
   std::string lines;
-  for (int k = 0; k < 8; ++k) lines += before + place(k) + behind + "\n";
+  for (int k = 0; k < 8; ++k) lines.append(before).append(place(k)).append(behind).append("\n");
   return lines;
 }
 
@@ -34,7 +37,7 @@ std::string sides(const std::string& before, int first = 0, const std::string& b
   std::string lines;
   for (const auto& side : kSides) {
     lines += before;
-    for (const int k : side) lines += " " + std::to_string(first + k) + behind;
+    for (const int k : side) lines.append(" ").append(std::to_string(first + k)).append(behind);
     lines += "\n";
   }
   return lines;
@@ -279,7 +282,7 @@ TEST(FoundFiles, ObjLinesGoOnBehindABackslash) {
   std::string text = places("v ");
   for (const auto& side : kSides) {
     text += "f";
-    for (const int k : side) text += " " + std::to_string(k + 1) + "\\\n";
+    for (const int k : side) text.append(" ").append(std::to_string(k + 1)).append("\\\n");
     text += "\n";
   }
   expect_cube(read_obj(text));
