@@ -168,12 +168,17 @@ def _on_each_other(
 
 
 def _mixed(positions: Singles) -> NDArray[np.uint64]:
-    """A number (v,) for each place, whose sum over a polygon is that of few others."""
+    """A number (v,) for each place, whose sum over a polygon is that of no other one.
+
+    By SplitMix64: opposite sides of a cube differ in signs alone.
+    """
     bits = np.ascontiguousarray(positions + np.float32(0.0)).view(np.uint32).astype(np.uint64)
     found = np.zeros(len(bits), dtype=np.uint64)
     for axis in range(3):
-        found = (found ^ bits[:, axis]) * np.uint64(0x9E3779B97F4A7C15)
-        found ^= found >> np.uint64(29)
+        found += bits[:, axis] + np.uint64(0x9E3779B97F4A7C15)
+        found = (found ^ (found >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        found = (found ^ (found >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        found ^= found >> np.uint64(31)
     return found
 
 

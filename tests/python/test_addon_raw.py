@@ -69,3 +69,11 @@ def test_polygons_on_each_other_are_cut_alike():
     found = raw.triangle_corners(mesh)
     np.testing.assert_array_equal(found[:4], cut[:4])
     assert set(places(mesh, found[:4])) == set(places(mesh, found[4:]))
+
+
+def test_all_sides_of_a_cube_are_cut_alike_twice():
+    corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    mesh = mesh_of(corners, sides + [side[::-1] for side in sides])
+    found = places(mesh, raw.triangle_corners(mesh))
+    assert len(set(found)) == 12

@@ -2,13 +2,17 @@
 #include "surface/mesh_builder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <dapple/limits.hpp>
+#include <numeric>
 
 #include "surface/cut_polygon.hpp"
 #include "surface/mesh_text.hpp"
 
 namespace dapple {
 namespace {
+
+std::size_t as_size(std::int32_t k) { return static_cast<std::size_t>(k); }
 
 std::string text(std::size_t k) { return std::to_string(k); }
 
@@ -29,6 +33,39 @@ void add_corners(const Rows<T>& rows, std::size_t polygon, const Face& face,
     const T* value = rows.of(face[k], corners[k], polygon);
     here[k] = value ? *value : missing;
   }
+}
+
+/// A number for a place, whose sum over a polygon is that of no other one (by SplitMix64: opposite
+/// sides of a cube differ in signs alone).
+std::uint64_t mixed(const Vec3& place) {
+  std::uint64_t result = 0;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    result += std::bit_cast<std::uint64_t>(place[axis] + 0.0) + 0x9e3779b97f4a7c15U;  // -0 is 0
+    result = (result ^ (result >> 30U)) * 0xbf58476d1ce4e5b9U;
+    result = (result ^ (result >> 27U)) * 0x94d049bb133111ebU;
+    result ^= result >> 31U;
+  }
+  return result;
+}
+
+/// For each corner of one polygon that of another one at the same place; empty unless all have one.
+std::vector<std::size_t> matched(std::span<const Vec3> there, std::span<const Vec3> here) {
+  std::vector<std::size_t> result;
+  if (there.size() != here.size()) return result;
+  for (const Vec3& place : there) {
+    const auto found = std::find(here.begin(), here.end(), place);
+    if (found == here.end()) return {};
+    result.push_back(static_cast<std::size_t>(found - here.begin()));
+  }
+  return result;
+}
+
+/// Twice the area times the normal.
+Vec3 area_vector(std::span<const Vec3> places) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 2; k < places.size(); ++k)
+    sum += (places[k - 1] - places[0]).cross(places[k] - places[0]);
+  return sum;
 }
 
 }  // namespace
@@ -71,11 +108,9 @@ MeshArrays MeshBuilder::build() {
   MeshArrays mesh;
   mesh.faces.reserve(ends_.size());
   mesh.polygons.reserve(ends_.size());
-  std::size_t first = 0;
-  for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon) {
-    cut(polygon, first, ends_[polygon], mesh);
-    first = ends_[polygon];
-  }
+  const std::vector<std::size_t> like = cut_like();
+  for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon)
+    cut(polygon, like[polygon], mesh);
   for (const MeshAttribute& attribute : attributes) {
     if (attribute.values.size() != (attribute.at_faces ? ends_.size() : vertices.size())) continue;
     MeshAttribute& found = mesh.attributes.emplace_back(attribute);
@@ -88,18 +123,52 @@ MeshArrays MeshBuilder::build() {
   return mesh;
 }
 
-void MeshBuilder::cut(std::size_t polygon, std::size_t first, std::size_t last,
-                      MeshArrays& mesh) const {
-  if (last < first + 3) return;
-  if (last == first + 3) return add_triangle(polygon, {first, first + 1, first + 2}, mesh);
-  std::vector<Vec3> places;
-  for (std::size_t k = first; k < last; ++k)
-    places.push_back(vertices[static_cast<std::size_t>(corners_[k])]);
-  for (const auto& [a, b, c] : cut_polygon(places))
-    add_triangle(polygon,
-                 {first + static_cast<std::size_t>(a), first + static_cast<std::size_t>(b),
-                  first + static_cast<std::size_t>(c)},
-                 mesh);
+std::vector<Vec3> MeshBuilder::places_of(std::size_t polygon) const {
+  std::vector<Vec3> result;
+  for (std::size_t k = first_corner(polygon); k < ends_[polygon]; ++k)
+    result.push_back(vertices[static_cast<std::size_t>(corners_[k])]);
+  return result;
+}
+
+/// For each polygon of more than three corners the first one that may lie on it corner by corner,
+/// or itself. Those are cut alike: faces count once only where their triangles are the same.
+std::vector<std::size_t> MeshBuilder::cut_like() const {
+  std::vector<std::size_t> result(ends_.size());
+  std::iota(result.begin(), result.end(), std::size_t{0});
+  std::vector<std::pair<std::uint64_t, std::size_t>> sums;
+  for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon) {
+    if (ends_[polygon] < first_corner(polygon) + 4) continue;
+    std::uint64_t sum = 0;
+    for (std::size_t k = first_corner(polygon); k < ends_[polygon]; ++k)
+      sum += mixed(vertices[static_cast<std::size_t>(corners_[k])]);
+    sums.emplace_back(sum, polygon);
+  }
+  std::sort(sums.begin(), sums.end());
+  for (std::size_t k = 1; k < sums.size(); ++k)
+    if (sums[k].first == sums[k - 1].first) result[sums[k].second] = result[sums[k - 1].second];
+  return result;
+}
+
+void MeshBuilder::cut(std::size_t polygon, std::size_t like, MeshArrays& mesh) const {
+  const std::size_t first = first_corner(polygon);
+  if (ends_[polygon] < first + 3) return;
+  if (ends_[polygon] == first + 3)
+    return add_triangle(polygon, {first, first + 1, first + 2}, mesh);
+  const auto add = [&](const std::array<std::size_t, 3>& corners) {
+    add_triangle(polygon, {first + corners[0], first + corners[1], first + corners[2]}, mesh);
+  };
+  const std::vector<Vec3> here = places_of(polygon);
+  if (like != polygon) {
+    const std::vector<Vec3> there = places_of(like);
+    const std::vector<std::size_t> match = matched(there, here);
+    const bool turned = area_vector(there).dot(area_vector(here)) < 0.0;
+    if (!match.empty()) {
+      for (const auto& [a, b, c] : cut_polygon(there))
+        add({match[as_size(turned ? c : a)], match[as_size(b)], match[as_size(turned ? a : c)]});
+      return;
+    }
+  }
+  for (const auto& [a, b, c] : cut_polygon(here)) add({as_size(a), as_size(b), as_size(c)});
 }
 
 void MeshBuilder::add_triangle(std::size_t polygon, const std::array<std::size_t, 3>& corners,

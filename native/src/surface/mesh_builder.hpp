@@ -57,7 +57,12 @@ class MeshBuilder {
  private:
   void check() const;
   void scale_colors();
-  void cut(std::size_t polygon, std::size_t first, std::size_t last, MeshArrays& mesh) const;
+  [[nodiscard]] std::size_t first_corner(std::size_t polygon) const {
+    return polygon == 0 ? 0 : ends_[polygon - 1];
+  }
+  [[nodiscard]] std::vector<Vec3> places_of(std::size_t polygon) const;
+  [[nodiscard]] std::vector<std::size_t> cut_like() const;
+  void cut(std::size_t polygon, std::size_t like, MeshArrays& mesh) const;
   void add_triangle(std::size_t polygon, const std::array<std::size_t, 3>& corners,
                     MeshArrays& mesh) const;
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <dapple/surface.hpp>
 #include <numeric>
 
 #include "surface/mesh_readers.hpp"
@@ -276,6 +277,38 @@ TEST(FoundFiles, PlyHasTextureCoordinatesAtCorners) {
   ASSERT_EQ(mesh.uv.size(), 2u);
   EXPECT_EQ(mesh.uv[0][2], Vec2(1, 1));
   EXPECT_EQ(mesh.uv[1][1], Vec2(0, 0));
+}
+
+/// Both sides of a quad were cut along different lines, and counted twice.
+TEST(FoundFiles, PolygonsOnEachOtherAreCutAlike) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  for (const std::string& second :
+       {"f 4 3 2 1\n", "f 3 2 1 4\n", "f 2 3 4 1\n", "f -1 -2 -3 -4\n"}) {
+    for (const bool own : {false, true}) {
+      if (own && second[2] != '-') continue;
+      const MeshArrays mesh = read_obj(square + "f 1 2 3 4\n" + (own ? square : "") + second);
+      ASSERT_EQ(mesh.faces.size(), 4u);
+      const Surface surface(mesh.vertices, mesh.faces);
+      EXPECT_EQ(surface.doubled_faces(), 2u) << second;
+      EXPECT_DOUBLE_EQ(surface.area(), 1.0) << second;
+    }
+  }
+}
+
+TEST(FoundFiles, AllSidesOfACubeAreCutAlikeTwice) {
+  std::string text = places("v ");
+  for (std::size_t at = text.find(" 0"); at != std::string::npos; at = text.find(" 0", at))
+    text.replace(at, 2, " -1");
+  text += sides("f", 1);
+  for (const auto& side : kSides) {
+    text += "f";
+    for (std::size_t k = 4; k-- > 0;) text.append(" ").append(std::to_string(1 + side[k]));
+    text += "\n";
+  }
+  const MeshArrays mesh = read_obj(text);
+  const Surface surface(mesh.vertices, mesh.faces);
+  EXPECT_EQ(surface.doubled_faces(), 12u);
+  EXPECT_DOUBLE_EQ(surface.area(), 24.0);
 }
 
 TEST(FoundFiles, ObjLinesGoOnBehindABackslash) {
