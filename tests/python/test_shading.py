@@ -4,6 +4,7 @@
 import dapple3d as dapple
 import numpy as np
 import pytest
+from command_line import done
 
 
 def cube(split: bool = False) -> tuple[np.ndarray, np.ndarray]:
@@ -81,3 +82,15 @@ def test_names_what_is_wrong_with_normals():
         dapple.Surface(vertices, faces, normals=broken)
     with pytest.raises(dapple.SurfaceError, match="sharp_angle is 200"):
         dapple.Surface(vertices, faces, sharp_angle=200)
+
+
+def test_the_command_line_gives_the_normals_that_edges_make(tmp_path):
+    vertices, faces = cube()
+    mesh, out = tmp_path / "cube.obj", tmp_path / "points.npz"
+    dapple.write_mesh(mesh, vertices, faces)
+    done("sample", mesh, out, "-n", "100")
+    with np.load(out) as flat:
+        assert np.abs(flat["normals"]).max(axis=1).min() > 1.0 - 1e-12
+    done("sample", mesh, out, "-n", "100", "--sharp-angle", "90")
+    with np.load(out) as smooth:
+        assert np.abs(smooth["normals"]).max(axis=1).min() < 0.9

@@ -41,6 +41,23 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class SurfaceOptions:
+    """How a surface is made of a mesh, see dapple.Surface.
+
+    weld: whether border edges at the same place are connected.
+    """
+
+    weld: bool = True
+    merge_doubled: bool = True
+    sharp_angle: float = 30.0
+
+    @staticmethod
+    def of(surface: dapple.Surface) -> "SurfaceOptions":
+        """Those of a surface."""
+        return SurfaceOptions(surface.weld is not None, surface.merge_doubled, surface.sharp_angle)
+
+
+@dataclass(frozen=True)
 class Density:
     """Values where they are; none is 1 everywhere."""
 
@@ -135,27 +152,25 @@ def load(
     mesh: Mesh,
     density: str | None = None,
     at: Place | None = None,
-    *,
-    weld: bool = True,
-    merge_doubled: bool = True,
+    options: SurfaceOptions = SurfaceOptions(),
 ) -> Loaded:
     """Check a mesh, and give it the density that an option names.
 
     Args:
         mesh: from read_mesh().
         density, at: as for read_density().
-        weld: whether border edges at the same place are connected.
-        merge_doubled: whether faces that lie on each other count as one.
+        options: how the surface is made of it.
 
     Raises:
         ClickException: naming the file, the rule and the first offender.
     """
     with about(mesh.path):
-        unwelded: dict[str, Any] = {} if weld else {"weld": None}
+        unwelded: dict[str, Any] = {} if options.weld else {"weld": None}
         surface = dapple.Surface(
             mesh.vertices,
             mesh.faces,
-            merge_doubled=merge_doubled,
+            merge_doubled=options.merge_doubled,
+            sharp_angle=options.sharp_angle,
             normals=_normals(mesh),
             **unwelded,
         )

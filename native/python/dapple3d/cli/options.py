@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Options that several commands share; the library's own defaults are read from the library."""
 
+import functools
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -8,6 +9,7 @@ from typing import Any, TypeVar
 import click
 
 import dapple3d as dapple
+from dapple3d.cli.meshes import SurfaceOptions
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -140,8 +142,31 @@ def profile_option(command: Decorated) -> Decorated:
     )(command)
 
 
-def weld_option(command: Decorated) -> Decorated:
-    """--weld, for the surface."""
+def surface_options(command: Callable[..., None]) -> Callable[..., None]:
+    """--weld, --merge-doubled and --sharp-angle: a command gets them as `surface_options`."""
+
+    @functools.wraps(command)
+    def with_surface_options(
+        *, weld: bool, merge_doubled: bool, sharp_angle: float, **others: Any
+    ) -> None:
+        command(surface_options=SurfaceOptions(weld, merge_doubled, sharp_angle), **others)
+
+    return _weld_option(_doubled_option(_sharp_option(with_surface_options)))
+
+
+def _sharp_option(command: Decorated) -> Decorated:
+    return click.option(
+        "--sharp-angle",
+        type=click.FloatRange(0, 180),
+        default=30.0,
+        show_default=True,
+        metavar="DEGREES",
+        help="Normals jump over edges whose faces turn by more; where MESH has normals of its "
+        "own, these count.",
+    )(command)
+
+
+def _weld_option(command: Decorated) -> Decorated:
     return click.option(
         "--weld/--no-weld",
         default=True,
@@ -151,8 +176,7 @@ def weld_option(command: Decorated) -> Decorated:
     )(command)
 
 
-def doubled_option(command: Decorated) -> Decorated:
-    """--merge-doubled, for the surface."""
+def _doubled_option(command: Decorated) -> Decorated:
     return click.option(
         "--merge-doubled/--keep-doubled",
         default=True,

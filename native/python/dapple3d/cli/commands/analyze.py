@@ -49,8 +49,7 @@ FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
 )
 @options.library_options("analyze")
 @options.library_options("sample", only=["threads"])
-@options.weld_option
-@options.doubled_option
+@options.surface_options
 @options.report_options
 def command(
     points: Path,
@@ -59,8 +58,7 @@ def command(
     density_at: meshes.Place | None,
     plot: Path | None,
     threads: int | None,
-    weld: bool,
-    merge_doubled: bool,
+    surface_options: meshes.SurfaceOptions,
     json_out: str | None,
     quiet: bool,
     **measure: Any,
@@ -86,11 +84,7 @@ def command(
     with about(points):
         places = in_space(found.positions)
     loaded = (
-        meshes.load(
-            meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
-        )
-        if mesh
-        else None
+        meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options) if mesh else None
     )
     surface = loaded.surface if loaded else unit_square(points, places)
     with about(points):

@@ -82,8 +82,7 @@ class WantedType(click.ParamType):
 @options.density_options
 @options.attributes_option
 @options.library_options("sample_classes")
-@options.weld_option
-@options.doubled_option
+@options.surface_options
 @options.profile_option
 @options.report_options
 def command(
@@ -93,8 +92,7 @@ def command(
     density: str | None,
     density_at: meshes.Place | None,
     attributes: bool,
-    weld: bool,
-    merge_doubled: bool,
+    surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -115,9 +113,7 @@ def command(
     points.check_extension(out)
     densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
     check_outputs([mesh, *densities], [out, reporter.file])
-    loaded = meshes.load(
-        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
-    )
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
     listed = [one.on(loaded) for one in wanted]
     chosen = options.given(solver)
     with Work("sampling", quiet=quiet) as work:

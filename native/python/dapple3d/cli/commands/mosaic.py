@@ -35,8 +35,7 @@ GROUT = 0.1  # spacings
 )
 @options.library_options("mosaic", only=["thickness", "tolerance"])
 @options.library_options("sample", without=["tolerance"])
-@options.weld_option
-@options.doubled_option
+@options.surface_options
 @options.profile_option
 @options.report_options
 def command(
@@ -47,8 +46,7 @@ def command(
     points: Path | None,
     density: str | None,
     density_at: meshes.Place | None,
-    weld: bool,
-    merge_doubled: bool,
+    surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -71,9 +69,7 @@ def command(
     if profile and points:
         raise click.UsageError("--profile needs --count: nothing is solved for --points")
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(
-        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
-    )
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
     shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
     given = options.given(chosen)
     with Work("tiling", steps=2, quiet=quiet) as work:

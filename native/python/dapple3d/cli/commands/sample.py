@@ -32,8 +32,7 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
     "below change it.",
 )
 @options.library_options("sample")
-@options.weld_option
-@options.doubled_option
+@options.surface_options
 @options.profile_option
 @options.report_options
 def command(
@@ -45,8 +44,7 @@ def command(
     density_at: meshes.Place | None,
     attributes: bool,
     preset: str,
-    weld: bool,
-    merge_doubled: bool,
+    surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -70,9 +68,7 @@ def command(
     options.check_amount(count, spacing)
     points.check_extension(out)
     check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(
-        meshes.read_mesh(mesh), density, density_at, weld=weld, merge_doubled=merge_doubled
-    )
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
     count = options.counted(loaded.surface, count, spacing)
     chosen = PRESETS[preset] | options.given(solver)
     with Work("sampling", quiet=quiet) as work:

@@ -52,8 +52,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @options.library_options("Population", only=["fade", "reach"], before="With --keep-density: ")
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
-@options.weld_option
-@options.doubled_option
+@options.surface_options
 @options.profile_option
 @options.report_options
 def command(
@@ -69,8 +68,7 @@ def command(
     fade: int | None,
     reach: float | None,
     seed: int | None,
-    weld: bool,
-    merge_doubled: bool,
+    surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
     quiet: bool,
@@ -117,8 +115,7 @@ def command(
     begin = first_with_faces(motion)
     loaded = meshes.load(
         replace(motion[begin][1], path=Path(motion[begin][0])),
-        weld=weld,
-        merge_doubled=merge_doubled,
+        options=surface_options,
     )
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
@@ -271,8 +268,7 @@ def follow_population(
         last = mesh
         next_surface = meshes.load(
             replace(mesh, path=Path(name)),
-            weld=surface.weld is not None,
-            merge_doubled=surface.merge_doubled,
+            options=meshes.SurfaceOptions.of(surface),
         ).surface
         with about(name):
             if population is None:
