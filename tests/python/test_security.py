@@ -26,6 +26,7 @@ OF_OS = ("system", "popen", "exec", "spawn", "posix_spawn", "fork", "startfile",
 # What is there by intent; SECURITY.md tells it.
 DASK = "Dask runs work on the machines of a cluster that the caller has made and trusts"
 INTENDED = {
+    ("addon/blender/surface/images.py", "ctypes"): "keeps a Python object alive; loads no library",
     ("dapple3d/cli/work.py", "concurrent"): "a thread beside the progress bar; starts no process",
     ("dapple3d/distributed/running.py", "dask"): DASK,
     ("dapple3d/distributed/running.py", "distributed"): DASK,

@@ -282,7 +282,7 @@ TEST(FoundFiles, PlyHasTextureCoordinatesAtCorners) {
 /// Both sides of a quad were cut along different lines, and counted twice.
 TEST(FoundFiles, PolygonsOnEachOtherAreCutAlike) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-  for (const std::string& second :
+  for (const std::string second :
        {"f 4 3 2 1\n", "f 3 2 1 4\n", "f 2 3 4 1\n", "f -1 -2 -3 -4\n"}) {
     for (const bool own : {false, true}) {
       if (own && second[2] != '-') continue;
