@@ -64,10 +64,12 @@ double area(const std::vector<Point>& polygon) {
 double cell_area(const Shape& shape, const Delaunay& delaunay, Delaunay::Vertex_handle site) {
   std::vector<Delaunay::Vertex_handle> neighbors;
   delaunay.finite_adjacent_vertices(site, std::back_inserter(neighbors));
+  const std::vector<bool> counts = shape.counted();
   double sum = 0.0;
-  for (const Face& face : shape.faces) {
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    if (!counts[f]) continue;
     std::vector<Point> polygon;
-    for (const std::int32_t v : face)
+    for (const std::int32_t v : shape.faces[f])
       polygon.push_back(exact(shape.vertices[static_cast<std::size_t>(v)]));
     for (const auto& neighbor : neighbors)
       polygon = clip(polygon, site->point(), neighbor->point());

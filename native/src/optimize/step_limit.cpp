@@ -11,15 +11,17 @@ namespace {
 // From a cell's root mean square distance to its site to the spacing: that of a regular hexagon is
 // sqrt(5) / 6 spacings.
 constexpr double kSpread = 2.6832815729997477;
-constexpr double kThin = 2.0;  // a cell that is wider than so many spacings is also narrower
+constexpr double kLong = 2.0;   // spacings: a cell that is longer may be thin
+constexpr double kThin = 0.18;  // area against the square of the length; 0.87 for a hexagon
 
 /// The spacing; the length of the cell where the surface is thinner than that: there the sites are
-/// far more than a spacing apart.
+/// far more than a spacing apart. Cells that are large in all directions have too few sites around.
 double reach(const Objective& objective, const State& state, std::size_t k) {
   const Moments& cell = state.diagram().cells[k];
   const double spacing = local_spacing(objective, state, 0, k);
   const double length = cell.mass > 0.0 ? kSpread * std::sqrt(cell.second / cell.mass) : 0.0;
-  return length > kThin * spacing ? length : spacing;
+  const bool thin = length > kLong * spacing && cell.area < kThin * length * length;
+  return thin ? length : spacing;
 }
 
 }  // namespace
