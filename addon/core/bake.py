@@ -65,7 +65,7 @@ class Baker:
         self.begin, self.first_surface = start.binding, self.bound  # as the points are stored
         self.topologies = [self.bound.topology]
         self.last = start.binding
-        self._leaning = Leaning()
+        self.leaning = Leaning()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._tracker: Any = None
         self._ground: Any = None  # that the tracker stands on
@@ -96,13 +96,13 @@ class Baker:
         for, and with a rest shape of any moments.
         """
         before = replace(before, faces=self.bound.faces, loops=self.bound.loops)
-        last, leaning, self._leaning = self.last, self._leaning, Leaning()
+        last, leaning, self.leaning = self.last, self.leaning, Leaning()
         if after.rest is None:
             with named(after.name):
                 self.last = rebound(last, before, after)
             if self.at_seam:
                 leaning.cross(last, before, self.last, after)
-                self._leaning = leaning
+                self.leaning = leaning
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
@@ -204,7 +204,7 @@ class Baker:
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
-        lean = self._leaning.next(self.last, turned, vertices, normals)
+        lean = self.leaning.next(self.last, turned, vertices, normals)
         doubled = self._ground.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
@@ -245,5 +245,5 @@ class Baker:
         self.reports.append(solved.report)
         spacing = solved.report.spacing
         normals = shading(self._now, self.bound.faces)
-        self._leaning.add(solved.placed.lean, self._vertices, normals, spacing)
+        self.leaning.add(solved.placed.lean, self._vertices, normals, spacing)
         self.keyframes.add(solved.placed, self.bound, self._now, spacing)

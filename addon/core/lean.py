@@ -38,7 +38,7 @@ class Leaning:
     """The leans of a bake, from frame to frame."""
 
     def __init__(self) -> None:
-        self._lean: Floats | None = None  # of the last frame
+        self.lean: Floats | None = None  # of the last frame
         # Of the last frame, if the surface has come from it: vertices, normals, spacing.
         self._then: tuple[Floats, Normals, float] | None = None
 
@@ -49,7 +49,7 @@ class Leaning:
 
         Points that appear are the last ones of both bindings.
         """
-        lean, then = self._lean, None
+        lean, then = self.lean, None
         if lean is not None:
             lean = padded(lean, len(before.carry))
         if self._then is not None:
@@ -59,14 +59,14 @@ class Leaning:
 
     def add(self, lean: Floats | None, vertices: Floats, normals: Normals, spacing: float) -> None:
         """A frame is done."""
-        self._lean, self._then = lean, (vertices, normals, spacing)
+        self.lean, self._then = lean, (vertices, normals, spacing)
 
     def cross(
         self, before: Binding, first: SurfaceArrays, after: Binding, second: SurfaceArrays
     ) -> None:
         """Go on with another binding, to a surface of the same moment with other faces."""
-        axes = shown(before, self._lean, first.vertices, shading(first))
-        self._lean = lean_to(axes, after, second.vertices, shading(second))
+        axes = shown(before, self.lean, first.vertices, shading(first))
+        self.lean = lean_to(axes, after, second.vertices, shading(second))
         self._then = None
 
 

@@ -182,7 +182,7 @@ class PopulationBaker(Baker):
         after = bound_to(self.bound, faces, weights)
         vertices, normals = self._now.vertices, shading(self._now, self.bound.faces)
         turned = carried(self.last, after, vertices, normals)
-        return Placed(faces, turned, gone, self._leaning.next(self.last, turned, vertices, normals))
+        return Placed(faces, turned, gone, self.leaning.next(self.last, turned, vertices, normals))
 
     def _appear(self, samples: Any, new: Any) -> None:
         """Give new ids rows at their first places."""

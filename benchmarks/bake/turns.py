@@ -56,7 +56,7 @@ def turns_of(animation: Animation, sites: int) -> np.ndarray:
     for vertices in animation.frames:
         baker.enter(SurfaceArrays(animation.name, vertices, animation.faces, ""))
         baker.advance(dapple.Context())
-        after = Placed(np.zeros(0, np.int32), baker.last, lean=baker.lean)
+        after = Placed(np.zeros(0, np.int32), baker.last, lean=baker.leaning.lean)
         if before is not None:
             turns.append(_between(before, after, vertices, animation.faces))
         before = after
