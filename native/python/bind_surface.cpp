@@ -57,7 +57,7 @@ struct NormalsArgument {
     values = corner_rows("normals", normals, 3);
     given = true;
   }
-  [[nodiscard]] Surface shade(Surface surface) const {
+  [[nodiscard]] Surface shade(const Surface& surface) const {
     return given ? surface.with_normals(as_points(values)) : surface;
   }
 
