@@ -173,6 +173,8 @@ def table(report: dict[str, Any], farthest: float) -> str:
         heads = ["all", *(f"class {column['class']}" for column in report["classes"])]
         lines.append(" " * 16 + "".join(f"{head:>11}" for head in heads))
     for name, title, form, meaning in ROWS:
+        if name == "thin_share" and not any(column[name] for column in columns):
+            continue
         numbers = "".join(f"{column[name]:>11{form}}" for column in columns)
         lines.append(f"{title:<16}{numbers}   {meaning}".rstrip())
     meaning = "farthest point, in spacings"
