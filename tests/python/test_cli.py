@@ -68,7 +68,12 @@ def test_starts_as_a_script():
 
 def test_the_package_does_not_need_click():
     code = "import dapple3d, sys; sys.exit('click' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        check=False,
+        preexec_fn=hear_ctrl_c if os.name == "posix" else None,
+    )
+    assert found.returncode == 0
 
 
 def test_says_when_click_is_missing():
@@ -82,6 +87,11 @@ def test_says_when_click_is_missing():
     assert found.stderr == (
         "Error: the command line needs click, which is missing: pip install click\n"
     )
+
+
+def hear_ctrl_c():
+    """In a new process: one that a shell has begun in the background ignores it."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.mark.parametrize("imported", ["numpy", "click"])
@@ -98,6 +108,7 @@ def test_ctrl_c_while_modules_are_imported_prints_no_traceback(tmp_path, importe
         capture_output=True,
         text=True,
         env=os.environ | {"PYTHONPATH": str(package.parent)},
+        preexec_fn=hear_ctrl_c if os.name == "posix" else None,
     )
     assert (found.returncode, found.stdout) == (130, "")
     assert found.stderr == "Cancelled: nothing was written.\n"

@@ -37,7 +37,7 @@ def run(*command: object, **variables: str) -> None:
         list(map(str, command)),
         capture_output=True,
         text=True,
-        timeout=500,
+        timeout=1200,
         env=os.environ | {"PATH": path} | variables,
         check=False,
     )
