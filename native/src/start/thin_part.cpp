@@ -473,8 +473,9 @@ std::size_t lay_along_thin_parts(const Surface& surface, double spacing, std::si
     if (context) context->check();
     const auto places = Course(surface, faces[component]).places(members.size(), phase, random);
     if (!places) continue;
+    const auto& found = *places;
     for (std::size_t k = 0; k < members.size(); ++k)
-      *members[k] = dart_at(surface, (*places)[k].face, (*places)[k].weights);
+      *members[k] = dart_at(surface, found[k].face, found[k].weights);
     moved += members.size();
   }
   return moved;

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // faces a chunk
 constexpr double kRounding = 1e-9;    // of a cosine: an edge at just the angle is not sharper
-constexpr double kSame = 1e-4;        // between normals of one place, stored in single precision
+constexpr std::int32_t kNone = -1;
+constexpr double kSame = 1e-4;  // between normals of one place, stored in single precision
 
 std::int32_t corner_of(std::int32_t half_edge) { return half_edge % 3; }
 std::int32_t next_in_face(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -77,10 +78,10 @@ class Fans {
   /// The corners that share the normal of this one, by the half-edges that start there; sorted.
   void collect(std::int32_t corner, std::vector<std::int32_t>& fan) const {
     fan.assign(1, corner);
-    for (auto next = left_of(corner); next && *next != corner; next = left_of(*next))
-      fan.push_back(*next);
-    if (const auto last = left_of(fan.back()); !last)
-      for (auto next = right_of(corner); next; next = right_of(*next)) fan.push_back(*next);
+    std::int32_t next = left_of(corner);
+    for (; next != kNone && next != corner; next = left_of(next)) fan.push_back(next);
+    if (next == kNone)
+      for (next = right_of(corner); next != kNone; next = right_of(next)) fan.push_back(next);
     std::sort(fan.begin(), fan.end());
   }
 
@@ -88,15 +89,14 @@ class Fans {
   [[nodiscard]] bool is_hard(std::int32_t h) const {
     return (mesh_.shading().hard[as_index(face_of(h))] >> corner_of(h)) & 1U;
   }
-  /// The corner at the same vertex over the edge that ends there, or over the one that starts.
-  [[nodiscard]] std::optional<std::int32_t> left_of(std::int32_t corner) const {
+  /// The corner at the same vertex over the edge that ends there, or over the one that starts;
+  /// kNone over a hard edge.
+  [[nodiscard]] std::int32_t left_of(std::int32_t corner) const {
     const std::int32_t edge = previous_in_face(corner);
-    if (is_hard(edge)) return std::nullopt;
-    return mesh_.next_around(edge);
+    return is_hard(edge) ? kNone : mesh_.next_around(edge);
   }
-  [[nodiscard]] std::optional<std::int32_t> right_of(std::int32_t corner) const {
-    if (is_hard(corner)) return std::nullopt;
-    return next_in_face(mesh_.next_around(corner));
+  [[nodiscard]] std::int32_t right_of(std::int32_t corner) const {
+    return is_hard(corner) ? kNone : next_in_face(mesh_.next_around(corner));
   }
 
   const OrderedSurface& mesh_;
