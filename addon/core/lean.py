@@ -103,6 +103,8 @@ def shown(binding: Binding, lean: Floats | None, vertices: Floats, normals: Norm
 
 def steadied(then: Shown, axes: Floats, places: Floats) -> Floats:
     """The axes after a frame, of instances that turn much more than those around them by less."""
+    if not len(axes):
+        return axes
     turned = axes @ np.swapaxes(then.axes, 1, 2)
     cell, sums = _in_cells(turned, places, _AROUND * then.spacing)
     rows = np.flatnonzero(_angles(_rotation(sums)[cell], turned) > 0.5 * MOST_APART)
