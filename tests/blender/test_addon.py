@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The extension itself: enabling, layers, manifest, one name for each option."""
 
+import ast
 import importlib
 import os
 import re
@@ -121,7 +122,8 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
     heads = package.sample.__doc__.splitlines() + package.Tracker.__init__.__doc__.splitlines()
     found = re.findall(r"(\w+): [^=,)]+(?:= ([\w.-]+))?", heads[0])
     tracker = re.findall(r"(stickiness): float = ([\d.]+)", "".join(heads[1:]))
-    sample = dict([*found, *tracker])
+    surface = re.findall(r"(merge_doubled): bool = (\w+)", package.Surface.__init__.__doc__)
+    sample = dict([*found, *tracker, *surface])
     shown = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     assert settings.classes == ()  # a list, for sample_classes
     assert shown["classes"].type == "COLLECTION"
@@ -144,7 +146,7 @@ def test_options_have_the_names_and_defaults_of_the_native_package():
         assert field.name in sample
         assert shown[field.name].default == pytest.approx(value, rel=1e-6)
         if field.name != "count":
-            assert float(sample[field.name]) == value
+            assert ast.literal_eval(sample[field.name]) == value
 
 
 def test_the_panel_says_how_even_it_is_and_whether_it_is_fresh():
