@@ -6,9 +6,11 @@ surface's faces. So the faces are cut before samples are made, and samples are r
 that the file has. During a deformation the fine vertices follow the coarse ones.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .density import density_of, product
 from .fine import Term, at_corners, blocked, fine_terms, to_cut
@@ -146,20 +148,28 @@ class Ground:
     def _cut_for(self, terms: list[Term], count: int) -> None:
         """Halve the edges of the faces on which terms change, until they are short."""
         self._extend(package().refine_edges(self.surface, np.inf))
+
+        def long(lengths: Floats) -> NDArray[np.bool_]:
+            target = _FINE * _spacing(self.surface, self._product(terms), count)
+            return to_cut(terms, self.surface, lengths, target)
+
+        self._halve(long)
+        self._take_away(terms)
+
+    def _halve(self, long: Callable[[Floats], NDArray[np.bool_]]) -> None:
+        """Halve the edges of faces, until by their longest edges (m,) none is too long any more."""
         for _ in range(_ROUNDS):
             lengths = _longest_edges(self.surface)
-            target = _FINE * _spacing(self.surface, self._product(terms), count)
-            long = to_cut(terms, self.surface, lengths, target)
-            if not long.any():
+            chosen = long(lengths)
+            if not chosen.any():
                 break
-            limits = np.where(long, 0.51 * lengths, np.inf)
+            limits = np.where(chosen, 0.51 * lengths, np.inf)
             cut = package().refine_edges(
                 self.surface, limits, max_faces=_MOST_FACES, context=self._context
             )
             self._extend(cut)
             if not cut.resolved:
                 break
-        self._take_away(terms)
 
     def _take_away(self, terms: list[Term]) -> None:
         density, around = self._product(terms), self._arrays.around
@@ -203,18 +213,7 @@ class Ground:
     def _cut_at_borders(self, tiles: tuple[Tile, ...], uv: Floats, count: int) -> None:
         """Halve the edges of the faces that reach over a tile's border, until they are short."""
         target = _AT_BORDER * _spacing(self.surface, self.at_corners(), count)
-        for _ in range(_ROUNDS):
-            lengths = _longest_edges(self.surface)
-            long = crossing(self._cut_uv(uv), tiles) & (lengths > target)
-            if not long.any():
-                break
-            limits = np.where(long, 0.51 * lengths, np.inf)
-            cut = package().refine_edges(
-                self.surface, limits, max_faces=_MOST_FACES, context=self._context
-            )
-            self._extend(cut)
-            if not cut.resolved:
-                break
+        self._halve(lambda lengths: crossing(self._cut_uv(uv), tiles) & (lengths > target))
 
     def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
         uv = self._cut_uv(uv)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ScatterError
+from .records import mixed
 from .sources import digest_of
 from .surface import Floats, Ints, SurfaceArrays, Surroundings, topology_digest
 
@@ -157,7 +158,7 @@ def _on_each_other(
     none = np.empty(0, dtype=np.int64)
     if len(large) < 2:
         return none, none
-    sums = np.add.reduceat(_mixed(places), starts)[large]
+    sums = np.add.reduceat(_numbers_of(places), starts)[large]
     ordered = np.sort(sums)
     if not (ordered[1:] == ordered[:-1]).any():
         return none, none
@@ -167,18 +168,14 @@ def _on_each_other(
     return firsts[pairs], large[pairs]
 
 
-def _mixed(positions: Singles) -> NDArray[np.uint64]:
-    """A number (v,) for each place, whose sum over a polygon is that of no other one.
-
-    By SplitMix64: opposite sides of a cube differ in signs alone.
+def _numbers_of(positions: Singles) -> NDArray[np.uint64]:
+    """A number (v,) for each place, whose sum over a polygon is that of no other one: opposite
+    sides of a cube differ in signs alone.
     """
     bits = np.ascontiguousarray(positions + np.float32(0.0)).view(np.uint32).astype(np.uint64)
     found = np.zeros(len(bits), dtype=np.uint64)
     for axis in range(3):
-        found += bits[:, axis] + np.uint64(0x9E3779B97F4A7C15)
-        found = (found ^ (found >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        found = (found ^ (found >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        found ^= found >> np.uint64(31)
+        found = mixed(found + bits[:, axis] + np.uint64(0x9E3779B97F4A7C15))
     return found
 
 

@@ -214,7 +214,11 @@ def own_random(seed: int, ids: Ints, stream: int) -> Floats:
     mask = (1 << 64) - 1
     start = (seed * 0x9E3779B97F4A7C15 + stream * 0xD1B54A32D192ED03) & mask
     state = ids.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(start)
+    return (mixed(state) >> np.uint64(11)).astype(np.float64) * 2.0**-53
+
+
+def mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Numbers (n,) of which each bit depends on all of the state's (SplitMix64)."""
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    state ^= state >> np.uint64(31)
-    return (state >> np.uint64(11)).astype(np.float64) * 2.0**-53
+    return state ^ (state >> np.uint64(31))

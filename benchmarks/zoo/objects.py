@@ -87,10 +87,7 @@ def _wires(paths: list[list[tuple[float, float, float]]], radius: float) -> None
         spline.points.add(len(path) - 1)
         for point, place in zip(spline.points, path, strict=True):
             point.co = (*place, 1.0)
-    obj = bpy.data.objects.new("Wires", curve)
-    bpy.context.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
+    _link(bpy.data.objects.new("Wires", curve))
 
 
 def _fence() -> None:

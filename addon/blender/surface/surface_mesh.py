@@ -58,8 +58,9 @@ def read_surface(
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = matrix_of(obj.evaluated_get(depsgraph))
-        vertices = read_points(mesh) @ matrix[:3, :3].T + matrix[:3, 3]
-        loops = _triangles(mesh) if cut else np.empty((0, 3), dtype=np.int32)
+        points, corners = read_points(mesh), corner_vertices(mesh)
+        vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
+        loops = _triangles(mesh, points, corners) if cut else np.empty((0, 3), dtype=np.int32)
         if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
             loops = np.ascontiguousarray(loops[:, ::-1])
         raw = _stored_values(obj, mesh, names, materials)
@@ -69,7 +70,7 @@ def read_surface(
         return SurfaceArrays(
             obj.name,
             np.ascontiguousarray(vertices),
-            corner_vertices(mesh)[loops],
+            corners[loops],
             _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
             matrix,
             weights,
@@ -80,13 +81,12 @@ def read_surface(
         )
 
 
-def _triangles(mesh: bpy.types.Mesh) -> Ints:
+def _triangles(mesh: bpy.types.Mesh, points: Floats, corners: Ints) -> Ints:
     """Corners (m, 3) of the triangles, faces on each other cut alike."""
     cut = triangle_corners(mesh)
     if len(cut) == len(mesh.polygons):
         return cut
-    positions = read_points(mesh).astype(np.float32)
-    return cut_alike(positions, corner_vertices(mesh), polygon_starts(mesh), cut)
+    return cut_alike(points.astype(np.float32), corners, polygon_starts(mesh), cut)
 
 
 def _world_normals(mesh: bpy.types.Mesh, matrix: Floats) -> Floats | None:

@@ -158,7 +158,7 @@ def _sharp_option(command: Decorated) -> Decorated:
     return click.option(
         "--sharp-angle",
         type=click.FloatRange(0, 180),
-        default=30.0,
+        default=SurfaceOptions.sharp_angle,
         show_default=True,
         metavar="DEGREES",
         help="Normals jump over edges whose faces turn by more; where MESH has normals of its "
