@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "plane/polygon_mesh.hpp"
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2_algorithms.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-
-#include <optional>
 
 #include "base/validate.hpp"
+#include "surface/constrained_triangulation.hpp"
 
 namespace dapple {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_2;
-using Structure = CGAL::Triangulation_data_structure_2<
-    CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>,
-    CGAL::Constrained_triangulation_face_base_2<
-        Kernel, CGAL::Triangulation_face_base_with_info_2<std::optional<bool>, Kernel>>>;
-using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
-                                               CGAL::No_constraint_intersection_tag>;
+using Point = PlaneKernel::Point_2;
+using Triangulation = ConstrainedTriangulation;
 
 struct NamedRing {
   std::string name;
@@ -73,7 +61,8 @@ class RingMesh {
 
   /// The triangles that an odd number of rings surrounds.
   Surface surface() {
-    mark_from(mesh_.infinite_face());
+    mark_inside(mesh_,
+                [](Triangulation::Face_handle face, int k) { return face->is_constrained(k); });
     std::vector<Face> faces;
     for (const auto face : mesh_.finite_face_handles()) {
       if (!face->info().value_or(false)) continue;
@@ -93,28 +82,13 @@ class RingMesh {
     return mesh_.is_edge(a, b);  // not if another point lies on it
   }
 
-  void mark_from(Triangulation::Face_handle outside) {
-    outside->info() = false;
-    std::vector<Triangulation::Face_handle> pending = {outside};
-    while (!pending.empty()) {
-      const auto face = pending.back();
-      pending.pop_back();
-      for (int k = 0; k < 3; ++k) {
-        const auto next = face->neighbor(k);
-        if (next->info().has_value()) continue;
-        next->info() = face->info().value_or(false) != face->is_constrained(k);
-        pending.push_back(next);
-      }
-    }
-  }
-
   Triangulation mesh_;
   std::vector<Vec3> vertices_;
   std::vector<std::vector<Triangulation::Vertex_handle>> rings_;
 };
 
 bool inside(const NamedRing& ring, const Point& point) {
-  return CGAL::bounded_side_2(ring.points.begin(), ring.points.end(), point, Kernel()) ==
+  return CGAL::bounded_side_2(ring.points.begin(), ring.points.end(), point, PlaneKernel()) ==
          CGAL::ON_BOUNDED_SIDE;
 }
 

@@ -1,29 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/cut_polygon.hpp"
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 
+#include "surface/constrained_triangulation.hpp"
+
 namespace dapple {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_2;
-using Structure = CGAL::Triangulation_data_structure_2<
-    CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>,
-    CGAL::Constrained_triangulation_face_base_2<
-        Kernel, CGAL::Triangulation_face_base_with_info_2<std::optional<bool>, Kernel>>>;
-using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
-                                               CGAL::No_constraint_intersection_tag>;
+using Point = PlaneKernel::Point_2;
+using Triangulation = ConstrainedTriangulation;
 using Vertex = Triangulation::Vertex_handle;
 
 using Cut = std::array<std::int32_t, 3>;
@@ -134,7 +124,7 @@ class FlatPolygon {
     if (mesh_.dimension() < 2) return std::nullopt;
     for (std::size_t k = 0; k < n; ++k)
       if (!count_edges(at_[k], at_[(k + 1) % n])) return std::nullopt;
-    mark();
+    mark_inside(mesh_, [this](Triangulation::Face_handle face, int k) { return crosses(face, k); });
     Cuts cuts = inner();
     return cuts.empty() ? std::nullopt : std::optional(std::move(cuts));  // rounds that cancel
   }
@@ -178,22 +168,7 @@ class FlatPolygon {
     return {};
   }
 
-  /// What is inside of an odd number of rounds is inside.
-  void mark() {
-    mesh_.infinite_face()->info() = false;
-    std::vector<Triangulation::Face_handle> pending = {mesh_.infinite_face()};
-    while (!pending.empty()) {
-      const auto face = pending.back();
-      pending.pop_back();
-      for (int k = 0; k < 3; ++k) {
-        const auto next = face->neighbor(k);
-        if (next->info().has_value()) continue;
-        next->info() = face->info().value_or(false) != crosses(face, k);
-        pending.push_back(next);
-      }
-    }
-  }
-
+  /// Whether an odd number of rounds passes an edge.
   bool crosses(Triangulation::Face_handle face, int k) const {
     if (!face->is_constrained(k)) return false;
     const auto found = odd_.find(between(face->vertex(face->cw(k)), face->vertex(face->ccw(k))));

@@ -6,6 +6,7 @@
 #include <dapple/limits.hpp>
 #include <numeric>
 
+#include "base/random.hpp"
 #include "surface/cut_polygon.hpp"
 #include "surface/mesh_text.hpp"
 
@@ -35,15 +36,12 @@ void add_corners(const Rows<T>& rows, std::size_t polygon, const Face& face,
   }
 }
 
-/// A number for a place, whose sum over a polygon is that of no other one (by SplitMix64: opposite
-/// sides of a cube differ in signs alone).
+/// A number for a place, whose sum over a polygon is that of no other one: opposite sides of a cube
+/// differ in signs alone.
 std::uint64_t mixed(const Vec3& place) {
   std::uint64_t result = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    result += std::bit_cast<std::uint64_t>(place[axis] + 0.0) + 0x9e3779b97f4a7c15U;  // -0 is 0
-    result = (result ^ (result >> 30U)) * 0xbf58476d1ce4e5b9U;
-    result = (result ^ (result >> 27U)) * 0x94d049bb133111ebU;
-    result ^= result >> 31U;
+    result = Random(result + std::bit_cast<std::uint64_t>(place[axis] + 0.0)).bits();  // -0 is 0
   }
   return result;
 }
