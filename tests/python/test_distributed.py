@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import shapes
 from dapple3d.distributed import map_shots, sample_tiles, track_shot
+from dapple3d.distributed.shots import work_digest
 from test_tiles import TILE, contents, hills
 
 distributed = pytest.importorskip("distributed")
@@ -105,14 +106,67 @@ def test_shots_are_each_a_file(client, shots, tmp_path):
                 assert np.array_equal(found[name], values)
 
 
+def times(files):
+    return [file.stat().st_mtime_ns for file in files]
+
+
 def test_a_shot_that_is_there_is_left_as_it_is(client, shots, tmp_path):
     work = partial(track_shot, count=300)
     files = map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
-    files[0].write_bytes(b"kept")
+    written = times(files)
     files[1].unlink()
-    map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
-    assert files[0].read_bytes() == b"kept"
+    map_shots(partial(track_shot, count=300), shots[:2], tmp_path / "out", scheduler=client)
+    assert times(files)[0] == written[0]
     assert np.load(files[1])["positions"].shape == (3, 300, 3)
+
+
+def test_a_shot_that_has_changed_is_done_again(client, shots, tmp_path):
+    work = partial(track_shot, count=300)
+    files = map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
+    written = times(files)
+    shots[0].write_bytes(shots[3].read_bytes())
+    map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
+    assert times(files)[0] != written[0]
+    assert times(files)[1] == written[1]
+    last = track_shot(shots[3], 300)
+    assert np.array_equal(np.load(files[0])["positions"], last["positions"])
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", None], ids=["empty", "text", "cut off"])
+def test_a_result_that_is_damaged_is_made_again(client, shots, tmp_path, content):
+    work = partial(track_shot, count=300)
+    (file,) = map_shots(work, shots[:1], tmp_path / "out", scheduler=client)
+    before = file.read_bytes()
+    file.write_bytes(before[:-500] if content is None else content)
+    map_shots(work, shots[:1], tmp_path / "out", scheduler=client)
+    assert file.read_bytes() == before
+
+
+def test_results_of_other_shots_and_other_work_are_made_again(client, shots, tmp_path):
+    work = partial(track_shot, count=300)
+    files = map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
+    before = [file.read_bytes() for file in files]
+    files[0].write_bytes(before[1])
+    map_shots(work, shots[:2], tmp_path / "out", scheduler=client)
+    assert [file.read_bytes() for file in files] == before
+    map_shots(partial(track_shot, count=200), shots[:2], tmp_path / "out", scheduler=client)
+    assert np.load(files[0])["positions"].shape == (3, 200, 3)
+
+
+def test_an_npz_that_is_no_result_is_not_replaced(client, shots, tmp_path):
+    np.savez(tmp_path / "shot_1.npz.npz", kept=np.ones(3))
+    (tmp_path / "out").mkdir()
+    kept = (tmp_path / "shot_1.npz.npz").rename(tmp_path / "out" / "shot_1.npz")
+    with pytest.raises(ValueError, match=r"out/shot_1\.npz: is no result of map_shots\(\)"):
+        map_shots(partial(track_shot, count=300), shots, tmp_path / "out", scheduler=client)
+    assert np.load(kept)["kept"].tolist() == [1, 1, 1]
+
+
+def test_digests_of_work_tell_arguments_and_functions_apart():
+    assert work_digest(partial(track_shot, count=3)) == work_digest(partial(track_shot, count=3))
+    works = [track_shot, memory_setting, partial(track_shot, count=3), partial(track_shot, 3)]
+    works += [partial(track_shot, count=4), partial(track_shot, seed=3), lambda _: {}]
+    assert len({work_digest(work) for work in works}) == len(works)
 
 
 def test_a_worker_that_is_killed_costs_no_shot(client, shots, tmp_path):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every writer on a disk that is full at any byte: the error names the file, the old one stays."""
 
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -9,11 +10,12 @@ from pathlib import Path
 import dapple3d as dapple
 import numpy as np
 import pytest
+import shapes
 from dapple3d import gltf, instances, stippling, tables, usd
 from dapple3d.cli import motions, points, polygons
 from dapple3d.cli.commands import analyze
 from dapple3d.cli.report import Reporter
-from dapple3d.distributed import Tiles, sample_tiles
+from dapple3d.distributed import Tiles, open_surface, sample_tiles
 from dapple3d.distributed.shots import motion_arrays
 from dapple3d.writing import replacing, write_npz
 from test_tiles import TILE, contents, hills
@@ -152,3 +154,19 @@ def test_tiles_go_on_where_the_disk_was_full(tmp_path):
         assert not list((tmp_path / "stopped").rglob("*.part"))
     make("stopped")
     assert contents(tmp_path / "stopped") == contents(tmp_path / "whole")
+
+
+def test_a_mesh_is_sorted_where_the_disk_was_full(tmp_path):
+    vertices, faces = shapes.torus(60, 30)
+    np.savez(tmp_path / "torus.npz", vertices=vertices, faces=faces)
+    folder = tmp_path / "sorted"
+    open_surface(tmp_path / "torus.npz", folder)
+    whole = {path.name: path.read_bytes() for path in folder.iterdir()}
+    shutil.rmtree(folder)
+    largest = max(map(len, whole.values()))
+    for size in sizes(largest, 40):
+        with pytest.raises(OSError, match="File too large"), full_after(size):
+            open_surface(tmp_path / "torus.npz", folder)
+        assert [path.name for path in tmp_path.iterdir()] == ["torus.npz"]
+    open_surface(tmp_path / "torus.npz", folder)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == whole

@@ -11,7 +11,7 @@ from uuid import uuid4
 
 import numpy as np
 
-__all__ = ["replacing", "write_npz"]
+__all__ = ["naming", "replacing", "write_npz"]
 
 
 @contextmanager
@@ -27,13 +27,13 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
     Raises:
         OSError: naming the path.
     """
-    with _naming(path):
+    with naming(path):
         target = Path(os.path.realpath(path))
         if target.exists() and not target.is_file():
             with target.open("wb") as file:
                 yield file
             return
-        part = target.with_name(f".{target.name}.{uuid4().hex}.part")
+        part = target.with_name(f".{uuid4().hex}.part")  # however long the target's name is
         try:
             with part.open("xb") as file:
                 yield file
@@ -43,7 +43,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 
 @contextmanager
-def _naming(path: Path) -> Iterator[None]:
+def naming(path: Path) -> Iterator[None]:
     """Have what the system says about a write or a part name the path itself."""
     try:
         yield
@@ -53,9 +53,16 @@ def _naming(path: Path) -> Iterator[None]:
         raise OSError(error.errno, os.strerror(error.errno), str(path)) from error
 
 
-def write_npz(file: IO[bytes], arrays: Mapping[str, Any]) -> None:
-    """Write the bytes of numpy.savez, which leaves its archive open when a write fails."""
+def write_npz(file: IO[bytes], arrays: Mapping[str, Any], comment: str = "") -> None:
+    """Write the bytes of numpy.savez, which leaves its archive open when a write fails.
+
+    Args:
+        file: where to.
+        arrays: by their names.
+        comment: of the archive; numpy.load() does not see it.
+    """
     with zipfile.ZipFile(file, "w") as archive:
+        archive.comment = comment.encode("ascii")
         for name, values in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                 np.save(entry, np.asanyarray(values), allow_pickle=False)

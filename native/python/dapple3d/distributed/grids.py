@@ -15,6 +15,7 @@ import numpy as np
 from .heights import HeightField
 from .patches import Floats, check_real
 
+State = tuple[int, int, int]
 GRIDS = (".npy", ".zarr", ".tif", ".tiff", ".vrt")
 
 
@@ -40,7 +41,7 @@ class StoredGrid:
 
     def _open(self) -> Any:
         path = Path(self.path)
-        return _openers()[path.suffix.lower()](path, self.name, path.stat().st_mtime_ns)
+        return _openers()[path.suffix.lower()](path, self.name, state_of(path))
 
 
 class _Raster:
@@ -57,6 +58,12 @@ class _Raster:
         found = self.file.read(1, window=window, masked=True)
         filled: Floats = np.ma.filled(found.astype(np.float64), np.nan)
         return filled
+
+
+def state_of(path: Path) -> State:
+    """What changes when a file is written or exchanged."""
+    found = path.stat()
+    return found.st_ino, found.st_size, found.st_mtime_ns
 
 
 def open_grid(path: Path, name: str = "") -> StoredGrid:
@@ -113,12 +120,12 @@ def _place_of(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 @lru_cache(maxsize=8)
-def _open_npy(path: Path, _: str, _written: int) -> Any:
+def _open_npy(path: Path, _: str, _state: State) -> Any:
     return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
 @lru_cache(maxsize=8)
-def _open_zarr(path: Path, name: str, _written: int) -> Any:
+def _open_zarr(path: Path, name: str, _state: State) -> Any:
     if not name:
         return _zarr().open_array(path, mode="r")
     group = _zarr().open_group(path, mode="r")
@@ -128,11 +135,11 @@ def _open_zarr(path: Path, name: str, _written: int) -> Any:
 
 
 @lru_cache(maxsize=8)
-def _open_raster(path: Path, _: str, _written: int) -> _Raster:
+def _open_raster(path: Path, _: str, _state: State) -> _Raster:
     return _Raster(path)
 
 
-def _openers() -> dict[str, Callable[[Path, str, int], Any]]:
+def _openers() -> dict[str, Callable[[Path, str, State], Any]]:
     rasters = dict.fromkeys((".tif", ".tiff", ".vrt"), _open_raster)
     return {".npy": _open_npy, ".zarr": _open_zarr, **rasters}
 

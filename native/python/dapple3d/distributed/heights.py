@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .digests import of_grid
 from .patches import Floats, Patch, check_density, check_real
 
 
@@ -113,7 +114,8 @@ class HeightField:
         return density.ravel()
 
     def describe(self) -> dict[str, Any]:
-        """What tells it from another terrain."""
+        """What tells it from another terrain; all numbers are read for their digests."""
+        grids = {"heights": self.heights, "density": self.density}
         return {
             "kind": "heights",
             "name": self.name,
@@ -121,6 +123,7 @@ class HeightField:
             "step": [float(s) for s in self.step],
             "origin": [float(o) for o in self.origin],
             "density": self.density is not None,
+            "content": {name: of_grid(grid) for name, grid in grids.items() if grid is not None},
         }
 
 

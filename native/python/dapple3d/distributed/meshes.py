@@ -3,21 +3,27 @@
 
 import json
 import math
+import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._native import FileError
 from ..reading import BROKEN
+from ..writing import naming, replacing
+from .digests import of_document, of_file, of_text
+from .grids import State, state_of
 from .patches import Floats, Patch, Place, check_density
 from .streams import Column, Stream, open_stream
 
+ABOUT = "mesh.json"
 BUCKET = 20_000  # faces: what is read at once
 Span = tuple[float, float]
 
@@ -33,8 +39,9 @@ class SortedMesh:
 
     @cached_property
     def about(self) -> dict[str, Any]:
-        """Name, numbers of vertices and faces, axes, bounds, the grid, where the density is."""
-        found: dict[str, Any] = json.loads((Path(self.folder) / "mesh.json").read_text("utf-8"))
+        """Name, numbers of vertices and faces, axes, bounds, the grid, where the density is, and
+        digests: of the arrays, and of the file that they are from."""
+        found: dict[str, Any] = json.loads((Path(self.folder) / ABOUT).read_text("utf-8"))
         return found
 
     @property
@@ -83,16 +90,16 @@ class SortedMesh:
 
     def _array(self, name: str) -> NDArray:
         path = Path(self.folder) / f"{name}.npy"
-        return _mapped(path, path.stat().st_mtime_ns)
+        return _mapped(path, state_of(path))
 
     def describe(self) -> dict[str, Any]:
         """What tells it from another mesh."""
-        names = ("name", "vertices", "faces", "density")
+        names = ("name", "vertices", "faces", "density", "content")
         return {"kind": "mesh", **{name: self.about[name] for name in names}}
 
 
 @lru_cache(maxsize=64)
-def _mapped(path: Path, _written: int) -> NDArray:
+def _mapped(path: Path, _state: State) -> NDArray:
     found: NDArray = np.load(path, mmap_mode="r", allow_pickle=False)
     return found
 
@@ -107,26 +114,57 @@ def _bucket(values: Floats, span: Span, count: int) -> NDArray[np.int64]:
 
 
 def sorted_mesh(path: Path, folder: Path) -> SortedMesh:
-    """The mesh of a file, sorted in a folder unless it is there.
+    """The mesh of a file, sorted in a folder unless it is there, from the same file and whole.
 
     Raises:
         ValueError: naming the file and what is wrong with it.
+        OSError: naming what is missing or could not be written.
     """
-    if not folder.exists():
-        part = folder.with_name(f".{folder.name}.part")
-        shutil.rmtree(part, ignore_errors=True)
+    source = _source_digest(path)
+    if not _is_sorted(folder, source):
+        part = folder.with_name(f".{uuid4().hex}.part")
         part.mkdir(parents=True)
         try:
-            _sort(path.name, open_stream(path), part)
+            _sort(path.name, source, open_stream(path), part)
+            _exchange(part, folder)
         except FileError as error:  # which names the file
             raise ValueError(str(error)) from error
         except BROKEN as error:
             raise ValueError(f"{path}: {error}") from error
-        part.rename(folder)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
     return SortedMesh(str(folder.absolute()))
 
 
-def _sort(name: str, mesh: Stream, folder: Path) -> None:
+def _source_digest(path: Path) -> str:
+    """Of a file; empty for glTF in text, whose numbers may be in files beside it."""
+    return "" if path.suffix.lower() == ".gltf" else of_file(path)
+
+
+def _is_sorted(folder: Path, source: str) -> bool:
+    """Whether a folder has all that was sorted into it, from a file of this digest."""
+    mesh = SortedMesh(str(folder))
+    try:
+        about = mesh.about
+        if of_document(about) != about["digest"] or not source or about["source"] != source:
+            return False
+        return all(
+            of_file(folder / f"{name}.npy") == digest for name, digest in about["files"].items()
+        )
+    except (OSError, *BROKEN):
+        return False
+
+
+def _exchange(part: Path, folder: Path) -> None:
+    """Give a folder the place of another one, if there is one."""
+    if folder.exists():
+        old = folder.with_name(f".{uuid4().hex}.part")
+        folder.rename(old)
+        shutil.rmtree(old, ignore_errors=True)
+    part.rename(folder)
+
+
+def _sort(name: str, source: str, mesh: Stream, folder: Path) -> None:
     vertices = _stored(mesh.vertices, folder / "vertices.npy", np.float64, 3)
     lower, upper = _bounds(vertices)
     first, second = np.sort(np.argsort(upper - lower, kind="stable")[1:])[::-1].tolist()
@@ -141,20 +179,45 @@ def _sort(name: str, mesh: Stream, folder: Path) -> None:
                       folder / "buckets.npy", np.int32, 0)  # fmt: skip
     _place(mesh.faces, buckets, shape[0] * shape[1], folder)
     (folder / "buckets.npy").unlink()
+    files = {file.stem: of_file(file) for file in sorted(folder.glob("*.npy"))}
+    content = {"vertices": files["vertices"], "faces": of_text(files["faces"], files["ids"])}
+    content |= {"density": files["density"]} if at else {}
     about = {"name": name, "vertices": mesh.vertices.rows, "faces": mesh.faces.rows,
-             "axes": axes, "bounds": bounds, "shape": shape, "density": at}  # fmt: skip
-    (folder / "mesh.json").write_text(json.dumps(about), "utf-8")
+             "axes": list(axes), "bounds": bounds, "shape": list(shape), "density": at,
+             "source": source, "files": files, "content": content}  # fmt: skip
+    about["digest"] = of_document(about)
+    with replacing(folder / ABOUT) as file:
+        file.write(json.dumps(about).encode())
 
 
 def _stored(column: Column, path: Path, kind: type, width: int) -> NDArray:
     """All rows of a column in a file, mapped."""
-    shape = (column.rows, width) if width else (column.rows,)
-    stored = np.lib.format.open_memmap(path, "w+", kind, shape)
+    stored = _new_array(path, kind, (column.rows, width) if width else (column.rows,))
     start = 0
     for chunk in column.chunks():
         stored[start : start + len(chunk)] = chunk
         start += len(chunk)
+    stored.flush()
     return stored
+
+
+def _new_array(path: Path, kind: type, shape: tuple[int, ...]) -> np.memmap:
+    """A new array in a file, mapped.
+
+    Raises:
+        OSError: naming the file, if there is no room on the disk, which writing into a map that
+            has none would end the process for.
+    """
+    header = np.lib.format.header_data_from_array_1_0(np.empty(0, kind)) | {"shape": shape}
+    with naming(path), path.open("xb") as file:
+        np.lib.format.write_array_header_1_0(file, header)
+        start, size = file.tell(), int(np.prod(shape)) * np.dtype(kind).itemsize
+        file.flush()
+        if hasattr(os, "posix_fallocate") and size:
+            os.posix_fallocate(file.fileno(), start, size)
+        else:
+            file.truncate(start + size)
+    return np.memmap(path, kind, "r+", start, shape)
 
 
 def _bounds(vertices: NDArray) -> tuple[Floats, Floats]:
@@ -216,9 +279,10 @@ def _check_corners(corners: NDArray, vertices: int, first: int) -> None:
 def _place(faces: Column, buckets: NDArray, count: int, folder: Path) -> None:
     """Write the faces bucket by bucket, in a bucket in their own order."""
     starts = np.concatenate([[0], np.bincount(buckets, minlength=count).cumsum()])
-    np.save(folder / "starts.npy", starts, allow_pickle=False)
-    ids = np.lib.format.open_memmap(folder / "ids.npy", "w+", np.int64, (faces.rows,))
-    sorted_faces = np.lib.format.open_memmap(folder / "faces.npy", "w+", np.int32, (faces.rows, 3))
+    with naming(folder / "starts.npy"):
+        np.save(folder / "starts.npy", starts, allow_pickle=False)
+    ids = _new_array(folder / "ids.npy", np.int64, (faces.rows,))
+    sorted_faces = _new_array(folder / "faces.npy", np.int32, (faces.rows, 3))
     filled = starts[:-1].copy()
     done = 0
     for corners in faces.chunks():
@@ -231,3 +295,5 @@ def _place(faces: Column, buckets: NDArray, count: int, folder: Path) -> None:
         sorted_faces[places] = corners[order]
         filled += counts
         done += len(corners)
+    ids.flush()
+    sorted_faces.flush()

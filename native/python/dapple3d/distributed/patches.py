@@ -9,6 +9,8 @@ from typing import Any, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from .digests import of_arrays
+
 Place = Literal["vertices", "faces"]
 Floats = NDArray[np.float64]
 BINS = np.exp2(np.arange(-512, 513) / 4.0)  # of densities, four to a power of two
@@ -39,6 +41,14 @@ class Patch:
             density = density[used if self.density_at == "vertices" else chosen]
         shaped = faces.reshape(-1, 3).astype(np.int32)
         return Patch(self.vertices[used], shaped, self.ids[chosen], density, self.density_at)
+
+    def digest(self) -> str:
+        """What tells it from another one."""
+        arrays: dict[str, NDArray] = {"faces": self.faces, "ids": self.ids}
+        arrays["vertices"] = self.vertices
+        if self.density is not None:
+            arrays["density"] = self.density
+        return of_arrays(arrays, self.density_at)
 
     def find(self, ids: NDArray[np.int64]) -> NDArray[np.int32]:
         """Which faces of the patch those of the whole surface are; -1 for others."""
@@ -89,12 +99,14 @@ class Census:
     """What the plan needs to know of a tile.
 
     mass: the integral of the density. histogram: of the mass, by densities; entry k is of those
-    from BINS[k - 1]. extent: the largest face's, along the axes of the tiles.
+    from BINS[k - 1]. extent: the largest face's, along the axes of the tiles. digest: of the part
+    of the surface.
     """
 
     mass: float
     histogram: list[float]
     extent: float
+    digest: str
 
 
 @runtime_checkable
@@ -120,7 +132,11 @@ class Tileable(Protocol):
         """At least the faces whose middle is within the borders; others need not be left out."""
 
     def describe(self) -> dict[str, Any]:
-        """What tells it from another surface, for JSON."""
+        """What tells it from another surface, for JSON; its 'name' does not.
+
+        Where 'content' holds digests, nothing else is looked at to see whether a run goes on with
+        the surface that it was begun with; without it each part of the surface is read.
+        """
 
 
 def check_real(name: str, kind: DTypeLike) -> None:
@@ -171,4 +187,4 @@ def census(patch: Patch, axes: tuple[int, int]) -> Census:
     histogram = [math.fsum(sorted_masses[a:b]) for a, b in pairwise(ends)]
     corners = patch.corners()[counted][:, :, list(axes)]
     extent = float(np.ptp(corners, axis=1).max(initial=0.0))
-    return Census(math.fsum(histogram), histogram, extent)
+    return Census(math.fsum(histogram), histogram, extent, patch.digest())

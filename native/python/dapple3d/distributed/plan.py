@@ -8,20 +8,23 @@ it goes on tomorrow.
 import json
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
+from functools import cached_property
+from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..reading import BROKEN
 from ..writing import replacing
+from .digests import of_document
 from .layout import KINDS, Job, Layout, unit_within
 from .patches import BINS, Census, Floats
 
-FORMAT = 1
+FORMAT = 2
 SPARSE = 0.02  # the share of the points that may lie where the unit of zones is less than a spacing
 WIDEST_FACE = 0.25  # units that the largest face needs to be
 
@@ -30,7 +33,7 @@ WIDEST_FACE = 0.25  # units that the largest face needs to be
 class Plan:
     """The tiles of a surface and the points that each begins with.
 
-    counts: (rows, columns) int64. settings: what else decides the points, for JSON.
+    counts: (rows, columns) int64. patches: of each tile the digest of its part of the surface.
     """
 
     layout: Layout
@@ -39,6 +42,7 @@ class Plan:
     options: dict[str, Any]
     surface: dict[str, Any]
     tile: int
+    patches: list[str]
 
     @property
     def total(self) -> int:
@@ -56,6 +60,10 @@ class Plan:
         numbers = [self.seed, KINDS.index(job.kind), job.row, job.column]
         return int(np.random.SeedSequence(numbers).generate_state(1)[0])
 
+    def patch_of(self, job: Job) -> str:
+        """The digest of a tile's part of the surface."""
+        return self.patches[job.row * self.layout.shape[1] + job.column]
+
     def settings(self) -> dict[str, Any]:
         """What a run that goes on needs to have in common with the one that began."""
         return {
@@ -67,16 +75,26 @@ class Plan:
             "surface": self.surface,
         }
 
-    def write(self, path: Path) -> None:
-        """Store the plan, whole or not at all."""
+    def document(self) -> dict[str, Any]:
+        """All of it, for JSON."""
         layout = self.layout
-        document = self.settings() | {
+        return self.settings() | {
             "rows": layout.rows.tolist(),
             "columns": layout.columns.tolist(),
             "axes": list(layout.axes),
             "unit": layout.unit,
             "counts": self.counts.tolist(),
+            "patches": self.patches,
         }
+
+    @cached_property
+    def digest(self) -> str:
+        """What tells it from another one, but for the surface's name."""
+        return _digest(self.document())
+
+    def write(self, path: Path) -> None:
+        """Store the plan, whole or not at all."""
+        document = self.document() | {"digest": self.digest}
         with replacing(path) as file:
             file.write((json.dumps(document, indent=1) + "\n").encode())
 
@@ -85,18 +103,111 @@ def read_plan(path: Path) -> Plan:
     """The plan in a folder of tiles.
 
     Raises:
-        ValueError: it is of another version.
+        ValueError: it is damaged, changed or of another version: naming the first entry.
         OSError: there is none.
     """
-    document = json.loads(path.read_text(encoding="utf-8"))
-    if document.get("format") != FORMAT:
-        raise ValueError(f"{path}: is of another version of dapple3d")
-    rows, columns = np.array(document["rows"]), np.array(document["columns"])
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        _check(document)
+    except BROKEN as error:
+        told = " ".join(str(error).split())
+        raise ValueError(
+            f"{path}: cannot be used: {told}; remove it, and the same call makes it again"
+        ) from error
+    rows, columns = np.array(document["rows"], float), np.array(document["columns"], float)
     first, second = document["axes"]
     layout = Layout(rows, columns, document["unit"], (first, second))
     counts = np.array(document["counts"], np.int64)
-    kept = {name: document[name] for name in ("seed", "options", "surface", "tile")}
+    kept = {name: document[name] for name in ("seed", "options", "surface", "tile", "patches")}
     return Plan(layout, counts, **kept)
+
+
+def _check(document: Any) -> None:
+    """Refuse what is not the document of a plan.
+
+    Raises:
+        ValueError: naming the first entry that is missing or wrong.
+    """
+    if not isinstance(document, dict):
+        raise ValueError(f"it holds {_shown(document)} instead of the entries of a plan")
+    if document.get("format") != FORMAT:
+        raise ValueError(f"'format' is {_shown(document.get('format'))}: this version has {FORMAT}")
+    for name, (fits, rule) in ENTRIES.items():
+        if name not in document:
+            raise ValueError(f"'{name}' is missing")
+        if not fits(document[name]):
+            raise ValueError(f"'{name}' is {_shown(document[name])}: {rule}")
+    _check_tiles(document)
+    if document["digest"] != _digest(document):
+        raise ValueError("'digest' is not that of the other entries: one of them was changed")
+
+
+def _digest(document: dict[str, Any]) -> str:
+    surface = {name: value for name, value in document["surface"].items() if name != "name"}
+    return of_document(document | {"surface": surface})
+
+
+def _check_tiles(document: dict[str, Any]) -> None:
+    """Whether there is a count and a digest for each tile between the lines."""
+    rows, columns = len(document["rows"]) - 1, len(document["columns"]) - 1
+    counts, patches = document["counts"], document["patches"]
+    if len(counts) != rows or any(len(row) != columns for row in counts):
+        raise ValueError(f"'counts' has {len(counts)} rows: {rows} of {columns} are needed")
+    if len(patches) != rows * columns:
+        raise ValueError(f"'patches' has {len(patches)} texts: {rows * columns} are needed")
+    total = sum(map(sum, counts))
+    if total != document["count"]:
+        raise ValueError(f"'counts' has the sum {total}, but 'count' is {document['count']}")
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+def _is_whole(value: Any, bits: int = 48) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << bits
+
+
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, int | float) and abs(value) < 1e300
+
+
+def _are_lines(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) > 1
+        and all(map(_is_finite, value))
+        and all(a < b for a, b in pairwise(value))
+    )
+
+
+def _are_axes(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(one in (0, 1, 2) for one in value)
+
+
+def _are_counts(value: Any) -> bool:
+    return isinstance(value, list) and all(
+        isinstance(row, list) and all(map(_is_whole, row)) for row in value
+    )
+
+
+WHOLE = (_is_whole, "a whole number is needed")
+TABLE = (lambda value: isinstance(value, dict), "names and values are needed")
+LINES = (_are_lines, "two growing numbers or more are needed")
+ENTRIES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    **{"count": WHOLE, "tile": WHOLE, "options": TABLE, "surface": TABLE},
+    "seed": (lambda value: _is_whole(value, 64), WHOLE[1]),
+    **{"rows": LINES, "columns": LINES},
+    "axes": (_are_axes, "two of 0, 1 and 2 are needed"),
+    "unit": (lambda value: _is_finite(value) and value > 0, "a number > 0 is needed"),
+    "counts": (_are_counts, "rows of whole numbers are needed"),
+    "patches": (
+        lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
+        "texts are needed",
+    ),
+    "digest": (lambda value: isinstance(value, str), "a text is needed"),
+}
 
 
 def shape_for(tiles: float, lengths: tuple[float, float]) -> tuple[int, int]:

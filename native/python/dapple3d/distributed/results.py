@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reading import BROKEN, read_npz
-from ..writing import replacing, write_npz
-from .layout import Job
+from .digests import is_there, read_checked, write_checked
+from .layout import KINDS, Job
 from .patches import Floats
 from .plan import Plan, read_plan
 
@@ -69,9 +68,13 @@ def merged(layers: Sequence[Bound]) -> Bound:
 
 @dataclass(frozen=True)
 class Folder:
-    """Where files of a run are."""
+    """Where files of a run are.
+
+    run: the digest of its plan; no file of another run is taken for one of this.
+    """
 
     path: Path
+    run: str = ""
 
     @property
     def plan(self) -> Path:
@@ -93,48 +96,64 @@ class Folder:
         for name in ("tiles", "work"):
             (self.path / name).mkdir(parents=True, exist_ok=True)
 
+    def key(self, job: Job) -> str:
+        """What the digest of a result says of it beside its arrays."""
+        return f"{self.run} {job.name}"
+
     def has(self, job: Job) -> bool:
-        """Whether a result is there."""
-        return self.file(job).exists()
+        """Whether a result of this run is there and whole."""
+        return is_there(self.file(job), self.key(job))
 
     def write(self, job: Job, result: Bound | TilePoints) -> None:
         """Store a result."""
-        with replacing(self.file(job)) as file:
-            write_npz(file, vars(result))
+        write_checked(self.file(job), vars(result), self.key(job))
 
     def read(self, job: Job) -> Bound:
         """A result that other work begins with."""
-        return Bound(**_arrays(self.file(job)))
+        return Bound(**read_checked(self.file(job), self.key(job)))
 
     def read_tile(self, row: int, column: int) -> TilePoints:
         """A finished tile."""
-        return TilePoints(**_arrays(self.file(Job("tile", row, column))))
+        job = Job("tile", row, column)
+        return TilePoints(**read_checked(self.file(job), self.key(job)))
+
+    def check_tiles(self, plan: Plan) -> None:
+        """Refuse tiles beside those of a plan.
+
+        Raises:
+            ValueError: naming the first one.
+        """
+        names = {self.file(Job("tile", row, column)).name for row, column in plan.layout.tiles()}
+        for file in sorted((self.path / "tiles").glob("tile-*.npz")):
+            if file.name not in names:
+                raise ValueError(
+                    f"{file}: is no tile of {self.plan}: remove it, or choose another folder"
+                )
 
     def drop(self, job: Job) -> None:
         """Remove a result that nothing needs any more."""
         self.file(job).unlink(missing_ok=True)
 
     def sweep(self) -> None:
-        """Remove what killed processes have left half written, and the folder of unfinished work
-        if it is empty; nobody is at work any more."""
-        for part in self.path.glob("*/.*.part"):
-            part.unlink(missing_ok=True)
+        """Remove what killed processes have left, and the folder of unfinished work if it is empty;
+        nobody is at work any more."""
+        left = [f"work/{kind}-*.npz" for kind in KINDS]
+        for pattern in ("*/.*.part", *left):
+            for part in self.path.glob(pattern):
+                part.unlink(missing_ok=True)
         with suppress(OSError):
             (self.path / "work").rmdir()
 
 
-def _arrays(path: Path) -> dict[str, NDArray]:
-    try:
-        return read_npz(path)
-    except BROKEN as error:
-        raise ValueError(f"{path}: could not be read: {error}") from error
-
-
 @dataclass(frozen=True)
 class Tiles:
-    """A surface's points in a folder, tile by tile."""
+    """A surface's points in a folder, tile by tile.
+
+    made_again: files that were damaged or of something else when sample_tiles() came to them.
+    """
 
     folder: Path
+    made_again: tuple[Path, ...] = ()
 
     def __len__(self) -> int:
         """How many points there are on the whole surface."""
@@ -154,9 +173,12 @@ class Tiles:
 
         Raises:
             OSError: it has not been made.
+            ValueError: it is damaged, or of something else.
         """
-        return Folder(self.folder).read_tile(row, column)
+        return Folder(self.folder, self.plan().digest).read_tile(row, column)
 
     def tiles(self) -> Iterator[TilePoints]:
         """All of them, row by row, each read when it is asked for."""
-        return (self.tile(r, c) for r, c in self.plan().layout.tiles())
+        plan = self.plan()
+        folder = Folder(self.folder, plan.digest)
+        return (folder.read_tile(r, c) for r, c in plan.layout.tiles())

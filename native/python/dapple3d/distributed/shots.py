@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same work for many shots, each into a file of its own."""
 
+import inspect
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _native as native
 from ..reading import read_npz
-from ..writing import replacing, write_npz
+from .digests import is_foreign, is_there, of_file, of_text, write_checked
 from .running import Task, connected, runner_on, shown
 
 if TYPE_CHECKING:
@@ -35,8 +37,9 @@ def map_shots(
 ) -> list[Path]:
     """Have processes of Dask do the same work for many shots, one file for each.
 
-    What a lost worker was doing is done again. A shot whose file is there is left out, so a run
-    that was stopped goes on where it was: remove the files of shots that have changed.
+    What a lost worker was doing is done again. A shot is left out whose file is there, whole, and
+    from the same shot and the same work, so a run that was stopped goes on where it was. Of the
+    shot all bytes count, of the work its name, its source and its arguments, not what it calls.
 
     Args:
         work: called with the path of a shot; the arrays that it returns, by name, are written as
@@ -54,8 +57,8 @@ def map_shots(
         the file of each shot.
 
     Raises:
-        ValueError: two shots of the same name, a result that would replace one, or what the work
-            raises; the shot is named.
+        ValueError: two shots of the same name, a result that would replace one or an npz that is
+            none, or what the work raises; the file is named.
         ImportError: Dask distributed is missing.
         Cancelled
     """
@@ -63,11 +66,12 @@ def map_shots(
     paths = [Path(shot).absolute() for shot in shots]
     files = _result_files(paths, place)
     place.mkdir(parents=True, exist_ok=True)
-    left = [(p, f) for p, f in zip(paths, files, strict=True) if not f.exists()]
-    tasks = [Task(path.stem, (path, file)) for path, file in left]
     context = context or native.Context()
     with connected(scheduler, workers) as client:
-        done = runner_on(client)(_do, work, tasks, context)
+        key = work_digest(work)
+        pairs = zip(paths, files, strict=True)
+        tasks = [Task(path.stem, (path, file)) for path, file in pairs if not _has(path, file, key)]
+        done = runner_on(client)(_do, (work, key), tasks, context)
         for _ in shown(done, len(tasks), "shots") if progress else done:
             pass
     context.advance(1.0)
@@ -90,16 +94,44 @@ def _result_files(shots: Sequence[Path], folder: Path) -> list[Path]:
     return files
 
 
-def _do(work: Work, shot: tuple[Path, Path], context: native.Context) -> None:
+def work_digest(work: Any) -> str:
+    """Of the name, the source and the arguments of a function."""
+    from distributed.protocol.pickle import dumps  # as it goes to the workers
+
+    if isinstance(work, partial):
+        arguments = [*map(work_digest, work.args), *(map(work_digest, work.keywords.items()))]
+        return of_text(work_digest(work.func), *arguments)
+    try:
+        source = inspect.getsource(work)
+    except (OSError, TypeError):
+        source = ""
+    return of_text(source, bytes(dumps(work)).hex())
+
+
+def _has(shot: Path, file: Path, work: str) -> bool:
+    """Whether the result of a shot is there.
+
+    Raises:
+        ValueError: there is an npz of somebody else in its place.
+    """
+    if not file.exists():
+        return False
+    if is_foreign(file):
+        raise ValueError(f"{file}: is no result of map_shots(), and one would replace it")
+    return is_there(file, of_text(work, of_file(shot)))
+
+
+def _do(shared: tuple[Work, str], shot: tuple[Path, Path], context: native.Context) -> None:
+    work, key = shared
     path, out = shot
-    if out.exists():  # by a worker that was taken for lost
+    if _has(path, out, key):  # by a worker that was taken for lost
         return
+    shot_key = of_text(key, of_file(path))
     try:
         arrays = work(path)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-    with replacing(out) as file:
-        write_npz(file, arrays)
+    write_checked(out, arrays, shot_key)
 
 
 def track_shot(

@@ -36,6 +36,8 @@ class Workplace:
     def _result(self, job: Job, context: native.Context) -> Bound | TilePoints:
         layout = self.plan.layout
         patch = patch_in(self.surface, layout.part(job))
+        if job.kind == "first" and patch.digest() != self.plan.patch_of(job):
+            raise ValueError("the surface has changed since the run began")
         there = merged([self.folder.read(needed) for needed in layout.needs(job)])
         there = there.only(patch.find(there.faces) >= 0)
         if job.kind == "tile":

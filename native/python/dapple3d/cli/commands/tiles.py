@@ -65,7 +65,8 @@ def command(
 
     SURFACE is a terrain: GeoTIFF (.tif, .vrt), heights as .npy or .zarr; or a mesh: .npz, .ply,
     .obj, .stl, .off or glTF. It is never in memory as a whole, nor are the points. Each tile is a
-    file, FOLDER/tiles/tile-ROW-COLUMN.npz. The same command goes on where it was stopped.
+    file, FOLDER/tiles/tile-ROW-COLUMN.npz. The same command goes on where it was stopped, with the
+    same SURFACE and options only; files that are damaged are made again.
 
     \b
     Examples:
@@ -94,6 +95,9 @@ def command(
         settings=settings | options.given(solver),
         rows=rows,
         columns=columns,
+        made_again=[str(file) for file in tiles.made_again],
         seconds=time.monotonic() - begun,
     )
+    for file in tiles.made_again:
+        reporter.say(f"{file}: was damaged, and was made again")
     reporter.say(f"{folder}: {len(tiles)} points in {rows} x {columns} tiles")
