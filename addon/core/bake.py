@@ -44,6 +44,7 @@ class Baker:
 
     remedy = REBIND  # where the topology changes and must not
     at_seam = True  # bind anew just when the topology changes, between two frames
+    is_bare = False  # whether the last frame had no faces, so that there are no points to go on
 
     bound: SurfaceArrays  # where the current topology begins
     start: Start
@@ -108,10 +109,16 @@ class Baker:
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
             self.last = bound_at_rest(rest_columns(last, before), after)
         self._chain.add(before)
-        self._chain.add(after)
+        self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
         self.topologies.append(after.topology)
+
+    def _note_bound(self, bound: SurfaceArrays) -> None:
+        """Frames are solved from where a topology begins, and from its values."""
+        self._chain.add(bound)
+        for array in (*bound.weights.values(), *bound.around.arrays()):
+            self._chain.note_array(array)
 
     @property
     def now(self) -> SurfaceArrays:
@@ -123,6 +130,13 @@ class Baker:
         check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
         self._now = frame
         self.fingerprint = self._chain.add(frame)
+
+    def vanish(self, frame: SurfaceArrays) -> None:
+        """The next frame, which has no faces: only population.py can go on behind it."""
+        raise ScatterError(f"Surface '{frame.name}' has no faces at frame {frame.time:g}")
+
+    def appear(self, bound: SurfaceArrays) -> None:
+        """Faces come back behind frames without any."""
 
     def take(self) -> bool:
         """Whether the frame was solved before; then it is done."""
@@ -153,9 +167,11 @@ class Baker:
 
     def report(self) -> Report:
         """The worst spacing, variation and overlap of all frames, the mean cost of one."""
-        reports, count = self.reports, max(len(self.reports), 1)
-        worst = max(range(len(reports)), key=lambda frame: reports[frame].worst_overlap)
-        found = reports[worst].of_ids(self.start.ids)
+        every = self.reports
+        worst = max(range(len(every)), key=lambda frame: every[frame].worst_overlap)
+        found = every[worst].of_ids(self.start.ids)
+        reports = [report for report in every if report.count] or every
+        count = max(len(reports), 1)
         return replace(
             reports[-1],
             worst_overlap=found.worst_overlap,
@@ -228,10 +244,13 @@ class Baker:
             self.trouble = f"Frames cannot be kept in '{self.sidecar.folder}': {error.strerror}"
             self.sidecar = None
 
-    def _check_distinct(self, binding: Binding) -> None:
+    def _check_distinct(self, placed: Placed) -> None:
         """ScatterError if a point went to where the rest shape means another place too."""
         if self.bound.rest is None:
             return
+        binding = placed.binding
+        if placed.gone is not None:
+            binding = binding.rows_at(placed.gone < 1.0)
         if self._shape is None:
             self._shape = Shape(self.bound)
         other = self._shape.elsewhere(binding, self._now.vertices)
@@ -239,7 +258,7 @@ class Baker:
             raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
 
     def _add(self, solved: Solved) -> None:
-        self._check_distinct(solved.placed.binding)
+        self._check_distinct(solved.placed)
         self._solved, self._vertices = solved, self._now.vertices
         self.last = solved.placed.binding
         self.reports.append(solved.report)

@@ -9,7 +9,7 @@ rest shape, the triangles store where they lie on it.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -130,6 +130,7 @@ class Keyframes:
     _topology: str = ""
     _last: tuple[int, Binding] | None = None
     _waiting: list[_Waiting] = field(default_factory=list)
+    _bare: bool = False  # whether no point was there on the last frame
     _triangles: list[Ints] = field(default_factory=list)
     _rest: list[Columns] = field(default_factory=list)  # of the triangles; empty: none is known
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
@@ -146,17 +147,38 @@ class Keyframes:
         self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays, spacing: float
     ) -> None:
         """The next frame: bound is the first frame of its topology, surface its own."""
-        vertices = surface.vertices
-        if bound.topology != self._topology:
+        if bound.topology != self._topology or self._bare:
             self._begin(bound)
-        frame = self._next
-        self._next += 1
-        self._table[frame, 3] = len(vertices)
-        self._sketches.append(sketch(surface))
+        frame = self._enter(surface)
         if (frame - self._start) % self.every == 0 or frame == self.count - 1:
             self._add_key(frame, placed)
         else:
-            self._waiting.append(_Waiting(frame, placed, vertices, spacing))
+            self._waiting.append(_Waiting(frame, placed, surface.vertices, spacing))
+
+    def add_bare(self, placed: Placed, bound: SurfaceArrays, surface: SurfaceArrays) -> None:
+        """The next frame, whose surface has no faces: all rows, on the faces of bound, are gone.
+
+        Frames without faces that follow each other are one key, which is mixed with no other.
+        """
+        if not self._topology:
+            self._begin(bound)
+        frame = self._enter(replace(surface, vertices=np.empty((0, 3))))
+        self._table[frame, 3] = len(surface.vertices)
+        if self._bare:
+            self._table[frame, :3] = len(self._rows) - 1, 0, 0
+            return
+        self._end_topology()
+        self._last, self._bare = None, True
+        self._add_key(frame, placed)
+        self._last = None
+
+    def _enter(self, surface: SurfaceArrays) -> int:
+        """Index of the next frame, whose surface is noted."""
+        frame = self._next
+        self._next += 1
+        self._table[frame, 3] = len(surface.vertices)
+        self._sketches.append(sketch(surface))
+        return frame
 
     def packed(self) -> Baked:
         """All keys, over the triangles that they use; no more can be added then."""
@@ -241,11 +263,16 @@ class Keyframes:
         first = np.zeros(len(later_faces) - len(faces), dtype=np.int64)
         return faces[first], places[first]
 
-    def _begin(self, bound: SurfaceArrays) -> None:
+    def _end_topology(self) -> None:
+        """Have the last frame be a key."""
         if self._waiting:
             last = self._waiting.pop()
             self._add_key(last.frame, last.placed)
+
+    def _begin(self, bound: SurfaceArrays) -> None:
+        self._end_topology()
         self._drop_unused()
+        self._bare = False
         self._offset = sum(map(len, self._triangles))
         self._first_rows.append(len(self._rows))
         self._triangles.append(np.column_stack([bound.faces, bound.face_corners]))

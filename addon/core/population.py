@@ -3,10 +3,11 @@
 
 Every point that is ever there has a row in every key, in the order in which they appear, so that
 instances keep their identity. `gone` of a row is 1 - fade: 0 for one that is there, 1 for one that
-is not there yet or no more.
+is not there yet or no more. On frames without faces all are gone; where faces come back, others
+appear there, at the density of before.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,8 @@ from .errors import ScatterError
 from .frames import carried, shading
 from .ground import Ground
 from .keys import Placed
-from .kinds import of_classes
+from .kinds import of_classes, sampled
+from .lean import Leaning
 from .native import package
 from .records import Binding, Columns, joined
 from .sidecar import Solved
@@ -70,6 +72,36 @@ class PopulationBaker(Baker):
         self._state: Columns = {}
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
         self._births: list[tuple[Binding, Floats, Ints]] = []  # places and classes
+        self._begins_anew = False  # on the next frame, behind frames without faces
+        self._began: tuple[SurfaceArrays, _There] | None = None  # where it last has, so
+
+    def vanish(self, frame: SurfaceArrays) -> None:
+        """The next frame, which has no faces: no point is there."""
+        self.fingerprint = self._chain.add(frame)
+        nothing = np.zeros(0, dtype=np.int32)
+        kept = Solved(Placed(nothing, bound_to(self.bound, nothing, np.zeros((0, 3)))), Report())
+        self._keep(kept, self.first + self.done, self.fingerprint)
+        faces = self._faces if len(self._faces) else np.zeros(len(self.ids), dtype=np.int32)
+        rows = Placed(faces, self.last, np.ones(len(self.ids)))
+        self.keyframes.add_bare(rows, self.bound, frame)
+        self.reports.append(kept.report)
+        self.topologies.append(frame.topology)
+        self.is_bare = True
+        if not len(self._faces):  # the points of the start are yet to come
+            self._stands = self.done
+
+    def appear(self, bound: SurfaceArrays) -> None:
+        """Faces come back, on which other points appear; those of before stay gone."""
+        self.is_bare = False
+        if not len(self._faces):
+            return
+        bound = replace(bound, rest_parts=self.bound.rest_parts)
+        self._note_bound(bound)
+        self.bound, self._ground, self._begins_anew, self._shape = bound, None, True, None
+        self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
+        middle = np.full((len(self.ids), 3), 1.0 / 3.0)
+        self.last, self.leaning = bound_to(bound, self._faces, middle), Leaning()
+        self.topologies.append(bound.topology)
 
     def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
         """Bind all rows to the new topology, those too that are not there."""
@@ -88,17 +120,18 @@ class PopulationBaker(Baker):
             return False
         self.taken += 1
         self._ground_then = None
+        if self._begins_anew:
+            self._population, self._stands = None, -1
         self._note(there, kept)
         return True
 
     def advance(self, context: Any) -> None:
         """Solve the frame."""
         with named(self.bound.name):
-            population = self._ready()
-            samples = population.advance(self._surface(), context=context)
+            samples, report = self._next(context)
             now = self._ground.back(samples)
         there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
-        kept = self._kept(there, report_of(now.report), population.state)
+        kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
         # What is stored leads back to cut faces but for rounding: the population is put there too.
         self._stands = -1 if self._ground.is_cut else self.done + 1
@@ -114,29 +147,61 @@ class PopulationBaker(Baker):
     def _note(self, there: _There, kept: Solved) -> None:
         """The frame is done."""
         self._there_then, self._state, self._bound_then = there, kept.more, self.bound
+        if self._begins_anew:
+            self._begins_anew, self._began = False, (self.bound, there)
         self._add(Solved(self._rows(there), kept.report))
+
+    def _next(self, context: Any) -> tuple[Any, Any]:
+        """dapple.Samples of the next frame, and their dapple.Report."""
+        if self._begins_anew:
+            return self._begun_anew(context)
+        samples = self._ready().advance(self._surface(), context=context)
+        return samples, samples.report
+
+    def _begun_anew(self, context: Any) -> tuple[Any, Any]:
+        """Points at the density of before, all of which begin to appear."""
+        surface = self._surface()
+        density, first = float(self._state["densities"][0]), int(self._state["next_id"])
+        count = max(1, round(density * surface.mass))
+        asked = replace(self.start.settings, count=count, per_area=0.0)
+        asked = replace(asked, seed=asked.seed + first)
+        found = sampled(self._ground, asked, context)
+        ids = np.arange(first, first + count, dtype=np.int32)
+        samples = package().Samples(surface, found.faces, found.barycentric, ids=ids)
+        self._population = self._population_of(self._ground, samples)
+        begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
+        state = self._population.state | begun
+        self._population.resume(surface, self._population.samples, state)
+        return self._population.samples, found.report
 
     def _ready(self) -> Any:
         """The population, at the last frame that is done."""
         if self._population is None:
             self._population = self._new_population()
         if self._stands < self.done:
-            ground, there = self._ground_then or self._new_ground_then(), self._there_then
-            who = {"ids": there.ids, "classes": there.classes}
-            points = package().Samples(ground.original, there.faces, there.barycentric, **who)
+            ground = self._ground_then or self._new_ground_then()
+            points = _samples(ground, self._there_then)
             surface = ground.surface.deformed(ground.vertices(self._vertices))
             self._population.resume(surface, ground.there(points), self._state)
             self._stands = self.done
         return self._population
 
     def _new_population(self) -> Any:
-        """At the start of the bake."""
+        """At the start of the bake, or where points have appeared behind frames without faces."""
+        if self._began is not None:
+            bound, there = self._began
+            ground = Ground(bound, self.start.settings)
+            return self._population_of(ground, ground.there(_samples(ground, there)))
         settings, start = self.start.settings, self.start
         ground = Ground(self.first_surface, settings)
         samples = samples_of(self.begin, ground.original, start.ids, start.classes)
         samples = ground.there(samples)
         if self.bound is self.first_surface:
             self._ground = self._ground_then = ground
+        return self._population_of(ground, samples)
+
+    def _population_of(self, ground: Ground, samples: Any) -> Any:
+        settings = self.start.settings
         options = settings.tracker_options() | of_classes(ground, samples, settings)
         return package().Population(ground.surface, samples, fade=self.fade, **options)
 
@@ -192,7 +257,8 @@ class PopulationBaker(Baker):
             return
         faces = np.asarray(samples.faces, dtype=np.int32)[new]
         binding = bound_to(self.bound, faces, np.asarray(samples.barycentric)[new])
-        stored = binding if len(self.topologies) == 1 else _first_row(self.begin, len(faces))
+        first = self.bound is self.first_surface
+        stored = binding if first else _first_row(self.begin, len(faces))
         classes = np.asarray(samples.classes, dtype=np.int32)[new]
         self._births.append((stored, binding.positions(self._now.vertices), classes))
         self._faces = np.concatenate([self._faces, faces])
@@ -208,6 +274,17 @@ def _there_of(kept: Solved) -> _There | None:
             return None
     weights = placed.binding.barycentric
     return _There(more["ids"], more["classes"], placed.faces, weights, more["fades"])
+
+
+def _samples(ground: Ground, there: _There) -> Any:
+    """dapple.Samples of the faces that were read."""
+    who = {"ids": there.ids, "classes": there.classes}
+    return package().Samples(ground.original, there.faces, there.barycentric, **who)
+
+
+def _largest_face(surface: SurfaceArrays) -> int:
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    return int(np.argmax(np.linalg.norm(np.cross(b - a, c - a), axis=1)))
 
 
 def _first_row(binding: Binding, count: int) -> Binding:

@@ -58,6 +58,10 @@ class Fingerprint:
         """What else all frames are solved from."""
         self._digest.update(text.encode())
 
+    def note_array(self, array: Any) -> None:
+        """The same for numbers."""
+        self._add(array)
+
     def add(self, frame: SurfaceArrays) -> str:
         """The fingerprint with one more frame."""
         self._digest.update(frame.topology.encode())

@@ -109,6 +109,11 @@ class Builder:
         """Number of points (or instances) of a geometry."""
         return self.out("GeometryNodeAttributeDomainSize", geometry, component=component)
 
+    def count_faces(self, geometry: Any) -> Socket:
+        """Number of faces of a mesh."""
+        node = self.node("GeometryNodeAttributeDomainSize", geometry, component="MESH")
+        return node.outputs["Face Count"]
+
     def count_points(self, geometry: Any) -> Socket:
         """Number of points of a geometry, be they a mesh's vertices or a point cloud."""
         return self.integer("ADD", self.count(geometry), self.count(geometry, "POINTCLOUD"))

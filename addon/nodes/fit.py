@@ -11,11 +11,15 @@ NAME = "Dapple Fit"
 
 
 def build() -> bpy.types.NodeTree:
-    """New group; Warning is the add-on's own warning, which hides nothing."""
+    """New group; Warning is the add-on's own warning, which hides nothing.
+
+    On a surface without faces there is no point; in a bake that is no reason to warn.
+    """
     tree = new_group(
         NAME,
         [
             ("Vertices", "NodeSocketInt"),
+            ("Faces", "NodeSocketInt"),
             ("Surface Vertices", "NodeSocketInt"),
             ("Key Vertices", "NodeSocketInt"),
             ("Points", "NodeSocketInt"),
@@ -40,7 +44,10 @@ def build() -> bpy.types.NodeTree:
     said = b.compare("GREATER_THAN", b.out("FunctionNodeStringLength", b.input("Warning")), 0)
     said = _warning(b, said, b.input("Warning"))
     # Changed settings show a warning and hide nothing; only a node that is used is evaluated.
-    hidden = b.boolean("OR", other, lost)
+    bare = b.compare("EQUAL", b.input("Faces"), 0)
+    gone = b.boolean("AND", bare, b.boolean("NOR", played, other))
+    gone = _warning(b, gone, "The surface has no faces")
+    hidden = b.boolean("OR", b.boolean("OR", other, lost), b.boolean("OR", bare, gone))
     b.output("Fits", b.boolean("NOR", hidden, b.boolean("AND", said, hidden)))
     b.arrange()
     return tree

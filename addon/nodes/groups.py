@@ -11,7 +11,7 @@ import bpy
 
 from .builder import Builder
 
-VERSION = 18
+VERSION = 19
 VERSION_KEY = "dapple_version"  # -VERSION for groups inside others
 _PART_KEY = "dapple_part"
 

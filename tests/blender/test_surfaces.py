@@ -151,13 +151,11 @@ def test_a_surface_of_instances_says_what_to_do():
     assert fits(surface, obj)
 
 
-@pytest.mark.parametrize("keep_density", [False, True])
-def test_a_frame_of_a_bake_without_faces_is_named(keep_density):
+@pytest.mark.parametrize("topology", ["REFUSE", "REBIND"])
+def test_a_frame_of_a_bake_without_faces_is_named(topology):
     surface = scenes.sphere()
     obj = scenes.scattered(surface)
-    if keep_density:
-        obj.dapple.count_over_time = "KEEP_DENSITY"
-    obj.dapple.on_topology_change = "REBIND"
+    obj.dapple.on_topology_change = topology
     group, (delete,) = nodes_on(surface, "GeometryNodeDeleteGeometry")
     time, later = group.nodes.new("GeometryNodeInputSceneTime"), group.nodes.new("ShaderNodeMath")
     later.operation = "GREATER_THAN"

@@ -50,11 +50,12 @@ def _motion_reason(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked
     if frame is None:
         return ""
     columns = frames(obj)
-    if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
-        return ""  # other faces of the same shape: vertices cannot be compared
     stored = np.array([columns[f"dapple_sketch{k}"][frame] for k in range(3)], dtype=np.float64)
-    if not moved(stored, looked.sketched):
-        return ""
+    if stored.any() or looked.bare:
+        if obj.dapple.bound_to == "REST" and looked.vertices != columns["dapple_vertices"][frame]:
+            return ""  # other faces of the same shape: vertices cannot be compared
+        if not moved(stored, looked.sketched):
+            return ""
     return told(
         "Surface '{surface}' moves differently than when it was baked (frame {frame})",
         surface=obj.dapple.surface.name,
@@ -68,6 +69,12 @@ def _baked_frame(obj: bpy.types.Object, scene: bpy.types.Scene) -> int | None:
     if time is None or not 0 <= time - obj.dapple.baked_start < obj.dapple.baked_frames:
         return None
     return time - obj.dapple.baked_start
+
+
+def is_baked_bare(obj: bpy.types.Object, scene: bpy.types.Scene, looked: Looked) -> bool:
+    """Whether a surface has no faces now as it had none in the bake."""
+    baked = looked.bare and obj.dapple.baked_keys > 0
+    return baked and looked.vertices in bound_vertices(obj, scene)
 
 
 def bound_vertices(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[int]:

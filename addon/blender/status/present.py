@@ -44,6 +44,7 @@ class Looked:
     name: str
     vertices: int
     trouble: str  # why no points can be on it, in English; empty: they can
+    bare: bool  # whether it has no faces
     outline: Outline
     sketched: Sketched
 
@@ -101,18 +102,21 @@ class Present:
 
 def _look(surface: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Looked:
     arrays = read_surface(surface, depsgraph, cut=False)
-    count, trouble = len(arrays.vertices), _trouble(arrays)
+    count, bare = len(arrays.vertices), _is_bare(arrays)
+    trouble = "has no faces" if bare else _trouble(arrays)
     if trouble:
         arrays = replace(arrays, vertices=np.empty((0, 3)))
-    return Looked(arrays.name, count, trouble, outline_of(arrays), sketched(arrays))
+    return Looked(arrays.name, count, trouble, bare, outline_of(arrays), sketched(arrays))
+
+
+def _is_bare(arrays: SurfaceArrays) -> bool:
+    """Whether a surface that is not triangulated has no faces."""
+    none = np.empty(0, dtype=np.int32)
+    count = len(arrays.vertices)
+    return not count or arrays.topology == topology_digest(count, none, none)
 
 
 def _trouble(arrays: SurfaceArrays) -> str:
-    none = np.empty(0, dtype=np.int32)
-    if not len(arrays.vertices) or arrays.topology == topology_digest(
-        len(arrays.vertices), none, none
-    ):
-        return "has no faces"
     finite = np.isfinite(arrays.vertices).all(axis=1)
     if finite.all():
         return ""

@@ -13,7 +13,7 @@ from ..data.members import wanted
 from ..data.points import points_digest
 from ..data.scatter import is_surface, settings_reason, solve_again
 from ..data.touched import touched_places
-from .bake_staleness import bake_reason, bound_vertices
+from .bake_staleness import bake_reason, bound_vertices, is_baked_bare
 from .contents import contents, other_surface, solution_reason
 from .point_edits import points_reason
 from .present import Looked, Present
@@ -59,6 +59,8 @@ def _verdict(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, present: Pre
     reason = reason or settings_reason(obj)
     if reason:
         return Verdict(reason)
+    if looked.bare:
+        return Verdict(bake_reason(obj, depsgraph.scene, present, looked))
     reasons, note = contents(obj, present.sources(obj, depsgraph))
     if reasons:
         return Verdict(solve_again(obj, reasons[0]))
@@ -101,7 +103,7 @@ def _surface_reason(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, looke
         reason = _rest_reason(surface)
     else:
         reason = _faces_reason(obj, depsgraph, looked)
-    if looked.trouble and not reason:
+    if looked.trouble and not reason and not is_baked_bare(obj, depsgraph.scene, looked):
         reason = told(
             "Surface '{surface}': {trouble}", surface=surface.name, trouble=looked.trouble
         )

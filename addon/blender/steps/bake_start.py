@@ -13,7 +13,7 @@ from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..data.points import locked_points
 from ..status.contents import solution_reason
-from ..surface.reading import read
+from ..surface.reading import at_frame
 from .bakers import _check_faces
 
 _SOLVING = 0.1  # of the progress of a bake whose points are optimized anew first
@@ -44,10 +44,10 @@ def begin_bake(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
     return Begun(arrays, sources, solved, reason, _SOLVING)
 
 
-def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings) -> None:
-    """Note what is not as in the first frame: later that is no sign of a change."""
+def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings, frame: int) -> None:
+    """Note what is on a frame not as in the first one: later that is no sign of a change."""
     try:
-        now = sources_of(read(surface.get(), settings, held.get()), settings)
+        now = sources_of(at_frame(surface, frame, settings=settings, own=held), settings)
     except ScatterError:  # a density of the first frame only
         now = replace(begun.sources, exact={}, near={})
     moving = {*begun.sources.moving, *differing(begun.sources, now)}

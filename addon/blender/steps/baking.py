@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bake, as steps: read a frame, let the worker solve it, go on; write all when all are done."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
@@ -14,10 +15,11 @@ from ..base.times import times_of
 from ..base.translation import reported
 from ..data.scatter import settings_of, surface_of
 from ..surface.reading import at_frame, frame_kept
-from ..surface.resting import kind_of_binding, rest_position
+from ..surface.resting import rest_position
 from .bake_start import begin_bake, note_moving
 from .bake_writing import write_bake
 from .bakers import new_baker
+from .bare_frames import begin_of, read_frame
 from .crossing import crossed
 from .meanwhile import Meanwhile
 
@@ -30,39 +32,57 @@ def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
         raise ScatterError(f"The frame range is empty: {first} to {last}")
     meanwhile = Meanwhile(held)
     with frame_kept(context.scene, show=first):
-        kind = kind_of_binding(surface.get(), bpy.context, context.object.dapple.bind_to)
+        begin, kind = yield from begin_of(held, surface, first, last)
     with rest_position(surface, kind):
         with frame_kept(context.scene):
-            begun, baker = yield from _carry(held, surface, first, last, kind, meanwhile)
+            frames = _Frames(first, begin, last)
+            begun, baker = yield from _carry(held, surface, frames, kind, meanwhile)
         meanwhile.check()
         write_bake(held.get(), begun, baker, kind)
     return baker
 
 
-def _carry(
-    held: Held, surface: Held, first: int, last: int, kind: str, meanwhile: Meanwhile
-) -> Any:
-    count = last - first + 1
+@dataclass(frozen=True)
+class _Frames:
+    """The frames of a bake."""
+
+    first: int
+    begin: int  # the first one with faces
+    last: int
+
+    @property
+    def noted(self) -> tuple[int, int]:
+        """Where it is looked what is not as on the first frame."""
+        return self.first + (self.last - self.first + 1) // 2, self.last
+
+
+def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Meanwhile) -> Any:
+    first, begin = frames.first, frames.begin
     settings = settings_of(held.get())
-    arrays = at_frame(surface, first, settings=settings, own=held, kind=kind)
+    arrays = at_frame(surface, begin, settings=settings, own=held, kind=kind)
     begun = yield from begin_bake(held, arrays, settings)
+    count = frames.last - first + 1
     baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
-    baker.anew = begun.anew
-    for step in range(count):
+    baker.anew, there = begun.anew, begin
+    for frame in range(first, frames.last + 1):
         meanwhile.check()
-        if step:
-            arrays = at_frame(surface, first + step, kind=kind)
-        if step in (count // 2, count - 1):
-            note_moving(begun, held, surface, settings)
+        if frame != begin or begin != first:
+            arrays = read_frame(held, surface, frame, kind)
+        there = frame if len(arrays.faces) else there
+        if frame in frames.noted:
+            note_moving(begun, held, surface, settings, there)
         yield from _solve(baker, held, surface, arrays, begun.progress)
     yield from _finish(baker, begun.progress)
-    check_unchanged(begun.arrays, at_frame(surface, first, settings=settings, own=held))
+    check_unchanged(begun.arrays, at_frame(surface, begin, settings=settings, own=held))
     return begun, baker
 
 
 def _solve(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, begin: float) -> Any:
     """The next frame: what a stopped bake left, or solved now."""
-    if baker.changes(arrays):
+    if not len(arrays.faces):
+        baker.vanish(arrays)
+        return
+    if baker.is_bare or baker.changes(arrays):
         yield from _finish(baker, begin)
         arrays = crossed(baker, held, surface, arrays)
     baker.enter(arrays)

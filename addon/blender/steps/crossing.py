@@ -7,12 +7,16 @@ from ...core.bake import Baker
 from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..surface.reading import at_frame
+from .bare_frames import appeared
 
 _SEAM_STEPS = 6
 
 
 def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> SurfaceArrays:
     """Have a baker cross to the faces of its next frame, which is returned as read again."""
+    if baker.is_bare:
+        appeared(baker, held, surface, arrays)
+        return arrays
     number = baker.first + baker.done
     before, after = baker.now, arrays
     if arrays.rest is None and baker.at_seam:

@@ -20,14 +20,18 @@ def read(
     surface: bpy.types.Object,
     settings: Settings | None = None,
     own: bpy.types.Object | None = None,
+    may_be_bare: bool = False,
 ) -> SurfaceArrays:
-    """The surface; with settings, also what they take from it and from beside their scatter."""
+    """The surface; with settings, also what they take from it and from beside their scatter.
+
+    ScatterError where it has no faces, unless it may be bare.
+    """
     depsgraph = bpy.context.evaluated_depsgraph_get()
     if settings is None:
         arrays = read_surface(surface, depsgraph)
     else:
         arrays = read_with(settings, surface, depsgraph, own)
-    if not len(arrays.faces):
+    if not (len(arrays.faces) or may_be_bare):
         raise ScatterError(_without_faces(surface, depsgraph))
     return arrays
 
@@ -50,11 +54,13 @@ def at_frame(
     settings: Settings | None = None,
     own: Held | None = None,
     kind: str = "FACES",
+    may_be_bare: bool = False,
 ) -> SurfaceArrays:
     """The surface at a time of the animation, with its rest shape where points are bound to it."""
     show_time(bpy.context.scene, frame + part)
-    arrays = read(surface.get(), settings, own.get() if own else None)
-    return with_rest(arrays, surface.get()) if kind == "REST" else arrays
+    arrays = read(surface.get(), settings, own.get() if own else None, may_be_bare)
+    has_rest = kind == "REST" and len(arrays.faces)
+    return with_rest(arrays, surface.get()) if has_rest else arrays
 
 
 @contextmanager

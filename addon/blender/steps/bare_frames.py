@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a bake without faces: there are no points then, and others once faces come back."""
+
+from dataclasses import replace
+from typing import Any
+
+import bpy
+
+from ...core.bake import Baker
+from ...core.errors import ScatterError
+from ...core.steps import Task
+from ...core.surface import SurfaceArrays
+from ..base.held import Held
+from ..surface.reading import at_frame
+from ..surface.resting import kind_of_binding
+
+
+def may_be_bare(obj: bpy.types.Object, kind: str) -> bool:
+    """Whether a bake of a scatter that is bound so goes on over frames without faces."""
+    follows = obj.dapple.on_topology_change == "REBIND" or kind == "REST"
+    return _keeps_density(obj) and follows and not len(obj.dapple.classes)
+
+
+def begin_of(held: Held, surface: Held, first: int, last: int) -> Any:
+    """The first frame of a bake on which there can be points, and what they are bound to there;
+    in steps. That frame is shown then.
+    """
+    begin = first
+    if _keeps_density(held.get()):
+        begin = yield from _first_with_faces(surface, first, last)
+    kind = kind_of_binding(surface.get(), bpy.context, held.get().dapple.bind_to)
+    if begin > first and not may_be_bare(held.get(), kind):
+        raise ScatterError(_refused(held.get(), surface.get().name, first))
+    return begin, kind
+
+
+def _first_with_faces(surface: Held, first: int, last: int) -> Any:
+    for frame in range(first, last + 1):
+        if len(at_frame(surface, frame, may_be_bare=True).faces):
+            return frame
+        yield Task(lambda _: None, 0.0, 0.0)
+    name = surface.get().name
+    raise ScatterError(f"Surface '{name}' has no faces from frame {first} to {last}")
+
+
+def read_frame(held: Held, surface: Held, frame: int, kind: str) -> SurfaceArrays:
+    """The surface on a frame of a bake, without faces only where that may be."""
+    arrays = at_frame(surface, frame, kind=kind, may_be_bare=_keeps_density(held.get()))
+    if not (len(arrays.faces) or may_be_bare(held.get(), kind)):
+        raise ScatterError(_refused(held.get(), surface.get().name, frame))
+    return arrays
+
+
+def appeared(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> None:
+    """Have points appear on faces that have come back."""
+    number = baker.first + baker.done
+    then = at_frame(surface, number, settings=baker.start.settings, own=held)
+    baker.appear(replace(then, rest=arrays.rest))
+
+
+def _keeps_density(obj: bpy.types.Object) -> bool:
+    return bool(obj.dapple.count_over_time == "KEEP_DENSITY")
+
+
+def _refused(obj: bpy.types.Object, name: str, frame: int) -> str:
+    said = f"Surface '{name}' has no faces at frame {frame}"
+    if len(obj.dapple.classes):
+        return f"{said}: points of object types cannot appear again behind it"
+    return f"{said}: set New Topology to Reattach to have no points there"
