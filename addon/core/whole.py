@@ -2,6 +2,7 @@
 """Files that are there as a whole or not at all, however the process ends."""
 
 import glob
+import hashlib
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,14 +27,18 @@ def replacing(path: Path, part: Path) -> Iterator[Path]:
 
 
 def part_of(path: Path) -> Path:
-    """A name beside a file that no other process uses."""
-    return path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    """A name beside a file that no other process uses, however long that of the file is."""
+    return path.with_name(f".{_short(path)}.{os.getpid()}.part{path.suffix}")
 
 
 def remove_parts(path: Path) -> None:
     """Remove what killed processes have left of a file."""
-    for part in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}*"):
+    for part in path.parent.glob(f".{_short(path)}.*.part{glob.escape(path.suffix)}*"):
         part.unlink(missing_ok=True)
+
+
+def _short(path: Path) -> str:
+    return hashlib.blake2b(os.fsencode(path.name), digest_size=8).hexdigest()
 
 
 def _sync(path: Path, flags: int) -> None:

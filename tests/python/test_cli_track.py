@@ -81,6 +81,14 @@ def test_refuses_frames(tmp_path, motion, mesh, torus):
     assert not out.exists()
 
 
+def test_points_of_a_class_that_is_too_large_are_named(tmp_path, motion):
+    points = tmp_path / "first.npz"
+    classes = np.array([0, 0, 2**31 - 1])
+    np.savez(points, positions=np.eye(3), classes=classes)
+    told = refused("track", motion, tmp_path / "out.npz", "--points", points)
+    assert f"{points}: class of point 2 is 2147483647: 1000000 at most is needed" in told
+
+
 def test_begins_with_points_of_a_file(tmp_path, motion):
     points, out = tmp_path / "first.npz", tmp_path / "points.npz"
     with np.load(motion) as stored:

@@ -47,3 +47,31 @@ def test_is_one_on_a_plane():
 def test_names_the_option_out_of_range(surface, option, value):
     with pytest.raises(ValueError, match=rf"{option} is {value}"):
         dapple.curvature_density(surface, **{option: value})
+
+
+def thin(width: float, rows: int, height: float) -> dapple.Surface:
+    """A strip of length 1, flat or waved."""
+    y, x = np.mgrid[: rows + 1, :61].astype(float)
+    vertices = np.stack([x / 60, width * y, height * np.sin(x / 8)], axis=2).reshape(-1, 3)
+    corner = (np.arange(rows)[:, None] * 61 + np.arange(60)).ravel()
+    beside, above, across = corner + 1, corner + 61, corner + 62
+    faces = np.stack([[corner, beside, across], [corner, across, above]], axis=2)
+    return dapple.Surface(vertices, faces.T.reshape(-1, 3))
+
+
+@pytest.mark.parametrize("smoothing", [0, 2, 5])
+@pytest.mark.parametrize("rows", [1, 6])
+@pytest.mark.parametrize("height", [0.0, 0.1])
+@pytest.mark.parametrize("width", [1e-2, 1e-6, 1e-9, 1e-12])
+def test_is_finite_on_strips_that_are_welded_to_themselves(width, height, rows, smoothing):
+    surface = thin(width, rows, height)
+    found = dapple.curvedness(surface, smoothing=smoothing)
+    assert np.isfinite(found).all()
+    assert height > 0.0 or found.max() < 1e-6
+    assert np.isfinite(dapple.curvature_density(surface, smoothing=smoothing)).all()
+
+
+def test_is_finite_beside_a_spike():
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1e6, 1e6, 1]]
+    surface = dapple.Surface(vertices, [[0, 1, 2], [1, 3, 2]])
+    assert np.isfinite(dapple.curvedness(surface)).all()

@@ -219,13 +219,13 @@ def test_what_gltf_cannot_hold_is_refused(tmp_path, plants, whole):
     uneven = Instances(np.zeros((1, 3)), scales=[[1.0, 2, 3]])
     with pytest.raises(ValueError, match=r"scales\[0\] differs along the axes, and the prototype"):
         gltf.write(out, uneven, prototypes=[Reference(slanted)])
-    with pytest.raises(ValueError, match="ids go up to 16777217: glTF holds 16777216"):
+    with pytest.raises(ValueError, match=r"ids\[0\] is 16777217: glTF holds whole numbers up to"):
         gltf.write(out, Instances(np.zeros((1, 3)), ids=[2**24 + 1]))
     with pytest.raises(ValueError, match="grass has 2 frames: glTF holds one"):
         gltf.write_scatters(out, [Scatter("grass", [whole, whole])])
     with pytest.raises(ValueError, match="has no node 'tree'"):
         gltf.write(out, whole, prototypes=[Reference(plants, "tree")] * 3)
-    with pytest.raises(ValueError, match="TRANSLATION has numbers that are no 32-bit floats"):
+    with pytest.raises(ValueError, match=r"positions\[0\] is no 32-bit float: \[1e\+40"):
         gltf.write(out, Instances(np.full((1, 3), 1e40)))
     with pytest.raises(ValueError, match=r"points.usd: a glTF file ends with .glb, .gltf"):
         gltf.write(tmp_path / "points.usd", whole)
@@ -315,3 +315,20 @@ def test_several_scatters_share_a_file(tmp_path, whole):
     assert [node["name"] for node in roots] == ["grass", "trees"]
     assert [len(node["children"]) for node in roots] == [3, 3]
     assert len(gltf.read(tmp_path / "points.gltf")) == 100
+
+
+def test_a_prototype_of_a_file_with_an_index_without_a_vertex_is_named(tmp_path, plants, whole):
+    gltf.write(tmp_path / "leaf.glb", Instances(np.zeros((1, 3))), prototypes=[TRIANGLE])
+    document = gltf.load(tmp_path / "leaf.glb")
+    indices = document.tree["meshes"][0]["primitives"][0]["indices"]
+    start = document.tree["bufferViews"][document.tree["accessors"][indices]["bufferView"]]
+    document.blob[start["byteOffset"] + 4] = 9
+    (tmp_path / "wrong.glb").write_bytes(gltf._encoded(document, ".glb"))
+    with pytest.raises(ValueError, match=r"wrong\.glb: .*index 1 of mesh 0 is 9: there are 3"):
+        gltf.write(tmp_path / "p.glb", whole, prototypes=[Reference(tmp_path / "wrong.glb")] * 3)
+
+
+def test_a_class_of_a_large_number_needs_no_more_than_one_node(tmp_path):
+    gltf.write(tmp_path / "p.gltf", Instances(np.eye(3), classes=[0, 7, 2**31 - 1]))
+    assert len(tree_of(tmp_path / "p.gltf")["nodes"]) == 4
+    assert gltf.read(tmp_path / "p.gltf").classes.tolist() == [0, 7, 2**31 - 1]

@@ -112,6 +112,14 @@ def test_what_has_no_direction_is_named():
         ({"ids": np.array(["a", "b"])}, r"ids is str32 \(2,\): numbers \(2,\) are needed"),
         ({"normals": [[0, 0, 1], [np.inf, 0, 0]]}, r"normals\[1\] is not finite: \[inf"),
         ({"classes": [0, -1]}, r"classes\[1\] is not at least 0: -1"),
+        ({"ids": [1.5, 1.7]}, r"ids\[0\] is 1\.5: a whole number of 64 bits is needed"),
+        ({"ids": [0.0, 1e19]}, r"ids\[1\] is 1e\+19: a whole number of 64 bits"),
+        ({"ids": np.array([0, 2**63], np.uint64)}, r"ids\[1\] is 9223372036854775808: a whole"),
+        ({"ids": [0, 2.0**63]}, r"ids\[1\] is 9\.223\d*e\+18: a whole number of 64 bits"),
+        ({"classes": [0, 2**31 + 5]}, r"classes\[1\] is 2147483653: a whole number of 32 bits"),
+        ({"classes": [0, 0.5]}, r"classes\[1\] is 0\.5: a whole number of 32 bits is needed"),
+        ({"prototypes": [2.0**31, 0]}, r"prototypes\[0\] is 2147483648\.0: a whole number of 32"),
+        ({"prototypes": [0, np.nan]}, r"prototypes\[1\] is not finite: nan"),
         ({"orientations": np.ones((2, 3))}, r"orientations .* \(2, 4\) are needed"),
     ],
 )
@@ -178,3 +186,31 @@ def test_velocities_that_are_known_stay():
     known = Instances(np.zeros((1, 3)), velocities=np.ones((1, 3)))
     found = instances.with_velocities([known, Instances(np.ones((1, 3)))], 24)
     assert [frame.velocities.tolist() for frame in found] == [[[1, 1, 1]], [[1, 1, 1]]]
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "said"),
+    [
+        (np.eye(3), [[0, 1, 2], [0, 1, 3]], r"faces\[1\] is \[0, 1, 3\]: there are 3 vertices"),
+        (np.eye(3), [[0, 1, -1]], r"faces\[0\] is \[0, 1, -1\]: there are 3 vertices"),
+        (np.eye(3), [[0, 1, 1.5]], r"faces\[0\] is 1\.5: a whole number of 32 bits is needed"),
+        (np.eye(3), [[0, 1, 2**32]], r"faces\[0\] is 4294967296: a whole number of 32 bits"),
+        (np.eye(3), [[0, 1, 2, 2]], r"faces is int64 \(1, 4\): numbers \(n, 3\) are needed"),
+        (np.eye(3), [0, 1, 2], r"faces is int64 \(3,\): numbers \(n, 3\) are needed"),
+        (np.eye(2), [[0, 1, 1]], r"vertices is float64 \(2, 2\): numbers \(n, 3\)"),
+        (np.full((3, 3), np.nan), [[0, 1, 2]], r"vertices\[0\] is not finite: \[nan"),
+        ([], [[0, 1, 2]], r"faces\[0\] is \[0, 1, 2\]: there are 0 vertices"),
+    ],
+)
+def test_a_prototype_that_is_no_mesh_is_named(vertices, faces, said):
+    with pytest.raises(ValueError, match=said):
+        instances.Mesh(np.asarray(vertices), np.asarray(faces))
+
+
+def test_whole_numbers_of_every_type_stay_exact():
+    for kind in (np.int8, np.uint8, np.int32, np.uint64, np.float32, np.float64):
+        found = Instances(np.zeros((2, 3)), ids=np.array([0, 100], kind), classes=np.ones(2, kind))
+        assert (found.ids.dtype, found.ids.tolist()) == (np.int64, [0, 100])
+        assert found.classes.dtype == np.int32
+    edge = np.array([-(2**63), 2**63 - 1])
+    assert Instances(np.zeros((2, 3)), ids=edge).ids.tolist() == edge.tolist()

@@ -184,7 +184,10 @@ def test_several_scatters_share_a_file(tmp_path, whole, motion):
     scatters = [Scatter("grass", motion), Scatter("trees", [whole] * 3)]
     usd.write_scatters(tmp_path / "points.usda", scatters, times=[3, 4, 5])
     check_same(usd.read(tmp_path / "points.usda", "/dapple/grass").frames[2], motion[2])
-    check_same(*usd.read(tmp_path / "points.usda", "/dapple/trees").frames, whole)
+    still = usd.read(tmp_path / "points.usda", "/dapple/trees")
+    assert still.times.tolist() == [3, 4, 5]
+    for frame in still.frames:
+        check_same(frame, whole)
     with pytest.raises(ValueError, match="name is 'grass', which another scatter has too"):
         usd.write_scatters(tmp_path / "two.usda", [scatters[0], scatters[0]])
     with pytest.raises(ValueError, match=r"scatters have \[1, 3\] frames: the same number"):
@@ -279,3 +282,40 @@ except ImportError as error:
 """
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout == usd.MISSING + "\n"
+
+
+@pytest.mark.parametrize("suffix", usd.SUFFIXES)
+@pytest.mark.parametrize("times", [[5], [-3.5], [0], [5, 6, 7], [1, 2]])
+def test_still_frames_come_back_at_their_times(tmp_path, whole, suffix, times):
+    usd.write(tmp_path / f"p{suffix}", [whole] * len(times), times=times)
+    found = usd.read(tmp_path / f"p{suffix}")
+    assert found.times.tolist() == times
+    for frame in found.frames:
+        check_same(frame, whole)
+
+
+def test_a_class_of_a_large_number_needs_no_more_than_one_prototype(tmp_path):
+    few = Instances(np.eye(3), classes=[7, 0, 2**31 - 1], ids=[3, 4, 5])
+    usd.write(tmp_path / "p.usda", [few, few], times=[1, 2])
+    found = usd.read(tmp_path / "p.usda")
+    assert [name.rpartition("_")[2] for name in found.prototypes] == ["0", "7", "2147483647"]
+    for frame in found.frames:
+        check_same(frame, few)
+    stage = Usd.Stage.Open(str(tmp_path / "p.usda"))
+    prim = UsdGeom.PointInstancer(stage.GetPrimAtPath("/dapple/points"))
+    assert list(prim.GetProtoIndicesAttr().Get()) == [1, 0, 2]
+
+
+def test_a_prototype_of_a_file_with_wrong_faces_is_named(tmp_path, whole):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "wrong.usda"))
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/leaf").GetPrim())
+    mesh = UsdGeom.Mesh.Define(stage, "/leaf/mesh")
+    mesh.GetPointsAttr().Set([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    mesh.GetFaceVertexCountsAttr().Set([3])
+    mesh.GetFaceVertexIndicesAttr().Set([0, 1, 7])
+    stage.Save()
+    for held in (False, True):
+        wrong = Reference(tmp_path / "wrong.usda", held=held)
+        with pytest.raises(ValueError, match=r"wrong\.usda: /leaf/mesh: .*7"):
+            usd.write(tmp_path / "p.usda", whole, prototypes=[wrong] * 3)
+    assert not (tmp_path / "p.usda").exists()

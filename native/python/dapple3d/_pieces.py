@@ -2,6 +2,7 @@
 """Motions of any length, smooth both ways in time: piece by piece, in the memory of one."""
 
 from collections.abc import Iterable, Iterator
+from operator import index
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -44,6 +45,7 @@ def track_pieces(
         ValueError: samples that are not of the surface, or an option out of range.
         Cancelled: through the context.
     """
+    piece, overlap = index(piece), index(overlap)
     if not 0 <= overlap < piece:
         raise ValueError(f"overlap is {overlap}: it must be in 0..{piece - 1}, below piece")
     tracker = WindowTracker(surface, samples, context=context, **options)

@@ -203,13 +203,13 @@ def _add_scatter(
     if len(scatter.frames) != 1:
         raise ValueError(f"{scatter.name} has {len(scatter.frames)} frames: glTF holds one")
     (found,) = scatter.frames
+    _check_ids(found)
     moved = _standing(found, up, meters_per_unit)
     children = []
-    shapes = scatter.prototypes or [_ball(scatter.radius)] * scatter.needed
-    for k, shape in enumerate(shapes):
+    ball = None if scatter.prototypes else _ball(scatter.radius)
+    for k in scatter.used.tolist() if len(found) else ():
+        shape = ball or scatter.prototypes[k]
         there = _Placed.of(moved, found.placed == k)
-        if len(there.positions) == 0:
-            continue
         if isinstance(shape, Reference):
             parts = _merge(document, shape, target)
         else:
@@ -268,23 +268,36 @@ class _Placed:
             "SCALE": self.scales,
         }
         if self.ids is not None:
-            if (np.abs(self.ids) > LARGEST_ID).any():
-                raise ValueError(f"ids go up to {np.abs(self.ids).max()}: glTF holds {LARGEST_ID}")
             arrays["_ID"] = self.ids
         return {name: document.add_array(_single(name, values)) for name, values in arrays.items()}
+
+
+def _check_ids(found: Instances) -> None:
+    """Raise ValueError, naming the first id that is no 32-bit float."""
+    if found.ids is None:
+        return
+    wrong = np.flatnonzero((found.ids > LARGEST_ID) | (found.ids < -LARGEST_ID))
+    if len(wrong):
+        k = wrong[0]
+        raise ValueError(f"ids[{k}] is {found.ids[k]}: glTF holds whole numbers up to {LARGEST_ID}")
 
 
 def _single(name: str, values: NDArray) -> NDArray[np.float32]:
     with np.errstate(over="ignore"):
         single = np.ascontiguousarray(values, "<f4")
-    if not np.isfinite(single).all():
-        raise ValueError(f"{name} has numbers that are no 32-bit floats")
+    wrong = ~np.isfinite(single.reshape(len(single), -1)).all(axis=1)
+    if wrong.any():
+        k = int(wrong.argmax())
+        raise ValueError(f"{name}[{k}] is no 32-bit float: {values[k].tolist()}")
     return single
 
 
 def _standing(found: Instances, up: Up, factor: float) -> Instances:
     """In meters, y up."""
     positions, turns, scales = found.positions * factor, found.orientations, found.scales
+    for name, values in (("positions", positions), ("scales", scales)):
+        if values is not None:
+            _single(name, values)
     if up == "Z":
         positions = _with_y_up(positions)
         if turns is not None:
@@ -312,7 +325,7 @@ def _matrices(turns: NDArray) -> NDArray:
 
 
 def _add_mesh(document: Document, mesh: Mesh, up: Up, factor: float) -> int:
-    vertices = np.asarray(mesh.vertices, np.float64) * factor
+    vertices = mesh.vertices * factor
     if up == "Z":
         vertices = _with_y_up(vertices)
     faces = np.ascontiguousarray(mesh.faces, "<u4").ravel()
@@ -358,6 +371,9 @@ def _merge(
         found = _meshes_below(other, starts)
     if not found:
         raise ValueError(f"{reference.path}: has no mesh")
+    with reading(reference.path):
+        for number in {mesh for mesh, _ in found}:
+            _check_indices(other, number)
     key = Path(reference.path).resolve()
     if key not in document.merged:
         document.merged[key] = {name: len(document.tree.get(name, ())) for name in MERGED}
@@ -365,6 +381,21 @@ def _merge(
             _take_over(document, other, key, target)
     first = document.merged[key]["meshes"]
     return [(mesh + first, matrix) for mesh, matrix in found]
+
+
+def _check_indices(document: Document, number: int) -> None:
+    """Raise ValueError if a primitive of a mesh has an index without a vertex."""
+    for primitive in document.tree["meshes"][number]["primitives"]:
+        if "indices" not in primitive or "POSITION" not in primitive["attributes"]:
+            continue
+        vertices = len(document.array(primitive["attributes"]["POSITION"]))
+        indices = document.array(primitive["indices"])
+        wrong = np.flatnonzero(indices >= vertices)
+        if len(wrong):
+            k = wrong[0]
+            raise ValueError(
+                f"index {k} of mesh {number} is {indices[k]:g}: there are {vertices} vertices"
+            )
 
 
 def _take_over(document: Document, other: Document, source: Path, target: Path) -> None:

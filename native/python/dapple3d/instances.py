@@ -43,7 +43,9 @@ ROWS: dict[str, tuple[int, ...]] = {
     "classes": (),
     "prototypes": (),
 }
-TYPES = {"ids": np.int64, "classes": np.int32, "prototypes": np.int32}
+TYPES: dict[str, type[np.signedinteger]] = {
+    **{"ids": np.int64, "classes": np.int32, "prototypes": np.int32},
+}
 COUNTED = ("classes", "prototypes")
 
 
@@ -75,6 +77,18 @@ class Mesh:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        """Check what was given.
+
+        Raises:
+            ValueError: naming the array, the rule and the first offender.
+        """
+        vertices = _vectors("vertices", self.vertices).astype(np.float64)
+        faces = whole("faces", _vectors("faces", self.faces), np.int32)
+        check_faces(faces, len(vertices))
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", faces)
 
 
 @dataclass(frozen=True)
@@ -129,14 +143,63 @@ def _checked(name: str, values: ArrayLike, count: int) -> NDArray:
     array, shape = np.asarray(values), (count, *ROWS[name])
     if array.shape != shape or array.dtype.kind not in "fiu":
         raise ValueError(f"{name} is {array.dtype.name} {array.shape}: numbers {shape} are needed")
+    _check_finite(name, array)
+    if name not in TYPES:
+        return array.astype(np.float64)
+    found = whole(name, array, TYPES[name])
+    if name in COUNTED and (found < 0).any():
+        k = int((found < 0).argmax())
+        raise ValueError(f"{name}[{k}] is not at least 0: {found[k]}")
+    return found
+
+
+def _vectors(name: str, values: ArrayLike) -> NDArray:
+    """(n, 3) finite numbers."""
+    array = np.asarray(values)
+    if array.size == 0:
+        array = array.reshape(-1, 3) if array.ndim < 2 else array
+    if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "fiu":
+        raise ValueError(f"{name} is {array.dtype.name} {array.shape}: numbers (n, 3) are needed")
+    _check_finite(name, array)
+    return array
+
+
+def _check_finite(name: str, array: NDArray) -> None:
     bad = ~np.isfinite(array).all(axis=tuple(range(1, array.ndim)))
-    if name in COUNTED:
-        bad |= array < 0
     if bad.any():
         k = int(bad.argmax())
-        rule = "at least 0" if name in COUNTED else "finite"
-        raise ValueError(f"{name}[{k}] is not {rule}: {array[k].tolist()}")
-    return array.astype(TYPES.get(name, np.float64))
+        raise ValueError(f"{name}[{k}] is not finite: {array[k].tolist()}")
+
+
+def whole(name: str, values: NDArray, kind: type[np.signedinteger]) -> NDArray:
+    """Finite numbers as whole ones of a kind.
+
+    Raises:
+        ValueError: naming the first row with one that is not whole, or too large.
+    """
+    bits, least = np.iinfo(kind).bits, np.iinfo(kind).min
+    most = -float(least)  # the first that is too large, which floating-point numbers hold
+    if values.dtype.kind == "f":
+        fits = (values == np.floor(values)) & (values >= least) & (values < most)
+    else:
+        fits = (values >= least) & (values <= np.iinfo(kind).max)
+    wrong = np.argwhere(~fits)
+    if len(wrong):
+        row, value = wrong[0][0], values[tuple(wrong[0])]
+        raise ValueError(f"{name}[{row}] is {value!s}: a whole number of {bits} bits is needed")
+    return values.astype(kind)
+
+
+def check_faces(faces: NDArray, vertices: int) -> None:
+    """Refuse faces without vertices.
+
+    Raises:
+        ValueError: naming the first one.
+    """
+    wrong = ((faces < 0) | (faces >= vertices)).any(axis=1)
+    if wrong.any():
+        k = int(wrong.argmax())
+        raise ValueError(f"faces[{k}] is {faces[k].tolist()}: there are {vertices} vertices")
 
 
 @dataclass(frozen=True)
@@ -147,7 +210,7 @@ class Scatter:
         name: letters, digits and _.
         frames: the instances; their number may change.
         prototypes: what stands at class 0, 1, ..., or at those that the instances name; none are
-            small balls, one for each class.
+            small balls, one for each class that there is.
     """
 
     name: str
@@ -175,6 +238,12 @@ class Scatter:
     def needed(self) -> int:
         """How many prototypes stand somewhere; at least one."""
         return max(int(frame.placed.max(initial=0)) for frame in self.frames) + 1
+
+    @property
+    def used(self) -> NDArray[np.int32]:
+        """Numbers of the prototypes that stand somewhere, increasing; at least one."""
+        numbers = np.unique(np.concatenate([frame.placed for frame in self.frames]))
+        return numbers if len(numbers) else np.zeros(1, np.int32)
 
     @property
     def radius(self) -> float:

@@ -258,7 +258,7 @@ def to_svg(dots: Dots) -> str:
 
     A dot is a line of no length with round ends; places are rounded to 1/100 pixel.
     """
-    width, height = dots.size
+    width, height = map(int, dots.size)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
         f'width="{width}" height="{height}">\n'
@@ -279,7 +279,7 @@ def to_pdf(dots: Dots) -> bytes:
 
     Places are rounded to 1/100 pixel.
     """
-    width, height = dots.size
+    width, height = map(int, dots.size)
     lines = [f"1 J {2.0 * dots.radius:.6g} w"]
     for name, places in _by_ink(dots):
         lines.append("{:g} {:g} {:g} RG".format(*(level / 255 for level in COLORS[name])))

@@ -10,6 +10,7 @@ Chen et al. 2012, section 5.3 and Fig. 16b. Images have row 0 at the bottom, as 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import index
 from typing import Any, Final
 
 import numpy as np
@@ -55,7 +56,9 @@ def turns(ids: ArrayLike, seed: int = 0) -> NDArray[np.float64]:
         seed: another number, other angles.
     """
     with np.errstate(over="ignore"):
-        bits = np.asarray(ids).astype(np.uint64) + np.uint64(seed % 2**64) * np.uint64(_GOLDEN)
+        bits = np.asarray(ids).astype(np.uint64) + np.uint64(index(seed) % 2**64) * np.uint64(
+            _GOLDEN
+        )
         for shift, factor in _ROUNDS:
             bits = (bits ^ (bits >> np.uint64(shift))) * np.uint64(factor)
         bits ^= bits >> np.uint64(31)
@@ -118,6 +121,7 @@ def bake(
         ValueError: a class without a decal, or what texels() and decal_cover() refuse.
         Cancelled: through the context.
     """
+    rows, columns, oversampling, margin = map(index, (rows, columns, oversampling, margin))
     if oversampling < 1:
         raise ValueError(f"oversampling is {oversampling}: it must be at least 1")
     missing = np.flatnonzero((samples.classes < 0) | (samples.classes >= len(decals)))

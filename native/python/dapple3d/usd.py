@@ -11,11 +11,12 @@ rounded to those.
 
 import errno
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,6 +41,7 @@ VECTORS = {
 }
 ALIGNED = ("positions", "velocities")  # USD uses velocities at the times of the positions alone
 OTHERS = ("protoIndices", "primvars:classes", "ids", "orientations", "orientationsf")
+CLASS = re.compile(r"class_[0-9]{1,10}")
 MISSING = "USD files need the module pxr, which is missing: pip install usd-core"
 
 
@@ -173,9 +175,9 @@ def _stage(codes: list[float] | None, fps: float, up: Up, meters_per_unit: float
             raise ValueError(f"{name} is {value}: a number > 0 is needed")
     stage = pxr.Usd.Stage.CreateInMemory()
     pxr.UsdGeom.SetStageUpAxis(stage, up)
-    pxr.UsdGeom.SetStageMetersPerUnit(stage, meters_per_unit)
-    stage.SetTimeCodesPerSecond(fps)
-    stage.SetFramesPerSecond(fps)
+    pxr.UsdGeom.SetStageMetersPerUnit(stage, float(meters_per_unit))
+    stage.SetTimeCodesPerSecond(float(fps))
+    stage.SetFramesPerSecond(float(fps))
     if codes:
         stage.SetStartTimeCode(codes[0])
         stage.SetEndTimeCode(codes[-1])
@@ -194,18 +196,29 @@ def _add_instancer(stage: Any, scatter: Scatter, codes: list[float] | None) -> N
         raise ValueError(f"name is {name!r}, which another scatter has too")
     instancer = pxr.UsdGeom.PointInstancer.Define(stage, path)
     below = str(pxr.UsdGeom.Scope.Define(stage, f"{path}/prototypes").GetPath())
-    balls = [scatter.radius] * scatter.needed
-    paths = [
-        _add_prototype(stage, below, k, one) for k, one in enumerate(scatter.prototypes or balls)
-    ]
+    shapes: dict[int, Reference | Mesh | float] = dict(enumerate(scatter.prototypes))
+    if not shapes:
+        shapes = dict.fromkeys(scatter.used.tolist(), scatter.radius)
+    paths = [_add_prototype(stage, below, k, one) for k, one in shapes.items()]
     if len(set(paths)) < len(paths):
         twice = next(one for one in paths if paths.count(one) > 1)
         raise ValueError(f"prototypes has {Path(twice).name} twice: a file holds it once")
     instancer.GetPrototypesRel().SetTargets(paths)
-    _add_arrays(instancer.GetPrim(), scatter.frames, codes)
+    _add_arrays(
+        instancer.GetPrim(), [_numbered(one, list(shapes)) for one in scatter.frames], codes
+    )
     for code in codes or [pxr.Usd.TimeCode.Default()]:
         extent = instancer.ComputeExtentAtTime(code, code)
         instancer.GetExtentAttr().Set(extent, code)
+
+
+def _numbered(frame: Instances, numbers: list[int]) -> Instances:
+    """With prototypes as their places among those that there are, if some are left out."""
+    if numbers == list(range(len(numbers))):
+        return frame
+    places = np.searchsorted(numbers, frame.placed).astype(np.int32)
+    classes = frame.placed if frame.classes is None else frame.classes
+    return replace(frame, classes=classes, prototypes=places)
 
 
 def _add_prototype(stage: Any, below: str, k: int, shape: Reference | Mesh | float) -> str:
@@ -256,7 +269,26 @@ def _prim_of(stage: Any, reference: Reference) -> Any:
     if not prim:
         missing = f"no prim {reference.prim}" if reference.prim else "no default prim: name one"
         raise ValueError(f"{reference.path}: has {missing}")
+    for below in _pxr().Usd.PrimRange(prim):
+        if below.IsA(_pxr().UsdGeom.Mesh):
+            _check_topology(reference, _pxr().UsdGeom.Mesh(below))
     return prim
+
+
+def _check_topology(reference: Reference, mesh: Any) -> None:
+    """Raise ValueError if the faces of a mesh are not among its points."""
+    first = _pxr().Usd.TimeCode.EarliestTime()
+    corners, counts, points = (
+        found.Get(first) or []
+        for found in (
+            mesh.GetFaceVertexIndicesAttr(),
+            mesh.GetFaceVertexCountsAttr(),
+            mesh.GetPointsAttr(),
+        )
+    )
+    valid, reason = mesh.ValidateTopology(corners, counts, len(points))
+    if not valid:
+        raise ValueError(f"{reference.path}: {mesh.GetPath()}: {' '.join(reason.split())}")
 
 
 def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | None) -> None:
@@ -399,9 +431,23 @@ def _outermost(stage: Any) -> Iterator[Any]:
 
 
 def _times(prim: Any) -> list[float]:
-    attributes = [prim.GetAttribute(name) for name in (*OTHERS, *VECTORS.values())]
-    samples = [attribute.GetTimeSamples() for attribute in attributes if attribute]
-    return sorted({time for times in samples for time in times}) or [0.0]
+    """Those of the arrays; of arrays that stay the same those of the extent."""
+    for names in ((*OTHERS, *VECTORS.values()), ("extent",)):
+        attributes = [prim.GetAttribute(name) for name in names]
+        samples = [attribute.GetTimeSamples() for attribute in attributes if attribute]
+        if any(samples):
+            return sorted({time for times in samples for time in times})
+    return [0.0]
+
+
+def _stand_at(prim: Any, placed: NDArray, classes: NDArray) -> bool:
+    """Whether prototypes were left out, and what is named after a class stands at its points."""
+    targets = _pxr().UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
+    names = [target.name for target in targets]
+    numbers = [int(name[6:]) if CLASS.fullmatch(name) else -1 for name in names]
+    if numbers == list(range(len(numbers))) or ((placed < 0) | (placed >= len(numbers))).any():
+        return False
+    return np.array_equal(np.array(numbers, np.int64)[placed], classes)
 
 
 def _frame(prim: Any, time: float) -> Instances:
@@ -418,6 +464,8 @@ def _frame(prim: Any, time: float) -> Instances:
     if positions is None:
         raise ValueError(f"{prim.GetPath()} has no positions")
     placed, classes = array("protoIndices"), array("primvars:classes")
+    if placed is not None and classes is not None and _stand_at(prim, placed, classes):
+        placed, classes = classes, None
     return Instances(
         positions,
         None if turns is None else np.roll(turns, 1, axis=1),

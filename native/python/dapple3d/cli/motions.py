@@ -44,7 +44,7 @@ def read(path: Path) -> Motion:
             found = usd.read(path)
             frames = [points.of_instances(frame) for frame in found.frames]
             scene = {name: getattr(found, name) for name in ("fps", "up", "meters_per_unit")}
-            return Motion(frames, found.times if len(frames) > 1 else None, scene)
+            return Motion(frames, found.times if found.times.any() else None, scene)
     if suffix == ".npz":
         arrays = load_npz(path)
         if "starts" in arrays:

@@ -5,7 +5,7 @@ All digits are kept, but by USD and glTF, whose numbers have 32 bits.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, Any
 
@@ -57,6 +57,7 @@ class Points:
 
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
+EXACT = 2**53  # whole numbers up to it are 64-bit floats
 SINGLE = 1e-6  # of coordinates that a mesh's file keeps in single precision
 TOUCH = 1e-3  # of the spacing
 CARRIED = ("uv", "colors", "polygons")  # of a mesh
@@ -108,10 +109,12 @@ def write_points(path: Path, points: Points) -> None:
     """Write in the format of the extension; the file is whole or not there.
 
     Raises:
-        ClickException: no points can be written with this extension.
+        ClickException: no points can be written with this extension, or a number does not fit.
         OSError: naming the file.
     """
     suffix = check_extension(path)
+    with about(path):
+        points = _fitting(points)
     if suffix in SCENES:
         with about(path):
             module = usd if suffix in usd.SUFFIXES else gltf
@@ -119,6 +122,32 @@ def write_points(path: Path, points: Points) -> None:
         return
     with replacing(path) as file:
         WRITERS[suffix](file, points)
+
+
+def _fitting(points: Points) -> Points:
+    """The points with whole numbers where files have them.
+
+    Raises:
+        ValueError: naming the first number that does not fit.
+    """
+    given = {name: getattr(points, name) for name in WHOLE}
+    fields: dict[str, Any] = {
+        name: whole(name, np.asarray(values))
+        for name, values in given.items()
+        if values is not None
+    }
+    for name, values in points.attributes.items():
+        _check_exact(name, values)
+    return replace(points, **fields)
+
+
+def _check_exact(name: str, values: NDArray) -> None:
+    """Raise ValueError, naming the first whole number that is no floating-point number."""
+    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
+        wrong = np.argwhere((values > EXACT) | (values < -EXACT))
+        if len(wrong):
+            row, value = wrong[0][0], values[tuple(wrong[0])]
+            raise ValueError(f"{name} of point {row} is {value}: whole numbers end at {EXACT}")
 
 
 def check_extension(path: Path) -> str:

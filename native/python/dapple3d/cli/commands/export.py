@@ -137,7 +137,7 @@ def chosen(
         if frame > count:
             raise click.ClickException(f"{source}: has {count} frames, so there is no {frame}")
         return motions.Motion(motion.frames[frame - 1 : frame], scene=motion.scene)
-    if start is None or count == 1:
+    if start is None:
         return motion
     times = np.arange(1.0 * count) if motion.times is None else motion.times - motion.times[0]
     return replace(motion, times=start + times)

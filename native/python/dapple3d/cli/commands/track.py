@@ -21,6 +21,7 @@ from dapple3d.cli.work import Work
 from dapple3d.distributed.shots import changing_arrays, motion_arrays
 from dapple3d.writing import replacing, write_npz
 
+LARGEST_CLASS = 1_000_000
 # Options of sample(), for the first frame, that mean the same to the tracker.
 START = {*options.library_defaults("sample")} & {*options.library_defaults("Tracker")} - {
     "max_evaluations"  # of each frame
@@ -126,7 +127,7 @@ def command(
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
         if points:
             first = bound(loaded.surface, points)
-            tracking |= of_classes(first)
+            tracking |= of_classes(points, first)
         else:
             count = options.counted(loaded.surface, count, spacing)
             first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
@@ -220,8 +221,18 @@ def turnover(results: Sequence[Any], keep_density: bool) -> str:
     return f", {births} appear, {sum(samples.report.deaths for samples in results)} vanish"
 
 
-def of_classes(first: dapple.Samples) -> dict[str, Any]:
-    """How many points each class has, for the tracker, if there are several."""
+def of_classes(path: Path, first: dapple.Samples) -> dict[str, Any]:
+    """How many points each class has, for the tracker, if there are several.
+
+    Raises:
+        ClickException: naming the first point of a class that is too large to count up to.
+    """
+    large = np.flatnonzero(first.classes > LARGEST_CLASS)
+    if len(large):
+        k = large[0]
+        raise click.ClickException(
+            f"{path}: class of point {k} is {first.classes[k]}: {LARGEST_CLASS} at most is needed"
+        )
     counts = np.bincount(first.classes).tolist()
     return {"classes": counts} if len(counts) > 1 else {}
 
