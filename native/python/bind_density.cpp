@@ -34,10 +34,15 @@ double number_of(const char* name, const py::object& value) {
                       ": it is too large for a number of 64 bits");
 }
 
+/// A number of Python or numpy, or what else can become one, but no array with an axis.
+bool is_number(const py::object& value) {
+  if (py::isinstance<py::array>(value)) return value.cast<py::array>().ndim() == 0;
+  return py::hasattr(value, "__float__");
+}
+
 /// One number for all of `count`, or one for each.
 DoubleArray numbers_of(const char* name, const py::object& value, py::ssize_t count) {
-  if (!py::isinstance<py::float_>(value) && !py::isinstance<py::int_>(value))
-    return doubles(name, value, 0);
+  if (!is_number(value)) return doubles(name, value, 0);
   DoubleArray numbers(count);
   std::fill_n(numbers.mutable_data(), count, number_of(name, value));
   return numbers;

@@ -29,8 +29,7 @@ bool put(const fs::path& path, const std::string& content) {
 
 fs::path beside(const fs::path& path) {
   std::random_device random;
-  fs::path name(".");  // piece by piece: GCC 12 warns of strings that it joins itself
-  name += path.filename();
+  fs::path name(".");  // no part of it is the file's own name, which may be as long as names can be
   name += std::to_string(random());
   name += std::to_string(random());
   name += ".part";

@@ -114,13 +114,19 @@ class CurvatureField {
   [[nodiscard]] Face corners(std::size_t f) const {
     return surface_.ordered().welded_corners(nth_face(f));
   }
+  /// Whether a face says nothing of the curvature: it has no area, or two of its corners are
+  /// welded.
+  [[nodiscard]] bool is_lost(std::size_t f) const {
+    const auto [a, b, c] = corners(f);
+    return geometry(f).moments.area <= 0.0 || a == b || b == c || c == a;
+  }
   [[nodiscard]] Vec3& normal_at(std::int32_t vertex) { return normals_[as_size(vertex)]; }
 
   /// Max (1999): with these weights the normals are exact if the vertices lie on a sphere.
   void add_normals() {
     for (std::size_t f = 0; f < face_normals_.size(); ++f) {
       check_at(context_, f);
-      if (geometry(f).moments.area <= 0.0) continue;
+      if (is_lost(f)) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const Face face = corners(f);
         const Vec3& apex = surface_.ordered().vertex(face[k]);
@@ -182,7 +188,7 @@ class CurvatureField {
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
       check_at(context_, f);
-      if (geometry(f).moments.area <= 0.0) continue;
+      if (is_lost(f)) continue;
       const Face face = corners(f);
       const bool inner = std::none_of(face.begin(), face.end(),
                                       [&](std::int32_t v) { return at_border[as_size(v)]; });
@@ -197,7 +203,7 @@ class CurvatureField {
     std::vector<WeightedTensor> parts(face_normals_.size());
     for (std::size_t f = 0; f < parts.size(); ++f) {
       check_at(context_, f);
-      if (geometry(f).moments.area <= 0.0) continue;
+      if (is_lost(f)) continue;
       for (const std::int32_t v : corners(f))
         parts[f].add(tensors_[as_size(v)], normals_[as_size(v)], face_normals_[f], 1.0 / 3.0);
     }
