@@ -40,6 +40,24 @@ def ribbon():
     bpy.context.object.scale = (4, 0.01, 1)
 
 
+def plate():
+    bpy.ops.mesh.primitive_cube_add(size=1, scale=(1, 1, 0.002))
+
+
+def thick_sheet():
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=60, y_subdivisions=60, size=1)
+    modifier = bpy.context.object.modifiers.new("Solidify", "SOLIDIFY")
+    modifier.thickness = 0.006
+
+
+@pytest.mark.parametrize("make", [plate, thick_sheet])
+def test_plates_and_solidified_sheets_are_even_on_both_sides(addon, make):
+    report = strewn(make, 1000).dapple.report
+    assert report.capacity_variation <= 0.01
+    assert report.evaluations <= 40
+    assert report.alpha_min > 0.6
+
+
 @pytest.mark.parametrize(("make", "count"), [(fence, 200), (rope, 100), (ribbon, 60)])
 def test_thin_bodies_are_even_and_nothing_is_said_of_a_spacing(addon, make, count):
     scatter = strewn(make, count)

@@ -2,6 +2,7 @@
 """Bodies thinner than the spacing are even along their length, and the words of the result true."""
 
 import dapple3d as dapple
+import exact
 import numpy as np
 import pytest
 import shapes
@@ -40,6 +41,22 @@ def test_wires_and_ropes_are_even_along_their_length(mesh, count):
         assert report.capacity_variation <= 0.01
         assert report.evaluations <= 40
         assert report.converged
+
+
+@pytest.mark.parametrize(
+    ("size", "count"), [((1, 1, 0.002), 500), ((1, 0.7, 0.004), 333), ((4, 0.06, 0.002), 60)]
+)
+def test_plates_are_even_on_both_sides(size, count):
+    vertices, faces = exact.cube()
+    surface = dapple.Surface(vertices * size / 2, faces)
+    for seed in SEEDS:
+        samples = dapple.sample(surface, count, seed=seed)
+        assert samples.report.capacity_variation <= 0.01
+        assert samples.report.evaluations <= 40
+        above = samples.positions[:, 2] > 0
+        assert abs(above.sum() - count / 2) <= 1
+        measured = dapple.analyze(surface, samples)
+        assert measured.capacity_variation == pytest.approx(samples.report.capacity_variation)
 
 
 def test_gaps_along_a_wire_are_those_of_equal_parts():

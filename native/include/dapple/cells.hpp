@@ -4,7 +4,10 @@
 #include <array>
 #include <dapple/moments.hpp>
 #include <dapple/option.hpp>
+#include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 namespace dapple {
 
@@ -57,6 +60,11 @@ enum class Cells {
   kConnected,  ///< one that it is connected to along the surface: cells follow the surface
   kEuclidean,  ///< the nearest in space, as in the paper
 };
+
+struct SidedSurface;
+
+/// The two sides of thin walls, from elsewhere: those of another frame, or none.
+using KnownSides = std::optional<std::shared_ptr<const SidedSurface>>;
 
 constexpr std::array<Choice<Cells>, 2> choices_of(Cells) {
   return {{{"connected", Cells::kConnected}, {"euclidean", Cells::kEuclidean}}};

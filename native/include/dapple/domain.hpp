@@ -52,8 +52,13 @@ class Domain {
   /// Length after which the x and y axes come back to where they began; 0 if they do not.
   [[nodiscard]] virtual double period() const { return 0.0; }
 
-  /// A surface to draw points of the domain from; on the torus once around.
-  [[nodiscard]] virtual const Surface& sampling_surface() const = 0;
+  /// A surface of the domain whose components exchange no sites where there are so many; on the
+  /// torus once around.
+  [[nodiscard]] virtual Surface sampling_surface(std::size_t count) const = 0;
+  /// The same to draw the points from that are to become sites.
+  [[nodiscard]] virtual Surface start_surface(std::size_t count) const {
+    return sampling_surface(count);
+  }
   /// Sites of the domain as sites of that surface.
   [[nodiscard]] virtual Sites to_sampling_surface(const Sites& sites) const { return sites; }
 
@@ -65,7 +70,7 @@ class Domain {
 };
 
 class CellBuilders;
-class CutSurfaces;
+class CellSurfaces;
 
 /// Where a point goes that has left a face near it.
 enum class Steps {
@@ -78,8 +83,9 @@ enum class Steps {
 /// to another sheet.
 class SurfaceDomain final : public Domain {
  public:
+  /// \param sides where they are known; otherwise they follow the number of sites
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
-                         Steps steps = Steps::kAnywhere);
+                         Steps steps = Steps::kAnywhere, KnownSides sides = std::nullopt);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
   void update_cells(const Sites& sites, Context* context,
@@ -93,16 +99,18 @@ class SurfaceDomain final : public Domain {
   [[nodiscard]] bool uniform() const override { return surface_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] const Surface& sampling_surface() const override { return surface_; }
+  [[nodiscard]] Surface sampling_surface(std::size_t count) const override;
+  [[nodiscard]] Surface start_surface(std::size_t count) const override;
   void check(const Sites& sites) const override;
 
  private:
   [[nodiscard]] const Projector& projector(const Context* context) const;
+  [[nodiscard]] Surface stepping_surface() const;
 
   Surface surface_;
   Cells cells_;
   Steps steps_;
-  std::shared_ptr<CutSurfaces> cuts_;
+  std::shared_ptr<CellSurfaces> cell_surfaces_;
   std::shared_ptr<CellBuilders> builders_;
   mutable std::mutex making_;
   mutable std::unique_ptr<const Projector> projector_;  // made when it is first needed

@@ -79,7 +79,7 @@ class PlanarDomain final : public FlatDomain {
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
   [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
-  [[nodiscard]] const Surface& sampling_surface() const override { return surface_; }
+  [[nodiscard]] Surface sampling_surface(std::size_t) const override { return surface_; }
 
  private:
   /// \param size width and height of a rectangle; 0 for a polygon
@@ -88,7 +88,7 @@ class PlanarDomain final : public FlatDomain {
   Surface surface_;
   Vec2 size_;
   std::shared_ptr<const Projector> projector_;  // onto the density's support
-  std::shared_ptr<CutSurfaces> cuts_;
+  std::shared_ptr<CellSurfaces> cell_surfaces_;
   Cells cells_ = Cells::kConnected;
 };
 
@@ -125,7 +125,7 @@ class TorusDomain final : public FlatDomain {
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
   [[nodiscard]] std::unique_ptr<FlatDomain> with_density(const Image& density) const override;
-  [[nodiscard]] const Surface& sampling_surface() const override { return period_; }
+  [[nodiscard]] Surface sampling_surface(std::size_t) const override { return period_; }
   [[nodiscard]] Sites to_sampling_surface(const Sites& sites) const override;
 
  private:

@@ -14,6 +14,13 @@ struct Projection {
   std::vector<double> distances;    ///< from the query point
 };
 
+/// Where to look, and how far.
+struct Ray {
+  Vec3 origin;
+  Vec3 direction;  ///< unit
+  double length;
+};
+
 /// Finds the closest point of a surface for many points at once.
 ///
 /// Embree culls in single precision, on a centered and scaled copy and with a margin; candidates
@@ -46,6 +53,11 @@ class Projector {
   /// the lengths differ
   [[nodiscard]] std::vector<std::vector<std::int32_t>> faces_within(
       std::span<const Vec3> points, std::span<const double> radii) const;
+
+  /// For each ray the first face (caller's index) that it meets, -1 if there is none. Faces within
+  /// a few millionths of the surface's size of the origin are not met, and where two are equally
+  /// far any may be the first.
+  [[nodiscard]] std::vector<std::int32_t> first_hits(std::span<const Ray> rays) const;
 
  private:
   struct Scene;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "density/cut_surface.hpp"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -89,17 +87,6 @@ std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t co
     return longest_edge(piece, kNarrow * hexagonal_spacing(area_of(piece) * cell / capacity));
   };
   return std::make_shared<const CutSurface>(refine(surface, criterion, kMostFaces, context));
-}
-
-std::shared_ptr<const CutSurface> CutSurfaces::at(const Surface& surface, std::size_t count,
-                                                  Context* context) {
-  const int order = std::countr_zero(order_of(count));
-  const std::scoped_lock lock(mutex_);
-  const auto known = made_.find(order);
-  if (known != made_.end()) return known->second;
-  // Isolated: no other task that comes here may run on this thread while it holds the lock.
-  return made_[order] =
-             tbb::this_task_arena::isolate([&] { return cut_for(surface, count, context); });
 }
 
 }  // namespace dapple

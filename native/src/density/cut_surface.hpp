@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <map>
 #include <memory>
-#include <mutex>
 
 #include "density/piece_finder.hpp"
 
@@ -38,16 +36,5 @@ class CutSurface {
 /// \throw Cancelled
 [[nodiscard]] std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count,
                                                         Context* context = nullptr);
-
-/// Keeps what cut_for() has made of one surface. Every member may be called from several threads.
-class CutSurfaces {
- public:
-  [[nodiscard]] std::shared_ptr<const CutSurface> at(const Surface& surface, std::size_t count,
-                                                     Context* context = nullptr);
-
- private:
-  std::mutex mutex_;
-  std::map<int, std::shared_ptr<const CutSurface>> made_;  // by the order of magnitude
-};
 
 }  // namespace dapple

@@ -8,11 +8,11 @@
 #include "base/hexagonal.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "density/cut_surface.hpp"
 #include "optimize/cell_builders.hpp"
 #include "surface/local_projection.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/cell_surface.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
@@ -26,11 +26,11 @@ double Domain::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
-SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps)
+SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, KnownSides sides)
     : surface_(surface),
       cells_(cells),
       steps_(steps),
-      cuts_(std::make_shared<CutSurfaces>()),
+      cell_surfaces_(std::make_shared<CellSurfaces>(cells, std::move(sides))),
       builders_(std::make_shared<CellBuilders>()) {}
 
 RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, Context* context) const {
@@ -43,11 +43,11 @@ void SurfaceDomain::update_cells(const Sites& sites, Context* context,
                                  RestrictedVoronoi& diagram) const {
   check_sites(surface_, sites);
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
-  const std::shared_ptr<const CutSurface> cut =
-      cuts_->at(surface_, sites.size(), cutting.context());
-  if (!cut) return builders_->build(surface_, sites, cells_, context, diagram);
-  builders_->build(cut->surface(), cut->on_pieces(sites), cells_, dividing.context(), diagram);
-  remove_unit(diagram, cut->surface().ordered().density_unit() / density_unit());
+  const CellSurface on = cell_surfaces_->at(surface_, sites.size(), cutting.context());
+  if (!on.cut) return builders_->build(on.uncut(surface_), sites, cells_, context, diagram);
+  builders_->build(on.cut->surface(), on.cut->on_pieces(sites), cells_, dividing.context(),
+                   diagram);
+  remove_unit(diagram, on.cut->surface().ordered().density_unit() / density_unit());
 }
 
 Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
@@ -55,10 +55,17 @@ Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::
   if (points.empty()) return {};  // no projector is made for nothing
   const bool walks = steps_ == Steps::kConnected && !hints.empty();
   if (walks) check_hints(surface_, points, hints);
-  Projection found = walks ? LocalProjection(surface_).walk(points, hints, context)
+  const Surface ground = stepping_surface();
+  Projection found = walks ? LocalProjection(ground).walk(points, hints, context)
                            : projector(context).project(points, hints, context);
-  if (!hints.empty() && !walks) LocalProjection(surface_).mend(points, hints, found, context);
+  if (!hints.empty() && !walks) LocalProjection(ground).mend(points, hints, found, context);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+/// Where sites may come to be: on a rim no step would take them off again.
+Surface SurfaceDomain::stepping_surface() const {
+  const std::shared_ptr<const SidedSurface> sided = cell_surfaces_->known(surface_);
+  return sided ? sided->without_rims : surface_;
 }
 
 const Projector& SurfaceDomain::projector(const Context* context) const {
@@ -67,7 +74,8 @@ const Projector& SurfaceDomain::projector(const Context* context) const {
   const std::scoped_lock lock(making_);
   if (!projector_)
     tbb::this_task_arena::isolate([&] {
-      projector_ = std::make_unique<const Projector>(surface_, /*support_only=*/true, context);
+      projector_ =
+          std::make_unique<const Projector>(stepping_surface(), /*support_only=*/true, context);
     });
   return *projector_;
 }
@@ -82,7 +90,15 @@ Vec3 SurfaceDomain::normal(std::int32_t face) const {
 
 std::vector<bool> SurfaceDomain::on_border(const Sites& sites,
                                            const RestrictedVoronoi& diagram) const {
-  return cells_on_border(surface_, sites, diagram);
+  return cells_on_border(sampling_surface(sites.size()), sites, diagram);
+}
+
+Surface SurfaceDomain::sampling_surface(std::size_t count) const {
+  return cell_surfaces_->at(surface_, count).uncut(surface_);
+}
+
+Surface SurfaceDomain::start_surface(std::size_t count) const {
+  return cell_surfaces_->at(surface_, count).start(surface_);
 }
 
 void SurfaceDomain::check(const Sites& sites) const { check_sites(surface_, sites); }

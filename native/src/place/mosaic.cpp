@@ -6,11 +6,11 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "density/cut_surface.hpp"
 #include "place/grout.hpp"
 #include "place/patch.hpp"
 #include "place/tile.hpp"
 #include "sample/validate_samples.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -106,8 +106,9 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
   sites.positions = samples.positions;
   sites.faces = samples.faces;
   Stretch cutting(context, 0.0, kCut);
-  const std::shared_ptr<const CutSurface> cut = cut_for(surface, sites.size(), cutting.context());
-  const Surface& drawn = cut ? cut->surface() : surface;
+  const CellSurface on = cell_surface(surface, sites.size(), options.cells, cutting.context());
+  const std::shared_ptr<const CutSurface>& cut = on.cut;
+  const Surface& drawn = cut ? cut->surface() : on.uncut(surface);
   Stretch dividing(context, cut ? kCut : 0.0, kCellsShare);
   const std::vector<CellPolygon> pieces = restricted_voronoi_polygons(
       drawn, cut ? cut->on_pieces(sites) : sites, options.cells, dividing.context());

@@ -8,12 +8,12 @@
 #include "base/triangle.hpp"
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
-#include "density/cut_surface.hpp"
 #include "plane/flat_graph.hpp"
 #include "plane/polygon_mesh.hpp"
 #include "start/class_start.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -128,7 +128,8 @@ std::vector<Vec3> in_space(const char* name, std::span<const Vec2> points) {
 
 Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed, Context* context) const {
   check_count("count", count);
-  const ClassStarts starts{{{&sampling_surface(), count}}, &sampling_surface(), period(), seed};
+  const Surface surface = start_surface(count);
+  const ClassStarts starts{{{&surface, count}}, &surface, period(), seed};
   return project(
       (kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context)).positions,
       {});
@@ -141,7 +142,7 @@ PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<co
       surface_(std::move(surface)),
       size_(size),
       projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)),
-      cuts_(std::make_shared<CutSurfaces>()) {}
+      cell_surfaces_(std::make_shared<CellSurfaces>(Cells::kEuclidean)) {}
 
 PlanarDomain PlanarDomain::rectangle(double width, double height) {
   check_positive("width", width);
@@ -181,7 +182,8 @@ RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) cons
   if (context) context->check();
   Stretch cutting(context, 0.0, kCut);
   // A rectangle has no corner that a straight way between two of its points could leave it at.
-  const auto cut = size_.isZero() ? cuts_->at(surface_, sites.size(), cutting.context()) : nullptr;
+  const auto cut =
+      size_.isZero() ? cell_surfaces_->at(surface_, sites.size(), cutting.context()).cut : nullptr;
   Stretch dividing(context, cut ? kCut : 0.0, 1.0);
   return restricted_voronoi(
       cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,

@@ -27,7 +27,7 @@ class RasterDomain final : public Domain {
   [[nodiscard]] bool uniform() const override { return false; }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
-  [[nodiscard]] const Surface& sampling_surface() const override {
+  [[nodiscard]] Surface sampling_surface(std::size_t) const override {
     return frame_;
   }  ///< of density 1
   void check(const Sites& sites) const override;

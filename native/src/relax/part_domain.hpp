@@ -34,8 +34,8 @@ class PartDomain final : public Domain {
                                             const RestrictedVoronoi& diagram) const override {
     return domain_.on_border(sites, diagram);
   }
-  [[nodiscard]] const Surface& sampling_surface() const override {
-    return domain_.sampling_surface();
+  [[nodiscard]] Surface sampling_surface(std::size_t count) const override {
+    return domain_.sampling_surface(count);
   }
   void check(const Sites& sites) const override { domain_.check(sites); }
 

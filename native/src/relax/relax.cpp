@@ -11,6 +11,7 @@
 #include "sample/validate_samples.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -164,10 +165,12 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
   Samples result = with_threads(options.threads, [&] {
     const std::vector<OrderedFace> faces = ordered_faces(surface, changed);
     Sites sites = before;
-    settle_components(surface, faces, sites);
+    const CellSurface on = cell_surface(surface, sites.size(), Cells::kConnected);
+    const Surface& sided = on.uncut(surface);
+    settle_components(sided, faces, sites);
     std::vector<bool> locked(sites.size(), false);
     for (const std::int32_t k : options.locked) locked[at(k)] = true;
-    Relaxation relaxation(surface, std::move(sites), std::move(locked), options);
+    Relaxation relaxation(sided, std::move(sites), std::move(locked), options);
     in_stage(call.context(), Stage::kStart, [&] { relaxation.run(faces, call.context()); });
     return in_stage(call.context(), Stage::kReporting,
                     [&] { return assemble(surface, samples, before, relaxation, faces); });

@@ -156,10 +156,19 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
 Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context,
                  std::size_t* along) {
   const StageSpan starting(context, Stage::kStart);
-  ClassStarts starts{{}, &problem.all->sampling_surface(), problem.all->period(), seed};
-  for (const ClassProblem::Member& member : problem.classes)
-    starts.classes.push_back({&member.domain->sampling_surface(), member.count, member.radius,
+  std::size_t count = 0;
+  std::vector<Surface> surfaces;
+  for (const ClassProblem::Member& member : problem.classes) {
+    count += member.count;
+    surfaces.push_back(member.domain->start_surface(member.count));
+  }
+  const Surface all = problem.all->start_surface(count);
+  ClassStarts starts{{}, &all, problem.all->period(), seed};
+  for (std::size_t c = 0; c < surfaces.size(); ++c) {
+    const ClassProblem::Member& member = problem.classes[c];
+    starts.classes.push_back({&surfaces[c], member.count, member.radius,
                               member.domain->to_sampling_surface(member.locked)});
+  }
   Sites sites =
       kind == Start::kRandom ? random_start(starts) : poisson_start(starts, context, along);
   return starts.period > 0.0 ? problem.all->project(sites.positions, {}, context) : sites;

@@ -71,8 +71,8 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
       .evenness = measure_evenness(energy.diagram),
       .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
       .energy = energy.normalized,
-      .whole_count_variation =
-          whole_count_variation(domain.sampling_surface(), domain.to_sampling_surface(sites))};
+      .whole_count_variation = whole_count_variation(domain.sampling_surface(sites.size()),
+                                                     domain.to_sampling_surface(sites))};
 }
 
 Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,

@@ -492,8 +492,8 @@ double rebalancing_work(std::size_t sites, std::size_t count) {
          work_of(static_cast<std::ptrdiff_t>(count) - static_cast<std::ptrdiff_t>(sites));
 }
 
-Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                     std::size_t count, std::uint64_t seed, Context* context, std::size_t pairs) {
+Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count,
+                     std::uint64_t seed, Context* context, std::size_t pairs) {
   Random random(seed);
   const auto more_than = [&](std::size_t a, std::size_t b) {
     return pairs == kAnyNumber ? kAnyNumber : std::max(a, b) - b + pairs;
@@ -504,6 +504,7 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
   Rebalanced result;
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
+  const Surface sided = domain.sampling_surface(count);
   double done = 0.0;
   for (bool complete = false; !complete;) {
     const bool limited = ++result.evaluations < kRounds;
@@ -512,7 +513,7 @@ Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& 
     Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
     RestrictedVoronoi diagram = in_stage(
         context, Stage::kCells, [&] { return domain.cells(now.sites, dividing.context()); });
-    Round round(surface, domain, now.sites, rule, std::move(diagram), limited, random,
+    Round round(sided, domain, now.sites, rule, std::move(diagram), limited, random,
                 left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();

@@ -28,8 +28,8 @@ struct Rebalanced {
 /// \param pairs how many may at most be put in while others are taken out: where that is too few,
 ///              those neighborhoods come first that lack or have most
 /// \throw Cancelled
-[[nodiscard]] Rebalanced rebalance(const Surface& surface, const Domain& domain, const Sites& sites,
-                                   std::size_t count, std::uint64_t seed, Context* context,
+[[nodiscard]] Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count,
+                                   std::uint64_t seed, Context* context,
                                    std::size_t pairs = kAnyNumber);
 
 /// Some of the sites, which alone may go.

@@ -10,6 +10,7 @@
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
 #include "sample/timed_call.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -35,7 +36,7 @@ Beginning begin(const Surface& surface, const Domain& domain, const Samples& sam
   const Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
   if (all.size() == 0 || count == 0) return begin_anew(surface, count, seed, context);
   const Sites there{all.positions, all.faces, all.barycentric};
-  const Rebalanced found = rebalance(surface, domain, there, count, seed, context);
+  const Rebalanced found = rebalance(domain, there, count, seed, context);
   std::vector<std::int32_t> ids;
   Sites sites;
   const auto add = [&sites](const Sites& from, std::size_t k) {
@@ -85,7 +86,8 @@ Samples resample(const Surface& surface, const Samples& samples, std::size_t cou
   check_count("count", count);
   check_none_locked("locked", options.locked, "all may move a little here");
   Samples result = with_threads(options.threads, [&] {
-    const SurfaceDomain domain(surface, options.cells);
+    const SurfaceDomain domain(surface, options.cells, Steps::kAnywhere,
+                               sides_for(surface, count, options.cells));
     const double begun = beginning(samples.size(), count);
     Stretch starting(call.context(), 0.0, begun), evening(call.context(), begun, 1.0);
     const Beginning first = in_stage(call.context(), Stage::kStart, [&] {

@@ -4,6 +4,7 @@
 #include "base/validate.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -28,6 +29,12 @@ Surface union_surface(const Surface& surface, std::span<const SampleClass> class
   return surface.with_density({DensityAt::kCorners, values});
 }
 
+std::size_t total(std::span<const SampleClass> classes) {
+  std::size_t count = 0;
+  for (const SampleClass& member : classes) count += member.count;
+  return count;
+}
+
 void check_faces(const Surface& surface, std::span<const SampleClass> classes) {
   if (classes.empty()) throw ArgumentError("classes is empty: at least one is needed");
   for (std::size_t c = 0; c < classes.size(); ++c)
@@ -45,19 +52,20 @@ void check_locked(const Surface& surface, std::span<const SampleClass> classes) 
 }  // namespace
 
 ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass> classes,
-                             Cells cells, Steps steps) {
+                             Cells cells, Steps steps, KnownSides sides) {
   check_faces(surface, classes);
   check_locked(surface, classes);
-  const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells, steps);
+  if (!sides) sides = sides_for(surface, total(classes), cells);
+  const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells, steps, sides);
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one
   std::size_t filled = 0;
   bool alike = true;  // all have the surface's own density
   for (const SampleClass& member : classes) {
-    problem.classes.push_back(
-        {member.surface ? std::make_shared<const SurfaceDomain>(*member.surface, cells, steps)
-                        : own_domain,
-         member.count, member.radius, member.locked});
+    problem.classes.push_back({member.surface ? std::make_shared<const SurfaceDomain>(
+                                                    *member.surface, cells, steps, sides)
+                                              : own_domain,
+                               member.count, member.radius, member.locked});
     alike = alike && !member.surface;
     if (member.count == 0) continue;
     only = &member;
@@ -69,7 +77,7 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
     problem.all = problem.classes[static_cast<std::size_t>(only - classes.data())].domain;
   else
     problem.all =
-        std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells, steps);
+        std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells, steps, sides);
   return problem;
 }
 

@@ -346,4 +346,45 @@ std::vector<std::vector<std::int32_t>> Projector::faces_within(
   return result;
 }
 
+namespace {
+
+void intersect(RTCScene scene, RTCRayHit& ray) {
+#if DAPPLE_EMBREE_MAJOR >= 4
+  rtcIntersect1(scene, &ray);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &ray);
+#endif
+}
+
+}  // namespace
+
+std::vector<std::int32_t> Projector::first_hits(std::span<const Ray> rays) const {
+  std::vector<std::int32_t> result(rays.size(), -1);
+  parallel_chunks(rays.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Vec3 from = scene_->to_unit(rays[k].origin);
+      RTCRayHit hit{};
+      hit.ray = {.org_x = float(from.x()),
+                 .org_y = float(from.y()),
+                 .org_z = float(from.z()),
+                 .tnear = 2.0f * float(kMargin),
+                 .dir_x = float(rays[k].direction.x()),
+                 .dir_y = float(rays[k].direction.y()),
+                 .dir_z = float(rays[k].direction.z()),
+                 .time = 0.0f,
+                 .tfar = float(rays[k].length / scene_->scale),
+                 .mask = ~0u,
+                 .id = 0,
+                 .flags = 0};
+      hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      intersect(scene_->handle.get(), hit);
+      if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID)
+        result[k] = scene_->surface.ordered().original_face(scene_->faces[hit.hit.primID]);
+    }
+  });
+  return result;
+}
+
 }  // namespace dapple

@@ -11,6 +11,7 @@
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/ordered_surface.hpp"
+#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -40,9 +41,10 @@ std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClas
 /// What is minimized on one frame, over domains that it owns.
 struct Frame {
   Frame(const Surface& surface, std::vector<SampleClass> members,
-        const std::vector<std::int32_t>& class_of, const TrackerOptions& options)
+        const std::vector<std::int32_t>& class_of, const TrackerOptions& options,
+        const KnownSides& sides)
       : classes(std::move(members)),
-        problem(surface_classes(surface, classes, options.cells, Steps::kConnected)),
+        problem(surface_classes(surface, classes, options.cells, Steps::kConnected, sides)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
             {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
@@ -133,7 +135,8 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
       first_(sites_of(samples)) {
   check_options(options);
   check_extent(surface, first_);
-  const Frame frame(surface, classes_, class_of_, options_);
+  sides_ = sides_for(surface, first_.size(), options.cells);
+  const Frame frame(surface, classes_, class_of_, options_, sides_);
   const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
   Minimum first;
   first.state = evaluate(frame.objective, first_, no_repulsion, context);
@@ -177,7 +180,7 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
                                            const Vectors& moves, const Sites* home, bool idle,
                                            Context* context) const {
   check_extent(surface, start);
-  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
+  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Beginning first = on_density(surface, frame, class_of_, start, home);
@@ -194,7 +197,7 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       const Vectors& moves, const Sites& home,
                                       Context* context) const {
   check_extent(surface, start);
-  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_);
+  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   const Beginning first = on_density(surface, frame, class_of_, start, &home);
   Minimum found = minimize(frame.objective, move(first.start, moves, frame.objective, context),
                            aims(), context, {.home = &*first.home, .restoration = &restoration_});
@@ -237,6 +240,7 @@ FrameSolver FrameSolver::transplanted(std::span<const std::int32_t> origin, cons
                                       const Surface& before, const Transfer& transfer,
                                       const Context* context) const {
   FrameSolver result = with(now);
+  result.sides_ = std::nullopt;
   const Transferred found = transfer.find(carried(before, first_), context);
   std::vector<std::int32_t> place(first_.size(), -1);  // in what was found
   for (std::size_t k = 0; k < found.which.size(); ++k)

@@ -3,6 +3,7 @@
 
 #include <dapple/class_options.hpp>
 #include <dapple/context.hpp>
+#include <dapple/domain.hpp>
 #include <dapple/samples.hpp>
 #include <dapple/tracker_options.hpp>
 
@@ -81,6 +82,7 @@ class FrameSolver {
   [[nodiscard]] FrameSolver with(const Samples& now) const;
 
   TrackerOptions options_;
+  KnownSides sides_;  // of the first frame, so that no frame has others; none for other faces
   std::vector<SampleClass> classes_;
   std::vector<std::int32_t> ids_, class_of_;  // per sample
   Sites first_;                               // on the first frame

@@ -18,9 +18,9 @@ constexpr std::size_t kMany = 51;
 Bisectors::Bisectors(const Surface& surface, const OrderedSites& sites, const SiteIndex& index)
     : surface_(&surface), sites_(&sites), index_(&index), near_(surface, sites, index) {}
 
-void Bisectors::reset(std::int32_t site) {
+void Bisectors::reset(std::int32_t site, Rivals rivals) {
   const Laps::Lap lap(laps_);
-  begin(site);
+  begin(site, rivals);
   if (index_->has_graph()) return take_links();
   owner_ = index_->leader(site);
   near_.turn_to(site);
@@ -28,18 +28,19 @@ void Bisectors::reset(std::int32_t site) {
 }
 
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
-  begin(site);
+  begin(site, Rivals::kAll);
   complete_ = true;
   for (const std::int32_t other : others)
     if (other != site) rivals_.push_back(rival(other));
 }
 
-void Bisectors::begin(std::int32_t site) {
+void Bisectors::begin(std::int32_t site, Rivals rivals) {
   site_ = owner_ = site;
   settled_ = next_rival_ = 0;
   most_ = kMany;
   most_needed_ = 0.0;
   complete_ = false;
+  all_ = rivals == Rivals::kAll || surface_->ordered().components() == 1;
   bisectors_.clear();
   rivals_.clear();
 }
@@ -93,7 +94,7 @@ bool Bisectors::take_all_that_cut() {
   bisectors_.resize(settled_);
   for (const std::int32_t site : found_) add(first_at_place_of(site));
   sort();
-  for (Bisector& b : bisectors_) b.idle = !cell_.touches(b.normal, b.offset);
+  for (Bisector& b : bisectors_) b.idle = b.idle || !cell_.touches(b.normal, b.offset);
   settle(bisectors_.size());
   complete_ = true;
   return true;
@@ -112,10 +113,11 @@ bool Bisectors::shrink_to_cell() {
     return !cell_.is_cut_by(b.normal, b.offset) || cell_.cut(b.normal, b.offset);
   };
   for (std::size_t k = 0; k < settled_; ++k)
-    if (!cut(bisectors_[k])) return false;
+    if (!bisectors_[k].idle && !cut(bisectors_[k])) return false;
   while (const std::optional<Vec3> vertex = cell_.next_vertex()) {
     const std::int32_t nearest = index_->nearest(position + *vertex, site_);
     const Bisector b = bisector_to(nearest);
+    if (b.idle) return false;
     if (!cell_.is_cut_by(b.normal, b.offset)) continue;
     if (!cell_.cut(b.normal, b.offset)) return false;
     found_.push_back(nearest);
@@ -151,7 +153,18 @@ Rival Bisectors::rival(std::int32_t other) const {
 
 Bisector Bisectors::bisector_to(std::int32_t other) const {
   const Vec3 d = sites_->position(other) - sites_->position(site_);
-  return {d, 0.5 * d.squaredNorm(), d.squaredNorm(), other};
+  return {d, 0.5 * d.squaredNorm(), d.squaredNorm(), other, is_out_of_sight(other)};
+}
+
+/// Whether straight distance to a site goes through a wall or over a gap. What it would cut off
+/// would be given back to this component's sites, face by face, since it is not covered then.
+bool Bisectors::is_out_of_sight(std::int32_t other) const {
+  if (all_) return false;
+  const OrderedSurface& mesh = surface_->ordered();
+  const OrderedFace own = sites_->faces[static_cast<std::size_t>(site_)];
+  const OrderedFace theirs = sites_->faces[static_cast<std::size_t>(other)];
+  return mesh.component(own) != mesh.component(theirs) &&
+         mesh.geometry(own).normal.dot(mesh.geometry(theirs).normal) < 0.0;
 }
 
 void Bisectors::sort() {

@@ -20,6 +20,12 @@ struct Bisector {
   bool idle = false;  ///< whether it is known to cut nothing off any face
 };
 
+/// Which sites compete with one.
+enum class Rivals {
+  kAll,
+  kInSight  ///< but for those of other components that look the other way
+};
+
 /// The bisectors of one site in order of distance, looked for as far as someone asks.
 class Bisectors {
  public:
@@ -29,8 +35,8 @@ class Bisectors {
   /// After the sites have changed.
   void restart() { near_.restart(); }
 
-  /// Turn to a site, with all others.
-  void reset(std::int32_t site);
+  /// Turn to a site.
+  void reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
   /// Turn to a site, with `others` alone, whether it is one of them or not.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
@@ -60,7 +66,8 @@ class Bisectors {
   [[nodiscard]] const HalfSpaces& half_spaces() const { return half_spaces_; }
 
  private:
-  void begin(std::int32_t site);
+  void begin(std::int32_t site, Rivals rivals);
+  [[nodiscard]] bool is_out_of_sight(std::int32_t other) const;
   void look_further();
   void take_near();
   [[nodiscard]] bool take_all_that_cut();
@@ -85,6 +92,7 @@ class Bisectors {
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
   bool complete_ = false;      // whether there are no others
+  bool all_ = true;            // whether all that are near compete
   std::size_t most_ = 0;       // that are taken only because they are near
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;

@@ -102,7 +102,7 @@ template <typename Visit, typename Flush>
 void CellBuilder::for_each_piece(Worker& worker, std::int32_t site, const Visit& visit,
                                  const Flush& flush) {
   CellFlood& flood = worker.flood;
-  if (!flood.reset(site)) return;
+  if (!flood.reset(site, connected_ ? Rivals::kInSight : Rivals::kAll)) return;
   flood.flood(seeds_of(worker, site), [&](OrderedFace face, bool whole) {
     if (!is_divided(face)) visit(face, whole);
   });

@@ -28,9 +28,9 @@ void CellFlood::restart() {
   stamp_ = 0;
 }
 
-bool CellFlood::reset(std::int32_t site) {
+bool CellFlood::reset(std::int32_t site, Rivals rivals) {
   site_ = site;
-  bisectors_.reset(site);
+  bisectors_.reset(site, rivals);
   owner_ = bisectors_.owner();
   return owner_ == site_;
 }

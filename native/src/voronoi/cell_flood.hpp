@@ -18,7 +18,7 @@ class CellFlood {
 
   /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
   /// owner(), or another one that this leads to.
-  bool reset(std::int32_t site);
+  bool reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
   /// Turn to a site that competes with `others` only.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);

@@ -3,6 +3,7 @@
 
 #include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
+#include "surface/sides.hpp"
 #include "surface/validate_surface.hpp"
 #include "voronoi/cell_builder.hpp"
 #include "voronoi/unit_voronoi.hpp"
@@ -11,6 +12,12 @@ namespace dapple {
 namespace {
 
 constexpr double kCut = 0.6;  // of the progress of polygons: the cells are known
+
+/// Only cells that follow the surface have sides.
+Surface in_sides(const Surface& surface, std::size_t count, Cells cells) {
+  const auto sided = cells == Cells::kConnected ? with_sides(surface, count) : nullptr;
+  return sided ? sided->all : surface;
+}
 
 }  // namespace
 
@@ -36,7 +43,8 @@ void remove_unit(RestrictedVoronoi& diagram, double density_unit) {
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, Context* context,
                                      Cells cells) {
   check_sites(surface, sites);
-  RestrictedVoronoi diagram = unit_voronoi(surface, sites, context, cells);
+  RestrictedVoronoi diagram =
+      unit_voronoi(in_sides(surface, sites.size(), cells), sites, context, cells);
   remove_unit(diagram, surface.ordered().density_unit());
   return diagram;
 }
@@ -52,7 +60,8 @@ std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, con
                                                      Cells cells, Context* context) {
   check_sites(surface, sites);
   Stretch cutting(context, 0.0, kCut), collecting(context, kCut, 1.0);
-  CellBuilder builder(surface);
+  const Surface sided = in_sides(surface, sites.size(), cells);
+  CellBuilder builder(sided);
   RestrictedVoronoi diagram;
   builder.build(sites, nullptr, cells, cutting.context(), diagram);
   return builder.polygons(collecting.context());

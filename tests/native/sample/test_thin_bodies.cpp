@@ -73,6 +73,14 @@ Shape ribbon(double width, int segments) {
   return shape;
 }
 
+/// A bent sheet with thickness, closed along its rim.
+Shape bent_shell(int cells, double thickness) {
+  return mapped(box(cells), [=](const Vec3& p) {
+    const double height = 0.25 * std::sin(3.0 * p.x()) * std::cos(4.0 * p.y());
+    return Vec3(p.x(), p.y(), height + thickness * p.z());
+  });
+}
+
 /// 20 seeds are as even as they should be, in few evaluations.
 void expect_even(const Shape& shape, std::size_t count, double thin_share) {
   const Surface surface = shape.surface();
@@ -112,6 +120,17 @@ TEST(ThinBodies, ARibbonIsEvenAlongItsLength) {
   expect_even(ribbon(0.01, 200), 100, 1.0);
   expect_even(ribbon(0.04, 200), 100, 0.0);
 }
+
+TEST(ThinBodies, PlatesAreEvenOnBothSides) {
+  const auto flat = [](double x, double y, double z) {
+    return mapped(box(1), [=](const Vec3& p) { return Vec3(x * p.x(), y * p.y(), z * p.z()); });
+  };
+  expect_even(flat(1.0, 1.0, 0.002), 500, 0.0);
+  expect_even(flat(1.0, 0.7, 0.004), 333, 0.0);
+  expect_even(flat(4.0, 0.06, 0.002), 60, 1.0);
+}
+
+TEST(ThinBodies, ABentShellIsEvenOnBothSides) { expect_even(bent_shell(40, 0.01), 1000, 0.0); }
 
 TEST(ThinBodies, ARopeFollowsItsDensity) {
   const Shape rope = tube_along(helix, 0.005, 300);

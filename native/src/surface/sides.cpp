@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/sides.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/neighbors.hpp>
+#include <dapple/projector.hpp>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "base/parallel.hpp"
+#include "base/progress.hpp"
+#include "base/reorder.hpp"
+#include "base/vectors.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kThin = 0.5;       // spacings: thicker walls let hardly any cell through
+constexpr double kOpposite = -0.8;  // cosine between the normals of a wall's two sides
+constexpr double kWide = 0.5;       // spacings: narrower bodies are wires and ribbons
+constexpr double kRim = 1.0;        // spacings: wider is no rim
+constexpr double kFewest = 10.0;  // cells on a side: fewer are less even than cells around the rim
+constexpr double kFolded = 0.05;  // share of a side that may lie opposite itself
+// To find out whether there may be walls, points are laid out, this many in each cell. On the two
+// sides of a wall some are within so many spacings of each other, measured along it.
+constexpr double kPoints = 1.5, kAside = 0.8;
+constexpr double kMostPoints = 0x1p20;  // where there would be more, they are farther apart
+constexpr std::int32_t kNone = -1;
+
+/// Points at equal distances along the faces laid end to end, by area.
+struct Laid {
+  std::vector<Vec3> positions, normals;
+  std::vector<std::int32_t> components;
+};
+
+Laid lay_points(const Surface& surface, double count) {
+  Laid result;
+  const double step = surface.area() / count;
+  double next = 0.5 * step, sum = 0.0, along = 0.0;
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const FaceGeometry& face = surface.ordered().geometry(nth_face(f));
+    for (sum += face.moments.area; next < sum; next += step) {
+      // Where several are on one face they are spread over it (Roberts' sequence).
+      along = std::fmod(along + 0.7548776662466927, 1.0);
+      const double root = std::sqrt(std::fmod(0.5698402909980532 * (next / step), 1.0));
+      const Vec3 weights(1.0 - root, root * (1.0 - along), root * along);
+      const bool many = face.moments.area > 2.0 * step;
+      result.positions.push_back(many ? surface.ordered().point(nth_face(f), weights)
+                                      : face.centroid);
+      result.normals.push_back(face.normal);
+      result.components.push_back(surface.ordered().component(nth_face(f)));
+    }
+  }
+  return result;
+}
+
+/// Whether there is a place with a point of another direction behind it. Quick, and never false
+/// where a wall has sides of some cells.
+bool may_have_walls(const Surface& surface, double spacing, double cells) {
+  const double count = std::min(kPoints * cells, kMostPoints);
+  const Laid laid = lay_points(surface, count);
+  const Neighbors tree(laid.positions);
+  const double apart = std::sqrt(kPoints * cells / count);
+  const double reach = std::hypot(kThin, kAside * apart) * spacing;
+  const auto is_behind = [&](std::size_t k, std::size_t other) {
+    const Vec3 way = laid.positions[other] - laid.positions[k];
+    const double depth = way.dot(laid.normals[k]);
+    return laid.components[k] == laid.components[other] && std::abs(depth) < kThin * spacing &&
+           laid.normals[k].dot(laid.normals[other]) < kOpposite;
+  };
+  const double found = parallel_sum(laid.positions.size(), 256, [&](std::size_t k) {
+    std::vector<Neighbor> near;
+    tree.within(laid.positions[k], reach, near);
+    return std::any_of(
+               near.begin(), near.end(),
+               [&](const Neighbor& n) { return is_behind(k, static_cast<std::size_t>(n.index)); })
+               ? 1.0
+               : 0.0;
+  });
+  return found >= kFewest;
+}
+
+/// Sets that grow together.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+  std::int32_t find(std::int32_t k) {
+    while (parent(k) != k) k = parent(k) = parent(parent(k));
+    return k;
+  }
+  /// The lower one stands for both.
+  void join(std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    parent(std::max(a, b)) = std::min(a, b);
+  }
+
+ private:
+  std::int32_t& parent(std::int32_t k) { return parents_[static_cast<std::size_t>(k)]; }
+  std::vector<std::int32_t> parents_;
+};
+
+class Sides {
+ public:
+  Sides(const Surface& surface, double spacing, Context* context)
+      : surface_(surface), mesh_(surface.ordered()), spacing_(spacing), context_(context) {}
+
+  /// Per ordered face its component; empty if those of the surface stay.
+  std::vector<std::int32_t> components(double cells) {
+    find_walls();
+    label_walls();
+    drop_small_and_folded();
+    label_rims();
+    std::vector<std::int32_t> result = divided(cells);
+    return count_of(result) > mesh_.components() ? result : std::vector<std::int32_t>{};
+  }
+
+  /// Per ordered face, whether it is of a side without a wall behind it.
+  [[nodiscard]] std::vector<bool> rims() const {
+    std::vector<bool> result(label_.size());
+    for (std::size_t f = 0; f < result.size(); ++f)
+      result[f] = label_[f] != kNone && behind_[f] == kNone;
+    return result;
+  }
+
+ private:
+  using Pair = std::pair<std::int32_t, std::int32_t>;
+
+  static std::int32_t count_of(const std::vector<std::int32_t>& components) {
+    return 1 + *std::max_element(components.begin(), components.end());
+  }
+
+  /// The face behind each.
+  void find_walls() {
+    const Projector projector(surface_, false, context_);
+    std::vector<Ray> rays(surface_.face_count());
+    for_each_vector(rays.size(), [&](std::size_t f) {
+      const FaceGeometry& face = mesh_.geometry(nth_face(f));
+      rays[f] = {face.centroid, -face.normal, kThin * spacing_};
+    });
+    const std::vector<std::int32_t> hits = projector.first_hits(rays);
+    behind_.assign(rays.size(), kNone);
+    for (std::size_t f = 0; f < rays.size(); ++f) {
+      if (hits[f] < 0 || !mesh_.counts(nth_face(f))) continue;
+      const OrderedFace other = mesh_.ordered_face(hits[f]);
+      if (mesh_.component(other) == mesh_.component(nth_face(f)) &&
+          mesh_.geometry(other).normal.dot(mesh_.geometry(nth_face(f)).normal) < kOpposite)
+        behind_[f] = static_cast<std::int32_t>(as_index(other));
+    }
+  }
+
+  template <typename Visit>
+  void for_each_neighbor(std::size_t f, const Visit& visit) const {
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t h = half_edge(nth_face(f), k);
+      for (std::int32_t g = mesh_.next_around(h); g != h; g = mesh_.next_around(g))
+        visit(as_index(face_of(g)), h, g);
+    }
+  }
+
+  /// Parts of walls that hang together, without turning back at a sharp rim.
+  void label_walls() {
+    Sets sets(behind_.size());
+    for (std::size_t f = 0; f < behind_.size(); ++f)
+      for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
+        if (g < h || behind_[f] == kNone || behind_[other] == kNone) return;
+        if (mesh_.geometry(nth_face(f)).normal.dot(mesh_.geometry(nth_face(other)).normal) > 0.0)
+          sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
+      });
+    label_.assign(behind_.size(), kNone);
+    for (std::size_t f = 0; f < behind_.size(); ++f)
+      if (behind_[f] != kNone) label_[f] = sets.find(static_cast<std::int32_t>(f));
+  }
+
+  struct Part {
+    double area = 0.0, around = 0.0, folded = 0.0;
+    [[nodiscard]] double width() const { return around > 0.0 ? 2.0 * area / around : 1e300; }
+  };
+
+  [[nodiscard]] double length(std::int32_t h) const {
+    const Face& corners = mesh_.corners(face_of(h));
+    return (mesh_.vertex(corners[static_cast<std::size_t>(h % 3)]) -
+            mesh_.vertex(corners[static_cast<std::size_t>((h + 1) % 3)]))
+        .norm();
+  }
+
+  /// By label.
+  [[nodiscard]] std::vector<Part> measure(const std::vector<std::int32_t>& label) const {
+    std::vector<Part> parts(label.size());
+    for (std::size_t f = 0; f < label.size(); ++f) {
+      if (label[f] == kNone) continue;
+      Part& part = parts[static_cast<std::size_t>(label[f])];
+      part.area += mesh_.geometry(nth_face(f)).moments.area;
+      const std::int32_t other = behind_[f];
+      if (other != kNone && label[static_cast<std::size_t>(other)] == label[f])
+        part.folded += mesh_.geometry(nth_face(f)).moments.area;
+      for_each_neighbor(f, [&](std::size_t next, std::int32_t h, std::int32_t) {
+        if (label[next] != label[f]) part.around += length(h);
+      });
+    }
+    return parts;
+  }
+
+  void drop_small_and_folded() {
+    const auto parts = measure(label_);
+    for (std::int32_t& label : label_) {
+      if (label == kNone) continue;
+      const Part& part = parts[static_cast<std::size_t>(label)];
+      if (part.width() < kWide * spacing_ || part.folded > kFolded * part.area) label = kNone;
+    }
+  }
+
+  /// What is narrow between walls belongs to the nearer one, by faces.
+  void label_rims() {
+    Sets sets(label_.size());
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
+        if (g > h && label_[f] == kNone && label_[other] == kNone)
+          sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
+      });
+    std::vector<std::int32_t> rest(label_.size(), kNone);
+    for (std::size_t f = 0; f < rest.size(); ++f)
+      if (label_[f] == kNone && mesh_.counts(nth_face(f)))
+        rest[f] = sets.find(static_cast<std::int32_t>(f));
+    const auto parts = measure(rest);
+    spread([&](std::size_t f) {
+      return rest[f] != kNone && parts[static_cast<std::size_t>(rest[f])].width() < kRim * spacing_;
+    });
+  }
+
+  template <typename IsRim>
+  void spread(const IsRim& is_rim) {
+    std::vector<std::size_t> front;
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      if (label_[f] != kNone) front.push_back(f);
+    while (!front.empty()) {
+      std::map<std::size_t, std::int32_t> reached;
+      for (const std::size_t f : front)
+        for_each_neighbor(f, [&](std::size_t other, std::int32_t, std::int32_t) {
+          if (label_[other] != kNone || !is_rim(other)) return;
+          const auto [at, fresh] = reached.try_emplace(other, label_[f]);
+          at->second = std::min(at->second, label_[f]);
+        });
+      front.clear();
+      for (const auto& [f, label] : reached) {
+        label_[f] = label;
+        front.push_back(f);
+      }
+    }
+  }
+
+  [[nodiscard]] std::set<Pair> opposite_pairs() const {
+    std::set<Pair> result;
+    for (std::size_t f = 0; f < label_.size(); ++f) {
+      if (behind_[f] == kNone || label_[f] == kNone) continue;
+      const std::int32_t other = label_[static_cast<std::size_t>(behind_[f])];
+      if (other != kNone && other != label_[f]) result.insert(std::minmax(label_[f], other));
+    }
+    return result;
+  }
+
+  /// Components where opposite sides do not hang together; as they were where they do anyway, over
+  /// what is no wall, or where a side would have few cells.
+  std::vector<std::int32_t> divided(double cells) {
+    const std::set<Pair> pairs = opposite_pairs();
+    const auto parts = [&](std::size_t f, std::size_t other) {
+      return label_[f] != kNone && label_[other] != kNone && label_[f] != label_[other] &&
+             pairs.contains(std::minmax(label_[f], label_[other]));
+    };
+    Sets sets(label_.size());
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
+        if (g > h && !parts(f, other))
+          sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
+      });
+    const std::vector<bool> whole = undivided(sets, pairs, cells);
+    std::vector<std::int32_t> result(label_.size(), kNone);
+    std::vector<std::int32_t> of_body(whole.size(), kNone), of_set(label_.size(), kNone);
+    std::int32_t count = 0;
+    for (std::size_t f = 0; f < result.size(); ++f) {
+      if (!mesh_.counts(nth_face(f))) continue;
+      const auto body = static_cast<std::size_t>(mesh_.component(nth_face(f)));
+      const auto set = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(f)));
+      std::int32_t& number = whole[body] ? of_body[body] : of_set[set];
+      if (number == kNone) number = count++;
+      result[f] = number;
+    }
+    return result;
+  }
+
+  /// Per component of the surface, whether it stays one.
+  std::vector<bool> undivided(Sets& sets, const std::set<Pair>& pairs, double cells) {
+    std::vector<bool> whole(static_cast<std::size_t>(mesh_.components()), false);
+    const auto body = [&](std::int32_t f) {
+      return static_cast<std::size_t>(mesh_.component(nth_face(static_cast<std::size_t>(f))));
+    };
+    for (const auto& [a, b] : pairs)  // a label is one of the faces that have it
+      if (sets.find(a) == sets.find(b)) whole[body(a)] = true;
+    std::vector<double> masses(label_.size(), 0.0);  // of sets
+    std::vector<int> parts(whole.size(), 0);         // of bodies
+    const auto set = [&](std::size_t f) {
+      return static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(f)));
+    };
+    for (std::size_t f = 0; f < label_.size(); ++f) {
+      if (set(f) == f && mesh_.counts(nth_face(f))) ++parts[body(static_cast<std::int32_t>(f))];
+      masses[set(f)] += mesh_.geometry(nth_face(f)).moments.capacity;
+    }
+    for (std::size_t f = 0; f < label_.size(); ++f)
+      if (set(f) == f && parts[body(static_cast<std::int32_t>(f))] > 1 &&
+          mesh_.counts(nth_face(f)) && masses[f] * cells < kFewest * mesh_.unit_mass())
+        whole[body(static_cast<std::int32_t>(f))] = true;
+    return whole;
+  }
+
+  const Surface& surface_;
+  const OrderedSurface& mesh_;
+  double spacing_;
+  Context* context_;
+  std::vector<std::int32_t> behind_;  // per ordered face
+  std::vector<std::int32_t> label_;   // per ordered face: the first face of its side
+};
+
+/// The surface in these components.
+Surface divide(const Surface& surface, const std::vector<std::int32_t>& components,
+               Context* context) {
+  const OrderedSurface& mesh = surface.ordered();
+  const Connectivity& known = mesh.connectivity();
+  std::vector<std::int32_t> edges(3 * surface.face_count());
+  for (std::size_t f = 0; f < surface.face_count(); ++f)
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t h = half_edge(nth_face(f), k);
+      std::int32_t first = h;
+      for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
+        if (components[as_index(face_of(g))] == components[f]) first = std::min(first, g);
+      edges[3 * static_cast<std::size_t>(known.original_face[f]) + static_cast<std::size_t>(k)] =
+          first;
+    }
+  const std::vector<std::int32_t> places =
+      scatter<std::int32_t>(known.welded_vertex, known.original_vertex);
+  return {surface.vertices(),
+          surface.faces(),
+          Density{surface.density_at(), surface.density()},
+          Joints{edges, places},
+          surface.sharp_angle(),
+          surface.merge_doubled(),
+          context};
+}
+
+Surface without_rims(const Surface& surface, const std::vector<bool>& rims) {
+  std::vector<double> density(3 * surface.face_count(), 0.0);
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    if (rims[f]) continue;
+    const Vec3 values = surface.ordered().densities(nth_face(f));
+    const auto face = static_cast<std::size_t>(surface.ordered().original_face(nth_face(f)));
+    for (std::size_t k = 0; k < 3; ++k)
+      density[3 * face + k] = values[static_cast<Eigen::Index>(k)];
+  }
+  return surface.with_density({DensityAt::kCorners, density});
+}
+
+}  // namespace
+
+std::shared_ptr<const SidedSurface> with_sides(const Surface& surface, std::size_t count,
+                                               Context* context) {
+  const auto cells = static_cast<double>(count);
+  if (cells < 2.0 * kFewest) return nullptr;
+  const double spacing = surface.spacing(count);
+  if (!may_have_walls(surface, spacing, cells)) return nullptr;
+  Sides sides(surface, spacing, context);
+  const std::vector<std::int32_t> components = sides.components(cells);
+  if (components.empty()) return nullptr;
+  const Surface all = divide(surface, components, context);
+  const std::vector<bool> rims = sides.rims();
+  return std::make_shared<const SidedSurface>(all, rims, without_rims(all, rims));
+}
+
+std::shared_ptr<const SidedSurface> with_sides_of(const SidedSurface& known,
+                                                  const Surface& surface) {
+  const Surface all = known.all.deformed(surface.vertices())
+                          .with_density(Density{surface.density_at(), surface.density()});
+  return std::make_shared<const SidedSurface>(all, known.rims, without_rims(all, known.rims));
+}
+
+}  // namespace dapple

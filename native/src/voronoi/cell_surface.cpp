@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voronoi/cell_surface.hpp"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace dapple {
+
+namespace {
+
+/// What a map has at a key, made if need be.
+template <typename Map, typename Make>
+typename Map::mapped_type made_once(Map& map, const typename Map::key_type& key, const Make& make) {
+  const auto known = map.find(key);
+  return known != map.end() ? known->second : map[key] = make();
+}
+
+}  // namespace
+
+KnownSides sides_for(const Surface& surface, std::size_t count, Cells cells, Context* context) {
+  return cells == Cells::kConnected ? with_sides(surface, count, context) : nullptr;
+}
+
+CellSurface cell_surface(const Surface& surface, std::size_t count, Cells cells, Context* context) {
+  return CellSurfaces(cells).at(surface, count, context);
+}
+
+std::shared_ptr<const SidedSurface> CellSurfaces::sides_of(const Surface& surface,
+                                                           std::size_t count,
+                                                           Context* context) const {
+  if (!known_) return *sides_for(surface, count, cells_, context);
+  return *known_ ? with_sides_of(**known_, surface) : nullptr;
+}
+
+std::shared_ptr<const SidedSurface> CellSurfaces::known(const Surface& surface) {
+  if (!known_ || !*known_) return nullptr;
+  const std::scoped_lock lock(mutex_);
+  return made_once(sided_, 0, [&] { return sides_of(surface, 0, nullptr); });
+}
+
+CellSurface CellSurfaces::at(const Surface& surface, std::size_t count, Context* context) {
+  const auto order = static_cast<int>(std::bit_width(std::max<std::size_t>(count, 1)));
+  const std::scoped_lock lock(mutex_);
+  // Isolated: no other task that comes here may run on this thread while it holds the lock.
+  return tbb::this_task_arena::isolate([&] {
+    CellSurface result;
+    // Those that are known do not depend on the count.
+    result.sided =
+        made_once(sided_, known_ ? 0 : count, [&] { return sides_of(surface, count, nullptr); });
+    result.cut = made_once(cut_, {order, result.sided.get()},
+                           [&] { return cut_for(result.uncut(surface), count, context); });
+    return result;
+  });
+}
+
+}  // namespace dapple

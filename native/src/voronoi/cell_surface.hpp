@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/cells.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "density/cut_surface.hpp"
+#include "surface/sides.hpp"
+
+namespace dapple {
+
+/// What the cells of so many sites are computed on.
+struct CellSurface {
+  std::shared_ptr<const SidedSurface> sided;  ///< see with_sides(); null where nothing differs
+  std::shared_ptr<const CutSurface> cut;      ///< that cut into pieces; null if it is not
+
+  /// The surface without the cuts.
+  [[nodiscard]] const Surface& uncut(const Surface& whole) const {
+    return sided ? sided->all : whole;
+  }
+  /// The surface without the places where sites should not begin.
+  [[nodiscard]] const Surface& start(const Surface& whole) const {
+    return sided ? sided->without_rims : whole;
+  }
+};
+
+/// A function of the surface and `count` alone. Only cells that follow the surface have sides.
+/// \throw Cancelled
+[[nodiscard]] CellSurface cell_surface(const Surface& surface, std::size_t count, Cells cells,
+                                       Context* context = nullptr);
+
+/// The sides of walls where there are `count` sites, whose cells may or may not follow the surface.
+[[nodiscard]] KnownSides sides_for(const Surface& surface, std::size_t count, Cells cells,
+                                   Context* context = nullptr);
+
+/// Keeps what cell_surface() has made of one surface. Every member may be called from several
+/// threads.
+class CellSurfaces {
+ public:
+  explicit CellSurfaces(Cells cells, KnownSides sides = std::nullopt)
+      : cells_(cells), known_(std::move(sides)) {}
+  [[nodiscard]] CellSurface at(const Surface& surface, std::size_t count,
+                               Context* context = nullptr);
+  /// The sides that do not depend on the count; null where they do, or there are none.
+  [[nodiscard]] std::shared_ptr<const SidedSurface> known(const Surface& surface);
+
+ private:
+  [[nodiscard]] std::shared_ptr<const SidedSurface> sides_of(const Surface& surface,
+                                                             std::size_t count,
+                                                             Context* context) const;
+
+  Cells cells_;
+  KnownSides known_;
+  std::mutex mutex_;
+  std::map<std::size_t, std::shared_ptr<const SidedSurface>> sided_;  // by the count
+  // By the order of magnitude of the count; those with sides by these too.
+  std::map<std::pair<int, const SidedSurface*>, std::shared_ptr<const CutSurface>> cut_;
+};
+
+}  // namespace dapple

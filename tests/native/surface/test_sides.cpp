@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <dapple/restricted_voronoi.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/tracker.hpp>
+
+#include "invariants.hpp"
+#include "shapes.hpp"
+#include "surface/ordered_surface.hpp"
+#include "surface/sides.hpp"
+
+namespace dapple::test {
+namespace {
+
+Shape cuboid(int cells, double x, double y, double z) {
+  return mapped(box(cells), [=](const Vec3& p) { return Vec3(x * p.x(), y * p.y(), z * p.z()); });
+}
+
+Shape plate(int cells) { return cuboid(cells, 1.0, 1.0, 0.002); }
+
+/// A wall whose two sides meet at a sharp edge on one side, and are far apart on the other.
+Shape wedge(double thickness) {
+  return mapped(box(20), [=](const Vec3& p) {
+    return Vec3(p.x(), p.y(), thickness * (p.z() - 0.5) * p.x() * p.x());
+  });
+}
+
+std::int32_t components(const Surface& surface) { return surface.ordered().components(); }
+
+double mass_of(const Surface& surface, std::int32_t component) {
+  double mass = 0.0;
+  for (std::size_t f = 0; f < surface.face_count(); ++f)
+    if (surface.ordered().component(nth_face(f)) == component)
+      mass += surface.ordered().geometry(nth_face(f)).moments.capacity;
+  return mass;
+}
+
+TEST(Sides, APlateHasTwoHoweverFewItsFacesAre) {
+  for (const int cells : {1, 7, 30}) {
+    const Surface surface = plate(cells).surface();
+    const auto sided = with_sides(surface, 500);
+    ASSERT_NE(sided, nullptr) << cells;
+    EXPECT_EQ(components(sided->all), 2);
+    EXPECT_NEAR(mass_of(sided->all, 0), 0.5 * surface.mass(), 0.01 * surface.mass());
+    EXPECT_NEAR(sided->all.area(), surface.area(), 1e-12);
+    EXPECT_EQ(sided->all.faces(), surface.faces());
+    EXPECT_EQ(sided->all.vertices(), surface.vertices());
+    EXPECT_NEAR(sided->without_rims.mass(), 2.0, 1e-12);
+  }
+}
+
+TEST(Sides, ASurfaceWithoutThinWallsStaysAsItIs) {
+  for (const Shape& shape : all_shapes())
+    if (shape.name != "TwoSheets") {
+      EXPECT_EQ(with_sides(shape.surface(), 40), nullptr) << shape.name;
+    }
+  EXPECT_EQ(with_sides(box(10).surface(), 3000), nullptr);
+  EXPECT_EQ(with_sides(icosphere(4).surface(), 12), nullptr);
+  EXPECT_EQ(with_sides(cuboid(10, 1.0, 1.0, 0.05).surface(), 500), nullptr);
+}
+
+TEST(Sides, FewCellsOnASideGoAroundTheRim) {
+  EXPECT_EQ(with_sides(plate(10).surface(), 18), nullptr);
+  EXPECT_NE(with_sides(plate(10).surface(), 22), nullptr);
+}
+
+TEST(Sides, WiresAndRibbonsHaveNone) {
+  EXPECT_EQ(with_sides(cuboid(20, 4.0, 0.01, 0.002).surface(), 50), nullptr);
+  EXPECT_EQ(with_sides(cuboid(20, 4.0, 0.01, 0.01).surface(), 50), nullptr);
+}
+
+TEST(Sides, WallsThatMeetInAThickPartStayConnected) {
+  EXPECT_EQ(with_sides(wedge(0.3).surface(), 500), nullptr);
+}
+
+TEST(Sides, TheTopOfATableIsASide) {
+  // A plate with a thick leg, both of one mesh: the leg goes on from the lower side.
+  const Shape table = mapped(box(30), [](const Vec3& p) {
+    const bool leg = std::abs(p.x() - 0.5) < 0.15 && std::abs(p.y() - 0.5) < 0.15;
+    return Vec3(p.x(), p.y(), p.z() == 0.0 && leg ? -0.6 : 0.01 * p.z());
+  });
+  const auto sided = with_sides(table.surface(), 500);
+  ASSERT_NE(sided, nullptr);
+  EXPECT_EQ(components(sided->all), 2);
+}
+
+TEST(Sides, NoiseMakesNone) {
+  Random random(7);
+  Shape shape = grid(100);
+  for (Vec3& v : shape.vertices) v += 0.02 * random.in_box();
+  EXPECT_EQ(with_sides(shape.surface(), 100), nullptr);
+}
+
+TEST(Sides, NoCellOfOneSideHasAPieceOfTheOther) {
+  const Shape shape = plate(12);
+  const Surface surface = shape.surface();
+  Random random(3);
+  const Sites sites = random_sites(shape, 300, random);
+  double capacity = 0.0;
+  for (const Moments& cell : restricted_voronoi(surface, sites, nullptr, Cells::kConnected).cells)
+    capacity += cell.capacity;
+  EXPECT_NEAR(capacity, surface.mass(), 1e-12);
+  const auto is_above = [&](std::int32_t face) {
+    return surface.ordered().geometry(surface.ordered().ordered_face(face)).normal.z();
+  };
+  for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites, Cells::kConnected)) {
+    const std::int32_t face = sites.faces[static_cast<std::size_t>(piece.site)];
+    EXPECT_GE(is_above(piece.face) * is_above(face), 0.0);
+  }
+}
+
+TEST(Sides, AMovingWallKeepsThem) {
+  const Surface surface = plate(12).surface();
+  const auto sided = with_sides(surface, 500);
+  ASSERT_NE(sided, nullptr);
+  const Surface bent = surface.deformed(deformed(surface.vertices(), 0.3));
+  const auto moved = with_sides_of(*sided, bent);
+  EXPECT_EQ(components(moved->all), 2);
+  EXPECT_NEAR(moved->all.area(), bent.area(), 1e-12);
+  EXPECT_EQ(moved->rims, sided->rims);
+}
+
+TEST(Sides, ATrackedPlateStaysEven) {
+  const Surface surface = plate(24).surface();
+  Tracker tracker(surface, sample(surface, 400));
+  for (int frame = 1; frame <= 4; ++frame) {
+    const Samples& now = tracker.advance(deformed(surface.vertices(), 0.1 * frame));
+    EXPECT_LE(now.report.evenness.capacity_variation, 0.02) << frame;
+    EXPECT_GE(now.report.evenness.alpha_min, 0.6) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace dapple::test
