@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
 import struct
+import subprocess
 import sys
 import zlib
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from checks import check_array
 from dapple3d import stippling
+from PIL import Image
 from skimage import data
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -200,6 +202,86 @@ def test_draws_colors(colored):
     drawn = stippling.draw(colored)
     assert drawn.shape == (160, 240, 3)
     np.testing.assert_allclose(drawn.mean(axis=(0, 1)) / 255, COLORED.mean(axis=(0, 1)), atol=0.06)
+
+
+def few(places, radius, *, size=(20, 15), inks=("black",), classes=None):
+    """Dots at places that are given."""
+    report = dapple.stipple(WAVES, 2, max_evaluations=1).report
+    kinds = np.zeros(len(places), np.int32) if classes is None else np.array(classes, np.int32)
+    return stippling.Dots(np.array(places, float), kinds, radius, inks, size, report)
+
+
+def exact(dots, scale, parts=16):
+    """Gray from the share of so many parts of each pixel, along x and y, that discs cover."""
+    width, height = (round(side * scale) * parts for side in dots.size)
+    y, x = (axis + 0.5 for axis in np.ogrid[:height, :width])
+    covered = np.zeros((height, width), bool)
+    for place in dots.positions * scale * parts:
+        covered |= (x - place[0]) ** 2 + (y - place[1]) ** 2 <= (dots.radius * scale * parts) ** 2
+    return 255 * (1 - covered.reshape(height // parts, parts, width // parts, parts).mean((1, 3)))
+
+
+@pytest.mark.parametrize(("scale", "error"), [(4.0, 4), (2.0, 6), (0.8, 15)])
+def test_drawn_discs_are_smooth_at_their_rims(scale, error):
+    places = np.random.default_rng(3).uniform(-1, [21, 16], (60, 2))
+    dots = few(places, 1.3)
+    off = stippling.draw(dots, scale) - exact(dots, scale)
+    assert np.sqrt((off**2).mean()) < error
+    assert abs(off.mean()) < 0.4 * error
+
+
+def test_a_disc_is_drawn_where_it_is_to_a_part_of_a_pixel():
+    for x, y in ((10.0, 7.5), (9.87, 7.13), (3.02, 11.99)):
+        drawn = 255.0 - stippling.draw(few([[x, y]], 2.5), 4.0)
+        middle = [(drawn.sum(axis=axis) @ (np.arange(drawn.shape[1 - axis]) + 0.5)) / drawn.sum()
+                  for axis in (0, 1)]  # fmt: skip
+        np.testing.assert_allclose(middle, [4 * x, 4 * y], atol=1 / 32)
+
+
+def test_bands_and_stamps_that_are_forgotten_change_no_pixel(monkeypatch, colored):
+    whole = stippling.draw(colored)
+    monkeypatch.setattr(stippling, "BAND", 1000)
+    monkeypatch.setattr(stippling, "STAMPED", 1)
+    np.testing.assert_array_equal(stippling.draw(colored), whole)
+
+
+def test_inks_lie_on_each_other_in_their_order():
+    drawn = stippling.draw(
+        few([[8, 8], [10, 8]], 4.0, inks=("red", "blue"), classes=[1, 0]), scale=2.0
+    )
+    assert drawn[16, 18].tolist() == [0, 0, 255]
+    assert drawn[16, 26].tolist() == [255, 0, 0]
+    assert drawn[0, 0].tolist() == [255, 255, 255]
+
+
+def test_dots_beside_the_picture_and_larger_ones_are_drawn():
+    assert (stippling.draw(few([[-50, -50], [90, 3]], 2.0)) == 255).all()
+    assert (stippling.draw(few([[10, 7]], 1e9)) == 0).all()
+    drawn = stippling.draw(few([[0, 7.5]], 4.0))
+    assert drawn[30, 0] == 0
+    assert drawn[30, 20] == 255
+
+
+@pytest.mark.parametrize("inks", [1, 7])
+def test_a_large_picture_is_drawn_in_little_memory(tmp_path, inks):
+    """8192 x 8192 pixels, which take 1.6 GB as numbers of 64 bits in three channels."""
+    code = f"""
+import resource
+import numpy as np
+from dapple3d import stippling
+random = np.random.default_rng(0)
+places, classes = 2048 * random.random((12_500, 2)), random.integers(0, {inks}, 12_500)
+dots = stippling.Dots(places, classes, 8.0, stippling.INKS[-{inks}:], (2048, 2048), None)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+stippling.write(dots, {str(tmp_path / "large.png")!r})
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+    pytest.importorskip("resource")
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert int(found.stdout) < 250_000  # kB
+    with Image.open(tmp_path / "large.png") as picture:
+        assert picture.size == (8192, 8192)
+        assert picture.mode == ("L" if inks == 1 else "RGB")
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "PDF"])
