@@ -21,6 +21,7 @@ namespace {
 constexpr double kThin = 0.5;       // spacings: thicker walls let hardly any cell through
 constexpr double kOpposite = -0.8;  // cosine between the normals of a wall's two sides
 constexpr double kWide = 0.5;       // spacings: narrower bodies are wires and ribbons
+constexpr double kNarrowRim = 0.3;  // spacings: too narrow for sites of its own
 constexpr double kRim = 1.0;        // spacings: wider is no rim
 constexpr double kFewest = 10.0;  // cells on a side: fewer are less even than cells around the rim
 constexpr double kFolded = 0.05;  // share of a side that may lie opposite itself
@@ -120,11 +121,10 @@ class Sides {
     return count_of(result) > mesh_.components() ? result : std::vector<std::int32_t>{};
   }
 
-  /// Per ordered face, whether it is of a side without a wall behind it.
+  /// Per ordered face, whether no site should begin there: on the narrow rim of a side.
   [[nodiscard]] std::vector<bool> rims() const {
     std::vector<bool> result(label_.size());
-    for (std::size_t f = 0; f < result.size(); ++f)
-      result[f] = label_[f] != kNone && behind_[f] == kNone;
+    for (std::size_t f = 0; f < result.size(); ++f) result[f] = label_[f] != kNone && narrow_[f];
     return result;
   }
 
@@ -228,6 +228,10 @@ class Sides {
       if (label_[f] == kNone && mesh_.counts(nth_face(f)))
         rest[f] = sets.find(static_cast<std::int32_t>(f));
     const auto parts = measure(rest);
+    narrow_.assign(rest.size(), false);
+    for (std::size_t f = 0; f < rest.size(); ++f)
+      if (rest[f] != kNone)
+        narrow_[f] = parts[static_cast<std::size_t>(rest[f])].width() < kNarrowRim * spacing_;
     spread([&](std::size_t f) {
       return rest[f] != kNone && parts[static_cast<std::size_t>(rest[f])].width() < kRim * spacing_;
     });
@@ -323,6 +327,7 @@ class Sides {
   Context* context_;
   std::vector<std::int32_t> behind_;  // per ordered face
   std::vector<std::int32_t> label_;   // per ordered face: the first face of its side
+  std::vector<bool> narrow_;          // per ordered face, whether it is of a narrow rim
 };
 
 /// The surface in these components.

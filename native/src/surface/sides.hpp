@@ -11,7 +11,7 @@ namespace dapple {
 /// A surface whose walls have two sides.
 struct SidedSurface {
   Surface all;
-  std::vector<bool> rims;  ///< per ordered face
+  std::vector<bool> rims;  ///< per ordered face, those that are narrow
   Surface without_rims;    ///< of density 0 there: sites that begin on a rim stay on it
 };
 
