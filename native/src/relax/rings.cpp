@@ -113,7 +113,7 @@ void Rings::find(std::span<const std::int32_t> sites, const Context* context) {
 Rings::Cell Rings::find_cell(CellFlood& flood, std::int32_t original) const {
   const std::int32_t site = ordered(original);
   const OrderedFace start = sites_.faces[static_cast<std::size_t>(site)];
-  if (!flood.reset(site)) return {{sites_.original(flood.owner())}, {start}};
+  if (!flood.reset(site, Rivals::kInSight)) return {{sites_.original(flood.owner())}, {start}};
   Cell cell;
   flood.flood({&start, 1}, [&](OrderedFace face, bool whole) {
     cell.faces.push_back(face);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <dapple/restricted_voronoi.hpp>
 #include <dapple/sampler.hpp>
@@ -109,6 +110,20 @@ TEST(Sides, NoCellOfOneSideHasAPieceOfTheOther) {
     const std::int32_t face = sites.faces[static_cast<std::size_t>(piece.site)];
     EXPECT_GE(is_above(piece.face) * is_above(face), 0.0);
   }
+}
+
+TEST(Sides, RimsThatAreNotNarrowKeepTheirSites) {
+  const auto on_rim = [](double thickness) {  // in spacings; of what area asks for
+    const Surface surface = cuboid(24, 1.0, 1.0, 0.068 * thickness).surface();
+    const Samples samples = sample(surface, 500);
+    EXPECT_LE(samples.report.evenness.capacity_variation, 0.01) << thickness;
+    const auto is_on_rim = [](const Vec3& normal) { return std::abs(normal.z()) < 0.5; };
+    const auto found = std::ranges::count_if(samples.normals, is_on_rim);
+    return static_cast<double>(found) / (500.0 * (1.0 - 2.0 / surface.area()));
+  };
+  EXPECT_EQ(on_rim(0.2), 0.0);
+  EXPECT_GT(on_rim(0.4), 0.4);
+  EXPECT_LT(on_rim(0.4), 2.0);
 }
 
 TEST(Sides, AMovingWallKeepsThem) {
