@@ -10,7 +10,9 @@
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "optimize/forecast.hpp"
+#include "sample/rebalance.hpp"
 #include "start/class_start.hpp"
+#include "surface/islands.hpp"
 
 namespace dapple {
 namespace {
@@ -23,6 +25,7 @@ constexpr double kStarting = 3.0;  // a start takes as long as so many evaluatio
 constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
 constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
 constexpr int kMore = 15;          // ... so many evaluations more
+constexpr int kSettling = 2;       // times that the numbers of neighborhoods are looked at
 constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
 constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
 constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
@@ -195,6 +198,44 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
   }
 }
 
+/// The same number of sites, as many in each neighborhood as its share of the density asks for.
+/// Those that stay keep their places in the order.
+Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context,
+             int& evaluations) {
+  const Rebalanced found = rebalance(domain, sites, sites.size(), seed, context);
+  evaluations += found.evaluations;
+  std::vector<bool> stays(sites.size(), false);
+  for (const std::size_t k : found.stay) stays[k] = true;
+  std::vector<std::int32_t> gone;
+  for (std::size_t k = 0; k < stays.size(); ++k)
+    if (!stays[k]) gone.push_back(static_cast<std::int32_t>(k));
+  Sites result = sites;
+  put(result, gone, found.fresh);
+  return result;
+}
+
+/// Darts keep apart, but how many are here or there is left to chance. Where there are gaps without
+/// density no step takes one across, and few get around them. Discs and locked sites stay as they
+/// were thrown.
+int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites,
+                   Context* context) {
+  int evaluations = 0;
+  std::int32_t first = 0;
+  for (const ClassProblem::Member& member : problem.classes) {
+    std::vector<std::int32_t> members(member.count);
+    std::iota(members.begin(), members.end(), first);
+    first += static_cast<std::int32_t>(member.count);
+    if (any_radius(problem) || members.empty() || member.locked.size() > 0 ||
+        !Islands(member.domain->sampling_surface(member.count)).has_gaps())
+      continue;
+    Sites own = select(sites, members);
+    for (int round = 0; round < kSettling; ++round)
+      own = evened(*member.domain, own, seed, context, evaluations);
+    put(sites, members, own);
+  }
+  return evaluations;
+}
+
 ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
                    Context* context) {
   double done = objective.discs.empty() ? 1.0 : kRound;
@@ -252,6 +293,8 @@ ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Con
   const double first = thin ? together + kRound * (1.0 - together) : 1.0;
   Stretch finishing(context, together, first), going_on(context, first, 1.0);
   Minimum before;
+  if (options.sample.start == Start::kPoisson && problem.all->period() == 0.0)
+    before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
   if (stages) settle_alone(problem, options, start, before, alone.context());
   ClassMinimum found =
       solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,

@@ -9,6 +9,7 @@
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "sample/validate_samples.hpp"
+#include "surface/islands.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -26,23 +27,18 @@ std::int32_t term_of(const Objective& objective, std::size_t c) {
   return objective.terms.size() == 1 && !objective.classes.empty() && is_of_class(0) ? 0 : -1;
 }
 
-/// Each component's samples share its mass at best.
+/// Each island's samples share its mass at best.
 double whole_count_variation(const Surface& surface, const Sites& sites) {
-  if (surface.ordered().components() < 2 || sites.size() == 0) return 0.0;
-  const auto components = static_cast<std::size_t>(surface.ordered().components());
-  std::vector<double> masses(components, 0.0), counts(components, 0.0);
-  const auto component_of = [&](OrderedFace face) {
-    return static_cast<std::size_t>(surface.ordered().component(face));
-  };
-  for (std::size_t f = 0; f < surface.face_count(); ++f)
-    masses[component_of(nth_face(f))] += surface.ordered().geometry(nth_face(f)).moments.capacity;
+  const Islands islands(surface);
+  if (islands.count() < 2 || sites.size() == 0) return 0.0;
+  std::vector<double> counts(islands.count(), 0.0);
   for (const std::int32_t face : sites.faces)
-    ++counts[component_of(surface.ordered().ordered_face(face))];
+    ++counts[islands.at(surface.ordered().ordered_face(face))];
   const double mean = surface.ordered().unit_mass() / static_cast<double>(sites.size());
   double sum = 0.0;
-  for (std::size_t c = 0; c < components; ++c) {
+  for (std::size_t c = 0; c < islands.count(); ++c) {
     if (counts[c] == 0.0) continue;
-    const double off = masses[c] / (counts[c] * mean) - 1.0;
+    const double off = islands.masses()[c] / (counts[c] * mean) - 1.0;
     sum += counts[c] * (off * off);
   }
   return std::sqrt(sum / static_cast<double>(sites.size()));

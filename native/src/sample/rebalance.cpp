@@ -14,6 +14,7 @@
 #include "base/stopwatch.hpp"
 #include "base/tangent_basis.hpp"
 #include "optimize/objective.hpp"
+#include "surface/islands.hpp"
 #include "surface/ordered_surface.hpp"
 #include "voronoi/local_spacing.hpp"
 
@@ -93,9 +94,10 @@ struct Rule {
 /// many as before.
 class Round {
  public:
-  Round(const Surface& surface, const Domain& domain, const Sites& sites, const Rule& rule,
-        RestrictedVoronoi diagram, bool limited, Random& random, Context* context)
+  Round(const Surface& surface, const Islands& islands, const Domain& domain, const Sites& sites,
+        const Rule& rule, RestrictedVoronoi diagram, bool limited, Random& random, Context* context)
       : surface_(surface),
+        islands_(islands),
         domain_(domain),
         sites_(sites),
         rule_(rule),
@@ -127,19 +129,17 @@ class Round {
   using Place = std::vector<std::int32_t>::const_iterator;
   using Queue = std::set<std::pair<double, std::size_t>>;
 
-  [[nodiscard]] std::size_t component(std::int32_t site) const {
+  [[nodiscard]] std::size_t island(std::int32_t site) const {
     const std::int32_t face = sites_.faces[static_cast<std::size_t>(site)];
-    return static_cast<std::size_t>(
-        surface_.ordered().component(surface_.ordered().ordered_face(face)));
+    return islands_.at(surface_.ordered().ordered_face(face));
   }
 
-  // Once cells follow the surface, components exchange no sites.
+  // Islands exchange no sites.
   void share_out() {
     order_ = morton_order(sites_.positions);
     std::erase_if(order_, [this](std::int32_t s) { return !is_free(static_cast<std::size_t>(s)); });
-    std::stable_sort(order_.begin(), order_.end(), [this](std::int32_t a, std::int32_t b) {
-      return component(a) < component(b);
-    });
+    std::stable_sort(order_.begin(), order_.end(),
+                     [this](std::int32_t a, std::int32_t b) { return island(a) < island(b); });
     const std::vector<std::ptrdiff_t> held = count_held();
     const std::vector<std::ptrdiff_t> changes =
         whole_changes(all_are_free() ? lacking(held) : lacking_among_free(held));
@@ -154,19 +154,19 @@ class Round {
   }
 
   [[nodiscard]] std::vector<std::ptrdiff_t> count_held() const {
-    std::vector<std::ptrdiff_t> held(static_cast<std::size_t>(surface_.ordered().components()), 0);
-    for (const std::int32_t site : order_) ++held[component(site)];
+    std::vector<std::ptrdiff_t> held(islands_.count(), 0);
+    for (const std::int32_t site : order_) ++held[island(site)];
     return held;
   }
 
-  /// Per component, how many it should have more.
+  /// Per island, how many it should have more.
   [[nodiscard]] std::vector<double> lacking(const std::vector<std::ptrdiff_t>& held) {
     std::vector<double> result(held.size(), 0.0);
     largest_.assign(held.size(), kNone);
     double sum = 0.0;
     for (std::size_t k = 0; k < surface_.face_count(); ++k) {
       const OrderedFace f = nth_face(k);
-      const auto c = static_cast<std::size_t>(surface_.ordered().component(f));
+      const std::size_t c = islands_.at(f);
       result[c] += mass(f);
       sum += mass(f);
       if (largest_[c] == kNone || mass(f) > mass(largest_[c])) largest_[c] = f;
@@ -181,7 +181,7 @@ class Round {
       const std::vector<std::ptrdiff_t>& held) const {
     std::vector<double> result(held.size(), 0.0);
     for (const std::int32_t site : order_)
-      result[component(site)] +=
+      result[island(site)] +=
           diagram_.cells[static_cast<std::size_t>(site)].capacity / rule_.capacity;
     for (std::size_t c = 0; c < held.size(); ++c) result[c] -= static_cast<double>(held[c]);
     return result;
@@ -241,8 +241,8 @@ class Round {
   [[nodiscard]] bool is_spared() const { return rule_.most_come != kAnyNumber; }
 
   /// Let neighborhoods that are off by least be as they are, until no more samples come and go than
-  /// may. Where components get their first ones, all others wait for the next round: until then the
-  /// nearest cells own what those components are.
+  /// may. Where islands get their first ones, all others wait for the next round: until then the
+  /// nearest cells own what those islands are.
   void spare() {
     const bool waits = passed_.fresh.size() > 0;
     leave_all_but(1, waits ? 0 : rule_.most_come);
@@ -276,7 +276,7 @@ class Round {
     if (changes_[patch] != 0) patches.emplace(urgency(patch, sign), patch);
   }
 
-  /// A first site on a component that has none: the next round does the rest.
+  /// A first site on an island that has none: the next round does the rest.
   void settle(OrderedFace ordered_face, std::ptrdiff_t change) {
     const Vec3 middle = Vec3::Constant(1.0 / 3.0);
     const std::int32_t face = surface_.ordered().original_face(ordered_face);
@@ -425,6 +425,7 @@ class Round {
   }
 
   const Surface& surface_;
+  const Islands& islands_;
   const Domain& domain_;
   const Sites& sites_;
   const Rule& rule_;
@@ -432,12 +433,12 @@ class Round {
   Random& random_;
   Context* context_;
   RestrictedVoronoi diagram_;
-  std::vector<std::int32_t> order_;   // sites by component, in each along a curve that fills space
-  std::vector<OrderedFace> largest_;  // per component: the face of most mass
-  std::vector<double> fill_;          // per site: how many samples what it owns is worth
-  std::vector<std::size_t> patch_;    // per site
-  std::vector<std::ptrdiff_t> changes_;           // per patch: samples still to come or to go
-  std::vector<double> lacks_;                     // per patch: what it lacks, in samples
+  std::vector<std::int32_t> order_;      // sites by island, in each along a curve that fills space
+  std::vector<OrderedFace> largest_;     // per island: the face of most mass
+  std::vector<double> fill_;             // per site: how many samples what it owns is worth
+  std::vector<std::size_t> patch_;       // per site
+  std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to come or to go
+  std::vector<double> lacks_;            // per patch: what it lacks, in samples
   std::vector<std::vector<std::size_t>> guests_;  // per site: those put in beside it
   double made_ = 0.0, wanted_ = 0.0;              // work, without the cells
   std::size_t changed_ = 0;
@@ -468,7 +469,7 @@ void apply(const Passed& passed, Traced& now) {
   now.origin = std::move(origin);
 }
 
-/// Count what has come and gone. Of first ones on a component more may have come than may: as many
+/// Count what has come and gone. Of first ones on an island more may have come than may: as many
 /// more then go.
 void spend(const Passed& passed, Rule& rule) {
   const std::size_t came = passed.fresh.size();
@@ -505,6 +506,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
   const Surface sided = domain.sampling_surface(count);
+  const Islands islands(sided);
   double done = 0.0;
   for (bool complete = false; !complete;) {
     const bool limited = ++result.evaluations < kRounds;
@@ -513,7 +515,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
     Stretch dividing(left.context(), 0.0, cells / rebalancing_work(now.sites.size(), count));
     RestrictedVoronoi diagram = in_stage(
         context, Stage::kCells, [&] { return domain.cells(now.sites, dividing.context()); });
-    Round round(sided, domain, now.sites, rule, std::move(diagram), limited, random,
+    Round round(sided, islands, domain, now.sites, rule, std::move(diagram), limited, random,
                 left.context());
     const Passed passed = round.run();
     done += (1.0 - done) * round.progress();
@@ -535,6 +537,7 @@ Rebalanced rebalance(const Domain& domain, const Sites& sites, std::size_t count
 Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& sites, FreeSites part,
                  Context* context) {
   Random random(0);  // nothing is put in
+  const Islands islands(surface);
   Rule rule{.count = sites.size(), .free = std::move(part.free), .capacity = part.capacity};
   Traced now{sites, std::vector<std::int32_t>(sites.size())};
   std::iota(now.origin.begin(), now.origin.end(), 0);
@@ -542,7 +545,7 @@ Thinned thin_out(const Surface& surface, const Domain& domain, const Sites& site
   for (bool complete = false; !complete;) {
     if (result.evaluations > 0) part.diagram = domain.cells(now.sites, nullptr);
     if (context) context->check();
-    const Passed passed = Round(surface, domain, now.sites, rule, std::move(part.diagram),
+    const Passed passed = Round(surface, islands, domain, now.sites, rule, std::move(part.diagram),
                                 ++result.evaluations < kRounds, random, nullptr)
                               .run();
     rule.free = left_of(rule.free, passed.alive);

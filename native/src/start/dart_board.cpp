@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-/// What is left of the quotas once some are taken; where a component holds more than its quota, the
+/// What is left of the quotas once some are taken; where an island holds more than its quota, the
 /// others give up places, the richest first.
 void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& taken) {
   std::size_t owed = 0;
@@ -28,13 +28,9 @@ void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& 
 }  // namespace
 
 DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken)
-    : surface_(&surface), masses_(static_cast<std::size_t>(surface.ordered().components()), 0.0) {
-  for (std::size_t f = 0; f < surface.face_count(); ++f)
-    masses_[component(nth_face(f))] += surface.ordered().geometry(nth_face(f)).moments.capacity;
-  // Once cells follow the surface, components exchange no sites.
-  places_ = allot(masses_, count);
+    : surface_(&surface), islands_(surface), places_(allot(islands_.masses(), count)) {
   std::vector<std::size_t> held(places_.size(), 0);
-  for (const Dart& dart : taken) ++held[component(dart.face)];
+  for (const Dart& dart : taken) ++held[islands_.at(dart.face)];
   subtract(places_, held);
   sum_up();
 }
@@ -42,7 +38,7 @@ DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vecto
 DartBoard::Draw DartBoard::draw(Random& random) const {
   while (true) {
     const OrderedFace face = nth_face(face_at(random.uniform() * cumulative_.back()));
-    if (places_[component(face)] > 0) return draw_on(face, random);
+    if (places_[islands_.at(face)] > 0) return draw_on(face, random);
   }
 }
 
@@ -58,15 +54,11 @@ std::size_t DartBoard::face_at(double mass) const {
 }
 
 bool DartBoard::take(const Dart& dart) {
-  const std::size_t c = component(dart.face);
+  const std::size_t c = islands_.at(dart.face);
   if (--places_[c] > 0) return false;
-  closed_ += masses_[c];
+  closed_ += islands_.masses()[c];
   if (closed_ > 0.5 * cumulative_.back()) sum_up();
   return true;
-}
-
-std::size_t DartBoard::component(OrderedFace face) const {
-  return static_cast<std::size_t>(surface_->ordered().component(face));
 }
 
 void DartBoard::sum_up() {
@@ -74,7 +66,7 @@ void DartBoard::sum_up() {
   closed_ = 0.0;
   cumulative_.resize(surface_->face_count());
   for (std::size_t f = 0; f < cumulative_.size(); ++f) {
-    if (places_[component(nth_face(f))] > 0)
+    if (places_[islands_.at(nth_face(f))] > 0)
       sum += surface_->ordered().geometry(nth_face(f)).moments.capacity;
     cumulative_[f] = sum;
   }

@@ -3,13 +3,14 @@
 
 #include "base/random.hpp"
 #include "start/dart.hpp"
+#include "surface/islands.hpp"
 
 namespace dapple {
 
-/// Draws points of a surface with its density, while their component has places left.
+/// Draws points of a surface with its density, while their island has places left.
 class DartBoard {
  public:
-  /// Each component gets its share of `count` places by mass, by largest remainders.
+  /// Each island gets its share of `count` places by mass, by largest remainders.
   /// \param taken darts that are there already, `count` includes them
   DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken = {});
 
@@ -21,21 +22,20 @@ class DartBoard {
   static constexpr std::uint64_t kNumbers = 4;  ///< that a draw takes if nothing is rejected
   /// \pre a place is left
   [[nodiscard]] Draw draw(Random& random) const;
-  /// One place of the dart's component is taken. True if it was the last one: what was drawn
+  /// One place of the dart's island is taken. True if it was the last one: what was drawn
   /// meanwhile counts no more.
   bool take(const Dart& dart);
 
  private:
-  [[nodiscard]] std::size_t component(OrderedFace face) const;
   void sum_up();
   [[nodiscard]] std::size_t face_at(double mass) const;
   [[nodiscard]] Draw draw_on(OrderedFace face, Random& random) const;
 
   const Surface* surface_;
-  std::vector<double> masses_;        // per component
-  std::vector<std::size_t> places_;   // left per component
-  std::vector<double> cumulative_;    // mass of the faces so far, without full components
-  double closed_ = 0.0;               // mass of components that have become full since
+  Islands islands_;
+  std::vector<std::size_t> places_;   // left per island
+  std::vector<double> cumulative_;    // mass of the faces so far, without full islands
+  double closed_ = 0.0;               // mass of islands that have become full since
   std::vector<std::uint32_t> guide_;  // per equal part of the mass: the face it begins in
 };
 

@@ -6,12 +6,12 @@
 #include <dapple/neighbors.hpp>
 #include <dapple/projector.hpp>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/reorder.hpp"
+#include "base/sets.hpp"
 #include "base/vectors.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -83,28 +83,6 @@ bool may_have_walls(const Surface& surface, double spacing, double cells) {
   });
   return found >= kFewest;
 }
-
-/// Sets that grow together.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-  }
-  std::int32_t find(std::int32_t k) {
-    while (parent(k) != k) k = parent(k) = parent(parent(k));
-    return k;
-  }
-  /// The lower one stands for both.
-  void join(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    parent(std::max(a, b)) = std::min(a, b);
-  }
-
- private:
-  std::int32_t& parent(std::int32_t k) { return parents_[static_cast<std::size_t>(k)]; }
-  std::vector<std::int32_t> parents_;
-};
 
 class Sides {
  public:

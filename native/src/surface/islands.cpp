@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/islands.hpp"
+
+#include <atomic>
+
+#include "base/parallel.hpp"
+#include "base/sets.hpp"
+
+namespace dapple {
+namespace {
+
+bool has_density(const OrderedSurface& mesh, std::size_t f) {
+  return mesh.geometry(nth_face(f)).moments.capacity > 0.0;
+}
+
+bool lacks_density(const OrderedSurface& mesh) {
+  std::atomic<bool> found = false;
+  parallel_chunks(mesh.face_count(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end && !found; ++f)
+      if (mesh.geometry(nth_face(f)).moments.area > 0.0 && !has_density(mesh, f)) found = true;
+  });
+  return found;
+}
+
+/// Whether there is density along a half-edge, on the side of its face.
+bool has_density_along(const OrderedSurface& mesh, std::int32_t half_edge) {
+  const Vec3 values = mesh.densities(face_of(half_edge));
+  return values[half_edge % 3] > 0.0 || values[(half_edge + 1) % 3] > 0.0;
+}
+
+void join_over_edges(const OrderedSurface& mesh, std::size_t f, Sets& sets) {
+  for (std::int32_t k = 0; k < 3; ++k) {
+    const std::int32_t h = half_edge(nth_face(f), k);
+    if (!has_density_along(mesh, h)) continue;
+    for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
+      if (g > h && has_density(mesh, as_index(face_of(g))) && has_density_along(mesh, g))
+        sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(as_index(face_of(g))));
+  }
+}
+
+std::vector<std::int32_t> labels_of(const OrderedSurface& mesh) {
+  Sets sets(mesh.face_count());
+  for (std::size_t f = 0; f < mesh.face_count(); ++f)
+    if (has_density(mesh, f)) join_over_edges(mesh, f, sets);
+  std::vector<std::int32_t> labels(mesh.face_count()), numbers(mesh.face_count(), -1);
+  std::int32_t count = 1;  // 0: no density
+  for (std::size_t f = 0; f < labels.size(); ++f) {
+    if (!has_density(mesh, f)) continue;
+    std::int32_t& number =
+        numbers[static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(f)))];
+    if (number < 0) number = count++;
+    labels[f] = number;
+  }
+  return labels;
+}
+
+}  // namespace
+
+Islands::Islands(const Surface& surface) : surface_(&surface) {
+  const OrderedSurface& mesh = surface.ordered();
+  if (!surface.uniform() && lacks_density(mesh)) labels_ = labels_of(mesh);
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const std::size_t island = at(nth_face(f));
+    if (island >= masses_.size()) masses_.resize(island + 1, 0.0);
+    masses_[island] += mesh.geometry(nth_face(f)).moments.capacity;
+  }
+}
+
+}  // namespace dapple

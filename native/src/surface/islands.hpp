@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/surface.hpp>
+#include <vector>
+
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+
+/// The parts of a surface that are connected where there is density: over edges that have some.
+/// Sites do not come from one to another, so each needs its own number of them. Where there is
+/// density everywhere they are the components.
+class Islands {
+ public:
+  /// \param surface must outlive this
+  explicit Islands(const Surface& surface);
+
+  /// Whether there are faces without density.
+  [[nodiscard]] bool has_gaps() const { return !labels_.empty(); }
+  [[nodiscard]] std::size_t count() const { return masses_.size(); }
+  /// Of a face, in 0..count() - 1; faces without density have one too, of mass 0.
+  [[nodiscard]] std::size_t at(OrderedFace face) const {
+    return static_cast<std::size_t>(labels_.empty() ? surface_->ordered().component(face)
+                                                    : labels_[as_index(face)]);
+  }
+  /// Integrals of the density, as those of faces.
+  [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
+
+ private:
+  const Surface* surface_;
+  std::vector<std::int32_t> labels_;  // per ordered face; empty: its component
+  std::vector<double> masses_;
+};
+
+}  // namespace dapple
