@@ -19,7 +19,7 @@ class CellBuilders {
   void build(const Surface& surface, const Sites& sites, Cells cells, Context* context,
              RestrictedVoronoi& diagram) {
     std::unique_ptr<CellBuilder> builder = take(surface);
-    builder->build(sites, nullptr, cells, context, diagram);
+    builder->build(sites, nullptr, cells, Gaps::kLeft, context, diagram);
     const std::lock_guard lock(mutex_);
     free_[&surface].push_back(std::move(builder));
   }

@@ -44,11 +44,27 @@ Moments not_negative(Moments cell) {
 CellBuilder::CellBuilder(const Surface& surface)
     : surface_(surface), index_(sites_), workers_([this] { return Worker(*this); }) {}
 
-void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, Context* context,
-                        RestrictedVoronoi& result) {
+/// Where there are faces without density.
+void CellBuilder::find_gaps() {
+  if (full_area_ > 0.0 || surface_.uniform()) return;
+  std::vector<bool> empty(surface_.face_count());
+  bool any = false;
+  for (std::size_t f = 0; f < empty.size(); ++f) {
+    const Moments& moments = surface_.ordered().geometry(nth_face(f)).moments;
+    empty[f] = moments.area > 0.0 && !(moments.capacity > 0.0);
+    any = any || empty[f];
+    if (!empty[f]) full_area_ += moments.area;
+  }
+  if (any) empty_ = std::move(empty);
+}
+
+void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, Gaps gaps,
+                        Context* context, RestrictedVoronoi& result) {
   result_ = &result;
   whole_ = graph && graph->periodic;
   connected_ = cells == Cells::kConnected;
+  if (connected_ && gaps == Gaps::kLeft) find_gaps();
+  gaps_ = connected_ && gaps == Gaps::kLeft && !empty_.empty();
   context_ = context;
   start(sites, graph, context);
   Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);
@@ -62,7 +78,7 @@ void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* con
   const StageSpan finding(context, Stage::kNeighbors);
   sites_.assign(surface_, sites);
   index_.update(graph);
-  for (Worker& worker : workers_) worker.flood.restart();
+  for (Worker& worker : workers_) worker.flood.restart(gaps_);
   const std::span<const std::int32_t> order = index_.by_neighborhood();
   all_.resize(count());
   std::iota(all_.begin(), all_.end(), 0);
@@ -205,6 +221,7 @@ void CellBuilder::integrate(Chunk& chunk, Worker& worker) {
 }
 
 bool CellBuilder::missing_area() const {
+  if (gaps_) return count() > 0;  // areas do not tell
   const double covered =
       parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
   return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
@@ -215,6 +232,8 @@ bool CellBuilder::missing_area() const {
 void CellBuilder::share_uncovered_faces(Context* context) {
   const std::span<const Coverage> pieces = std::span(pieces_).first(piece_count_);
   std::vector<OrderedFace> uncovered = uncovered_faces(surface_, pieces);
+  if (gaps_) std::erase_if(uncovered, [this](OrderedFace face) { return empty_[as_index(face)]; });
+  if (uncovered.empty()) return;
   std::vector<std::int32_t> changed;
   if (connected_) {
     for (const Coverage& piece : pieces)

@@ -11,6 +11,12 @@
 
 namespace dapple {
 
+/// What becomes of faces without density that are far from all sites.
+enum class Gaps {
+  kCovered,  ///< they belong to cells too
+  kLeft      ///< to none, where cells follow the surface: they take time and change no capacity
+};
+
 /// Computes the cells of one set of sites after another on a surface. It keeps the memory that this
 /// takes: with as many sites as before, hardly anything is allocated again.
 class CellBuilder {
@@ -22,7 +28,7 @@ class CellBuilder {
 
   /// \param graph   of the caller's sites, or null; must outlive the use of polygons()
   /// \param result  takes the diagram, in the memory that it has
-  void build(const Sites& sites, const SiteGraph* graph, Cells cells, Context* context,
+  void build(const Sites& sites, const SiteGraph* graph, Cells cells, Gaps gaps, Context* context,
              RestrictedVoronoi& result);
 
   /// Of the cells that were built last.
@@ -33,7 +39,9 @@ class CellBuilder {
   struct Worker {
     explicit Worker(const CellBuilder& builder)
         : flood(builder.surface_, builder.sites_, builder.index_),
-          integrals(builder.surface_, flood) {}
+          integrals(builder.surface_, flood) {
+      flood.restart(builder.gaps_);
+    }
     Worker(const Worker&) = delete;
     Worker& operator=(const Worker&) = delete;
 
@@ -58,6 +66,7 @@ class CellBuilder {
     }
   };
 
+  void find_gaps();
   void start(const Sites& sites, const SiteGraph* graph, Context* context);
   [[nodiscard]] std::size_t count() const { return sites_.size(); }
   [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const;
@@ -93,6 +102,10 @@ class CellBuilder {
   SiteIndex index_;
   bool whole_ = false;      // no cell can have parts that its site does not reach
   bool connected_ = false;  // cells follow the surface
+  bool gaps_ = false;       // far faces without density are left
+  std::vector<bool>
+      empty_;  // per ordered face, whether it has no density; only where some have none
+  double full_area_ = 0.0;  // of the others
   Context* context_ = nullptr;
   tbb::enumerable_thread_specific<Worker> workers_;
   std::vector<std::int32_t> all_;  // sites

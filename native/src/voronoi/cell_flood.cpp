@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+
+#include "base/triangle.hpp"
 
 namespace dapple {
 namespace {
@@ -12,6 +15,7 @@ namespace {
 constexpr std::int32_t kMostStamps = 1 << 30;
 // Rounding of x . (x_j - x_i), of r |x_j - x_i| with r the radius of a polygon.
 constexpr double kTie = 1e-14;
+constexpr double kOverGaps = 0.8;  // spacings from a site: farther gaps matter to nobody
 
 }  // namespace
 
@@ -21,7 +25,8 @@ CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const Si
       bisectors_(surface, sites, index),
       stamps_(surface.face_count(), 0) {}
 
-void CellFlood::restart() {
+void CellFlood::restart(bool gaps) {
+  gaps_ = gaps;
   bisectors_.restart();
   if (stamp_ < kMostStamps) return;
   std::fill(stamps_.begin(), stamps_.end(), 0);
@@ -32,7 +37,27 @@ bool CellFlood::reset(std::int32_t site, Rivals rivals) {
   site_ = site;
   bisectors_.reset(site, rivals);
   owner_ = bisectors_.owner();
+  if (gaps_) squared_gap_reach_ = std::pow(gap_reach(), 2);
   return owner_ == site_;
+}
+
+/// Where neighbors repel each other over a gap, in spacings of the density at the site. A site that
+/// has none itself is to see how far it is to where there is some.
+double CellFlood::gap_reach() const {
+  const OrderedSurface& mesh = surface_->ordered();
+  const Moments& own = mesh.geometry(sites_->faces[static_cast<std::size_t>(site_)]).moments;
+  if (!(own.capacity > 0.0)) return std::numeric_limits<double>::infinity();
+  return kOverGaps * surface_->spacing(sites_->size()) *
+         std::sqrt(mesh.unit_mass() / mesh.area() * own.area / own.capacity);
+}
+
+bool CellFlood::is_far_gap(OrderedFace face) const {
+  const OrderedSurface& mesh = surface_->ordered();
+  if (mesh.geometry(face).moments.capacity > 0.0) return false;
+  const auto [a, b, c] = mesh.corners(face);
+  const Vec3 nearest = mesh.point(
+      face, closest_barycentric(position(), mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)));
+  return (nearest - position()).squaredNorm() > squared_gap_reach_;
 }
 
 void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> others) {

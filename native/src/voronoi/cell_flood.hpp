@@ -14,7 +14,8 @@ class CellFlood {
   CellFlood(const Surface& surface, const OrderedSites& sites, const SiteIndex& index);
 
   /// After the sites have changed.
-  void restart();
+  /// \param gaps whether floods may leave out faces without density far from their site
+  void restart(bool gaps = false);
 
   /// Turn to a site. False if a coincident site of lower (caller's) index owns the cell, such as
   /// owner(), or another one that this leads to.
@@ -62,10 +63,13 @@ class CellFlood {
     std::int32_t& stamp = stamps_[as_index(face)];
     if (stamp == stamp_) return;
     stamp = stamp_;
+    if (gaps_ && is_far_gap(face)) return;
     pending_.push_back(face);
     surface_->ordered().prefetch(face);
   }
 
+  [[nodiscard]] double gap_reach() const;
+  [[nodiscard]] bool is_far_gap(OrderedFace face) const;
   [[nodiscard]] bool is_far(const Bisector& bisector) const {
     return !(bisector.squared_distance < 4.0 * polygon_.squared_radius());
   }
@@ -83,6 +87,8 @@ class CellFlood {
   std::int32_t owner_ = 0;
   Polygon polygon_;
   std::vector<std::int32_t> cuts_;
+  bool gaps_ = false;                 // whether far faces without density are left out ...
+  double squared_gap_reach_ = 0.0;    // ... and how far they are
   bool whole_ = true;                 // whether it is the face
   std::vector<std::int32_t> stamps_;  // per face: the last flood that reached it
   std::int32_t stamp_ = 0;

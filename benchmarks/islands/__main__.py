@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Samples a wavy ground under masks with islands; prints a Markdown table beside the whole ground.
+
+Run through benchmarks/islands/run.sh, which sets everything up first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+import dapple3d as dapple
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from benchmarks.compare.tables import say, table
+
+Array = NDArray[np.float64]
+SIDE, CELLS, COUNT = 72.0, 500, 20_000  # a spacing of 0.55
+VARIATION, FINE, ALPHA, RATIO = 0.008, 0.012, 0.6, 2.2  # the goals; FINE for the finest masks
+EDGE = 0.1  # of the range of the noise, over which a soft mask falls to 0
+
+
+def ground() -> tuple[Array, NDArray[np.int64]]:
+    line = np.linspace(0, SIDE, CELLS + 1)
+    x, y = (k.ravel() for k in np.meshgrid(line, line, indexing="ij"))
+    row, column = (k.ravel() for k in np.indices((CELLS, CELLS)))
+    a = row * (CELLS + 1) + column
+    b = a + CELLS + 1
+    faces = np.vstack([np.column_stack([a, b, b + 1]), np.column_stack([a, b + 1, a + 1])])
+    return np.column_stack([x, y, 2 * np.sin(x / 6) * np.cos(y / 7)]), faces
+
+
+def noise(size: float) -> Array:
+    """At the vertices, in 0..1, of waves twice as long as the patches."""
+    shape, step = (CELLS + 1, CELLS + 1), SIDE / CELLS
+    spectrum = np.fft.rfft2(np.random.default_rng(0).normal(size=shape))
+    frequency = np.hypot(np.fft.fftfreq(shape[0], step)[:, None], np.fft.rfftfreq(shape[1], step))
+    ring = np.exp(-((2 * size * frequency - 1) ** 2) / 0.1)
+    values = np.fft.irfft2(spectrum * ring, shape)
+    return np.asarray((values - values.min()) / np.ptp(values)).ravel()
+
+
+def soft(values: Array) -> Array:
+    return np.clip((values - np.median(values)) / EDGE + 0.5, 0, 1)
+
+
+def octaves() -> Array:
+    return noise(1) + 0.5 * noise(0.5)
+
+
+MASKS: dict[str, tuple[Callable[[], Array], bool, float]] = {
+    "whole": (lambda: np.ones((CELLS + 1) ** 2), False, VARIATION),
+    "patches of 20": (lambda: soft(noise(20)), False, VARIATION),
+    "patches of 5": (lambda: soft(noise(5)), False, VARIATION),
+    "patches of 2": (lambda: soft(noise(2)), False, VARIATION),
+    "patches of 1": (lambda: soft(noise(1)), False, FINE),
+    "two octaves": (lambda: soft(octaves()), False, FINE),
+    "hard patches of 5": (lambda: soft(noise(5)), True, VARIATION),
+    "hard patches of 2": (lambda: soft(noise(2)), True, VARIATION),
+    "hard patches of 1": (lambda: soft(noise(1)), True, FINE),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="benchmarks/islands/run.sh", description=__doc__)
+    parser.add_argument("--only", choices=MASKS, help="one mask, beside the whole ground")
+    parser.add_argument("--seeds", type=int, default=1, help="how many, from 0 on")
+    parser.add_argument("--pictures", type=Path, help="a folder for pictures from above")
+    given = parser.parse_args()
+    vertices, faces = ground()
+    base = dapple.Surface(vertices, faces)
+    rows: list[list[str]] = []
+    whole = 0.0
+    for name, (density, hard, variation) in MASKS.items():
+        if given.only not in (None, name) and name != "whole":
+            continue
+        say(name)
+        surface = masked(base, faces, density(), hard=hard)
+        runs = [measured(surface, seed) for seed in range(given.seeds)]
+        seconds = median(run[0] for run in runs)
+        whole = whole or seconds
+        rows.append(row(name, runs, seconds / whole, variation))
+        if given.pictures:
+            draw(runs[0][1].positions, given.pictures / f"{name.replace(' ', '-')}.png")
+    head = ("mask", "seconds", "ratio", "evaluations", "variation", "by whole numbers", "alpha min")
+    print(table((*head, "goals"), rows))
+    print(f"\n{COUNT} samples on {len(faces)} faces, medians over {given.seeds} seeds. Goals:")
+    print(f"variation {VARIATION} ({FINE} for patches of 1 and two octaves) beyond what whole")
+    print(f"numbers ask for, alpha min {ALPHA}, {RATIO} times the time of the whole ground.")
+
+
+def masked(
+    base: dapple.Surface, faces: NDArray[np.int64], density: Array, *, hard: bool
+) -> dapple.Surface:
+    if density.min() == density.max():
+        return base
+    if hard:
+        at_faces = (density[faces].mean(1) > 0.5).astype(float)
+        return dapple.Surface(base.vertices, faces, density=at_faces, density_at="faces")
+    return dapple.Surface(base.vertices, faces, density=density)
+
+
+def measured(surface: dapple.Surface, seed: int) -> tuple[float, dapple.Samples]:
+    begin = time.perf_counter()
+    samples = dapple.sample(surface, COUNT, seed=seed)
+    return time.perf_counter() - begin, samples
+
+
+def row(
+    name: str, runs: list[tuple[float, dapple.Samples]], ratio: float, variation: float
+) -> list[str]:
+    reports = [samples.report for _, samples in runs]
+    found = median(report.capacity_variation for report in reports)
+    whole = median(report.whole_count_variation for report in reports)
+    alpha = min(report.alpha_min for report in reports)
+    goals = {
+        "variation": found <= variation + whole,
+        "alpha min": alpha >= ALPHA,
+        "time": ratio <= RATIO,
+    }
+    missed = ", ".join(goal for goal, met in goals.items() if not met)
+    return [
+        *(name, f"{median(seconds for seconds, _ in runs):.1f}", f"{ratio:.1f}"),
+        f"{median(report.evaluations for report in reports):.0f}",
+        *(f"{found:.4f}", f"{whole:.4f}", f"{alpha:.2f}"),
+        f"missed: {missed}" if missed else "met",
+    ]
+
+
+def draw(positions: Array, path: Path, size: int = 1600) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    picture = Image.new("L", (size, size), 255)
+    pen = ImageDraw.Draw(picture)
+    for x, y in positions[:, :2] * (size / SIDE):
+        pen.ellipse((x - 3, y - 3, x + 3, y + 3), fill=0)
+    picture.save(path)
+
+
+if __name__ == "__main__":
+    main()
