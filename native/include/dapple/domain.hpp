@@ -79,13 +79,20 @@ enum class Steps {
               ///< making takes longer than a few steps on a surface that soon changes again
 };
 
+/// What becomes of faces without density that are far from all sites.
+enum class EmptyFaces {
+  kCovered,  ///< they belong to cells, as all faces do
+  kLeft      ///< to none, where cells follow the surface: they take time and change no capacity
+};
+
 /// A surface with its projector. Sites stay where there is density, and a step does not carry them
 /// to another sheet.
 class SurfaceDomain final : public Domain {
  public:
   /// \param sides where they are known; otherwise they follow the number of sites
   explicit SurfaceDomain(const Surface& surface, Cells cells = Cells::kConnected,
-                         Steps steps = Steps::kAnywhere, KnownSides sides = std::nullopt);
+                         Steps steps = Steps::kAnywhere, KnownSides sides = std::nullopt,
+                         EmptyFaces empty = EmptyFaces::kCovered);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
   void update_cells(const Sites& sites, Context* context,
@@ -110,6 +117,7 @@ class SurfaceDomain final : public Domain {
   Surface surface_;
   Cells cells_;
   Steps steps_;
+  EmptyFaces empty_;
   std::shared_ptr<CellSurfaces> cell_surfaces_;
   std::shared_ptr<CellBuilders> builders_;
   mutable std::mutex making_;

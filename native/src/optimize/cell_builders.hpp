@@ -15,11 +15,11 @@ namespace dapple {
 class CellBuilders {
  public:
   /// Compute cells with a builder that is free; a new one if none is.
-  /// \param surface must outlive this; parameters as in unit_voronoi()
-  void build(const Surface& surface, const Sites& sites, Cells cells, Context* context,
-             RestrictedVoronoi& diagram) {
+  /// \param surface must outlive this; parameters as in CellBuilder::build()
+  void build(const Surface& surface, const Sites& sites, Cells cells, bool leaves_gaps,
+             Context* context, RestrictedVoronoi& diagram) {
     std::unique_ptr<CellBuilder> builder = take(surface);
-    builder->build(sites, nullptr, cells, Gaps::kLeft, context, diagram);
+    builder->build(sites, nullptr, cells, leaves_gaps, context, diagram);
     const std::lock_guard lock(mutex_);
     free_[&surface].push_back(std::move(builder));
   }

@@ -26,10 +26,12 @@ double Domain::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
-SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, KnownSides sides)
+SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, KnownSides sides,
+                             EmptyFaces empty)
     : surface_(surface),
       cells_(cells),
       steps_(steps),
+      empty_(empty),
       cell_surfaces_(std::make_shared<CellSurfaces>(cells, std::move(sides))),
       builders_(std::make_shared<CellBuilders>()) {}
 
@@ -44,9 +46,11 @@ void SurfaceDomain::update_cells(const Sites& sites, Context* context,
   check_sites(surface_, sites);
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
   const CellSurface on = cell_surfaces_->at(surface_, sites.size(), cutting.context());
-  if (!on.cut) return builders_->build(on.uncut(surface_), sites, cells_, context, diagram);
-  builders_->build(on.cut->surface(), on.cut->on_pieces(sites), cells_, dividing.context(),
-                   diagram);
+  if (!on.cut)
+    return builders_->build(on.uncut(surface_), sites, cells_, empty_ == EmptyFaces::kLeft, context,
+                            diagram);
+  builders_->build(on.cut->surface(), on.cut->on_pieces(sites), cells_, empty_ == EmptyFaces::kLeft,
+                   dividing.context(), diagram);
   remove_unit(diagram, on.cut->surface().ordered().density_unit() / density_unit());
 }
 

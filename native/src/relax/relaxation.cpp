@@ -155,7 +155,7 @@ Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Co
 /// Take out and put in sites, so that each has the capacity of those around.
 void Relaxation::balance(Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
-                             /*sides=*/nullptr);
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
   RestrictedVoronoi diagram =
       in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
   ++report_.evaluations;
@@ -307,7 +307,7 @@ void Relaxation::put_in(std::size_t count, double capacity, Region& region,
 /// \return the sites at its border whose cells are uneven then
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
-                             /*sides=*/nullptr);
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
   const PartDomain share(domain, capacity_, region.members.size());
   const OptimizerOptions& optimizer = options_.optimizer;
   const Objective objective{.capacity_weight = optimizer.capacity_weight,

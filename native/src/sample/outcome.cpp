@@ -127,7 +127,8 @@ Report analyze(const Surface& surface, const Samples& samples, double capacity_w
   if (context) context->check();
   check_samples(surface, samples);
   const Sites sites{samples.positions, samples.faces, samples.barycentric};
-  const SurfaceDomain domain(surface, cells);
+  // As an optimization sees it, so that both say the same.
+  const SurfaceDomain domain(surface, cells, Steps::kAnywhere, std::nullopt, EmptyFaces::kLeft);
   Report report;
   Stretch evaluating(context, 0.0, kEvaluated);
   const Energy energy = evaluate_energy(domain, sites, capacity_weight, evaluating.context());

@@ -56,15 +56,17 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
   check_faces(surface, classes);
   check_locked(surface, classes);
   if (!sides) sides = sides_for(surface, total(classes), cells);
-  const auto own_domain = std::make_shared<const SurfaceDomain>(surface, cells, steps, sides);
+  const auto own_domain =
+      std::make_shared<const SurfaceDomain>(surface, cells, steps, sides, EmptyFaces::kLeft);
   ClassProblem problem;
   const SampleClass* only = nullptr;  // the class that is not empty, if there is just one
   std::size_t filled = 0;
   bool alike = true;  // all have the surface's own density
   for (const SampleClass& member : classes) {
-    problem.classes.push_back({member.surface ? std::make_shared<const SurfaceDomain>(
-                                                    *member.surface, cells, steps, sides)
-                                              : own_domain,
+    problem.classes.push_back({member.surface
+                                   ? std::make_shared<const SurfaceDomain>(
+                                         *member.surface, cells, steps, sides, EmptyFaces::kLeft)
+                                   : own_domain,
                                member.count, member.radius, member.locked});
     alike = alike && !member.surface;
     if (member.count == 0) continue;
@@ -76,8 +78,8 @@ ClassProblem surface_classes(const Surface& surface, std::span<const SampleClass
   else if (filled == 1)
     problem.all = problem.classes[static_cast<std::size_t>(only - classes.data())].domain;
   else
-    problem.all =
-        std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells, steps, sides);
+    problem.all = std::make_shared<const SurfaceDomain>(union_surface(surface, classes), cells,
+                                                        steps, sides, EmptyFaces::kLeft);
   return problem;
 }
 

@@ -58,13 +58,13 @@ void CellBuilder::find_gaps() {
   if (any) empty_ = std::move(empty);
 }
 
-void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, Gaps gaps,
+void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
                         Context* context, RestrictedVoronoi& result) {
   result_ = &result;
   whole_ = graph && graph->periodic;
   connected_ = cells == Cells::kConnected;
-  if (connected_ && gaps == Gaps::kLeft) find_gaps();
-  gaps_ = connected_ && gaps == Gaps::kLeft && !empty_.empty();
+  if (connected_ && leaves_gaps) find_gaps();
+  gaps_ = connected_ && leaves_gaps && !empty_.empty();
   context_ = context;
   start(sites, graph, context);
   Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);

@@ -11,12 +11,6 @@
 
 namespace dapple {
 
-/// What becomes of faces without density that are far from all sites.
-enum class Gaps {
-  kCovered,  ///< they belong to cells too
-  kLeft      ///< to none, where cells follow the surface: they take time and change no capacity
-};
-
 /// Computes the cells of one set of sites after another on a surface. It keeps the memory that this
 /// takes: with as many sites as before, hardly anything is allocated again.
 class CellBuilder {
@@ -27,9 +21,11 @@ class CellBuilder {
   CellBuilder& operator=(const CellBuilder&) = delete;
 
   /// \param graph   of the caller's sites, or null; must outlive the use of polygons()
+  /// \param leaves_gaps whether, where cells follow the surface, faces without density that are far
+  ///                from all sites may belong to none
   /// \param result  takes the diagram, in the memory that it has
-  void build(const Sites& sites, const SiteGraph* graph, Cells cells, Gaps gaps, Context* context,
-             RestrictedVoronoi& result);
+  void build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
+             Context* context, RestrictedVoronoi& result);
 
   /// Of the cells that were built last.
   [[nodiscard]] std::vector<CellPolygon> polygons(Context* context);

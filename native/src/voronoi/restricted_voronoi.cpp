@@ -24,7 +24,7 @@ Surface in_sides(const Surface& surface, std::size_t count, Cells cells) {
 RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, Context* context,
                                Cells cells) {
   RestrictedVoronoi result;
-  CellBuilder(surface).build(sites, nullptr, cells, Gaps::kCovered, context, result);
+  CellBuilder(surface).build(sites, nullptr, cells, /*leaves_gaps=*/false, context, result);
   return result;
 }
 
@@ -52,7 +52,7 @@ RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
                                      const SiteGraph& graph, Context* context, Cells cells) {
   RestrictedVoronoi result;
-  CellBuilder(surface).build(sites, &graph, cells, Gaps::kCovered, context, result);
+  CellBuilder(surface).build(sites, &graph, cells, /*leaves_gaps=*/false, context, result);
   return result;
 }
 
@@ -63,7 +63,7 @@ std::vector<CellPolygon> restricted_voronoi_polygons(const Surface& surface, con
   const Surface sided = in_sides(surface, sites.size(), cells);
   CellBuilder builder(sided);
   RestrictedVoronoi diagram;
-  builder.build(sites, nullptr, cells, Gaps::kCovered, cutting.context(), diagram);
+  builder.build(sites, nullptr, cells, /*leaves_gaps=*/false, cutting.context(), diagram);
   return builder.polygons(collecting.context());
 }
 
