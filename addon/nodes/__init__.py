@@ -2,7 +2,7 @@
 """Node groups as Python sources: what plays a scatter back without the add-on."""
 
 from .groups import VERSION, VERSION_KEY, version_of
-from .inputs import get_input, has_input, set_input
+from .inputs import get_input, has_input, inputs_of, put_inputs, set_input
 from .scatter import (
     DETAIL_INPUTS,
     GROUP_NAME,
@@ -26,7 +26,9 @@ __all__ = [
     "get_input",
     "has_input",
     "input_name",
+    "inputs_of",
     "is_current",
+    "put_inputs",
     "set_input",
     "version_of",
 ]

@@ -45,3 +45,38 @@ def set_input(modifier: bpy.types.NodesModifier, name: str, value: Any) -> None:
         modifier[identifier] = value
     if block:
         modifier.node_group = modifier.node_group  # has the depsgraph ask for its relations anew
+
+
+def inputs_of(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
+    """All that is stored of the inputs, by the names that Blender gives them."""
+    if hasattr(modifier, "properties"):
+        inputs = modifier.properties.inputs
+        names = [
+            item.identifier for item in modifier.node_group.interface.items_tree if _is_in(item)
+        ]
+        there = [name for name in names if hasattr(getattr(inputs, name, None), "value")]
+        return {name: _plain(getattr(inputs, name).value) for name in there}
+    return {name: _plain(modifier[name]) for name in modifier.keys()}  # noqa: SIM118
+
+
+def put_inputs(modifier: bpy.types.NodesModifier, values: dict[str, Any]) -> None:
+    """Store again what inputs_of has returned of the same node group."""
+    now = inputs_of(modifier)
+    changed = {name: value for name, value in values.items() if now.get(name) != value}
+    for name, value in changed.items():
+        if hasattr(modifier, "properties"):
+            getattr(modifier.properties.inputs, name).value = value
+        else:
+            modifier[name] = value
+    for name in now.keys() - values.keys():
+        del modifier[name]
+    if changed:
+        modifier.node_group = modifier.node_group  # has the depsgraph ask for its relations anew
+
+
+def _is_in(item: Any) -> bool:
+    return item.item_type == "SOCKET" and item.in_out == "INPUT"
+
+
+def _plain(value: Any) -> Any:
+    return value.to_list() if hasattr(value, "to_list") else value

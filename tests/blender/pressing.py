@@ -41,7 +41,16 @@ class Pressing:
         given = SimpleNamespace(is_property_set=properties.__contains__)
         button = SimpleNamespace(bl_label=kind.bl_label, properties=given, **properties)
         button.report = lambda kinds, text: self.reported.append((*kinds, text))
-        for method in ("steps", "about", "watched", "execute", "given", "_failed"):
+        for method in (
+            "steps",
+            "about",
+            "watched",
+            "written",
+            "execute",
+            "given",
+            "_work",
+            "_begin",
+        ):
             if hasattr(kind, method):
                 setattr(button, method, partial(getattr(kind, method), button))
         button.done = kind.done

@@ -216,7 +216,7 @@ def test_an_override_is_cleared_and_tiled_in_the_shot(library, tmp_path):
 
 def test_the_classes_of_an_override_are_those_of_its_file(library):
     overridden(library[0])
-    with pytest.raises(RuntimeError, match="keeps the object types of its library"):
+    with pytest.raises(RuntimeError, match="object types come from a linked file: edit them there"):
         bpy.ops.dapple.edit_classes(action="ADD")
 
 

@@ -219,7 +219,7 @@ class Window:
         operator = SimpleNamespace(**properties)
         for name in ("_action", "bl_label"):
             setattr(operator, name, getattr(kind, name, ""))
-        operator.execute = lambda context: kind.execute(operator, context)
+        operator.execute = lambda context: kind.work(operator, context)
         manager = SimpleNamespace(invoke_confirm=self._confirm)
         context = SimpleNamespace(object=bpy.context.object, window_manager=manager)
         return kind.invoke(operator, context, None)

@@ -373,7 +373,9 @@ class Mouse:
     def press(self, place, remove=False):
         kind = self.tool.DAPPLE_OT_pull_point
         self.button = SimpleNamespace(
-            remove=remove, report=lambda kinds, text: self.reported.append((*kinds, text))
+            remove=remove,
+            bl_label=kind.bl_label,
+            report=lambda kinds, text: self.reported.append((*kinds, text)),
         )
         for name in ("_tried", "_begin", "_end", "_place", "_let_go", "modal"):
             setattr(self.button, name, partial(getattr(kind, name), self.button))

@@ -8,13 +8,14 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Stepper, Steps, run_now
 from . import under_way
+from .all_or_nothing import AllOrNothing, Status, tried
 from .held import Held
 from .under_way import Outcome, Work
 
-Status = set[str]  # that operators return
+__all__ = ["OPTIONS", "AllOrNothing", "Status", "StepsOperator", "is_under_way", "tried"]
+
 OPTIONS = {"REGISTER", "UNDO"}  # of operators that change the file
 
 
@@ -42,35 +43,33 @@ class StepsOperator:
         """The object in whose panel it is said how it ends."""
         return context.object
 
+    def written(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        """Objects whose content is written."""
+        return [self.about(context)]
+
     def watched(self, context: bpy.types.Context) -> dict[int, str]:
         """What has to stay as it is meanwhile: names by session_uid."""
         return {}
 
     def execute(self, context: bpy.types.Context) -> Status:
         """Do all the work now."""
-        try:
-            about = Held(self.about(context))
-            result = run_now(self.steps(context))
-            outcome = self.done(context, result, about.get())
-        except (ScatterError, StoppedError) as error:
-            return self._failed(error)
+        return tried(self, context, lambda: self._work(context), lambda: self.written(context))
+
+    def _work(self, context: bpy.types.Context) -> None:
+        about = Held(self.about(context))
+        result = run_now(self.steps(context))
+        outcome = self.done(context, result, about.get())
         for kind, text in outcome.said:
             self.report({kind}, text)
-        return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """Begin the work, whose undo step is made once it is done."""
         if under_way.at_once:
             return self.execute(context)
-        try:
-            stepper, about = Stepper(self.steps(context)), Held(self.about(context))
-            work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
-            under_way.begin(context, work)
-        except (ScatterError, StoppedError) as error:
-            return self._failed(error)
-        return {"CANCELLED"}
+        return tried(self, context, lambda: self._begin(context), lambda: self.written(context))
 
-    def _failed(self, error: Exception) -> Status:
-        kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"
-        self.report({kind}, str(error))
+    def _begin(self, context: bpy.types.Context) -> Status:
+        stepper, about = Stepper(self.steps(context)), Held(self.about(context))
+        work = Work(self.bl_label, about, stepper, self.done, self.watched(context))
+        under_way.begin(context, work)
         return {"CANCELLED"}

@@ -75,11 +75,17 @@ def _column(mesh: bpy.types.Mesh, name: str, kind: str) -> np.ndarray:
 
 def to_local(obj: bpy.types.Object, positions: Floats) -> Floats:
     """World space -> the object's own space; ScatterError if that is flat."""
+    matrix = matrix_of(obj)
+    if not np.isfinite(matrix).all():
+        raise ScatterError(f"'{obj.name}' stands nowhere: its location or scale is not finite")
     try:
-        inverse = np.linalg.inv(matrix_of(obj))
+        inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
-        raise ScatterError(f"'{obj.name}' has a scale of 0: give it another one") from None
-    return positions @ inverse[:3, :3].T + inverse[:3, 3]
+        inverse = np.full((4, 4), np.nan)
+    found = positions @ inverse[:3, :3].T + inverse[:3, 3]
+    if not (np.abs(found) <= np.finfo(np.float32).max).all():
+        raise ScatterError(f"'{obj.name}' has a scale of 0: give it another one")
+    return found
 
 
 def to_world(obj: bpy.types.Object, positions: Floats) -> Floats:

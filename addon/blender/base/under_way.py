@@ -15,9 +15,10 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError, StoppedError
+from ...core.errors import StoppedError
 from ...core.steps import Stepper
 from . import artist, renders
+from .all_or_nothing import sentence
 from .handlers import Handlers
 from .held import Held
 from .sidebars import redraw
@@ -146,7 +147,7 @@ def tick() -> float | None:
                 _show(work)
                 return _POLL
             outcome = work.done(bpy.context, work.stepper.result, work.about.get())
-    except (ScatterError, StoppedError) as error:
+    except Exception as error:
         _end(work.about.uid, _trouble(work, error))
     except BaseException:
         _end(work.about.uid, [])
@@ -201,7 +202,7 @@ def _window(work: Work) -> bpy.types.Window | None:
 
 def _trouble(work: Work, error: Exception) -> Said:
     if not isinstance(error, StoppedError):
-        return [("ERROR", str(error))]
+        return [("ERROR", sentence(work.label, error))]
     first = [("WARNING", work.why)] if work.why else []
     return [*first, ("INFO", str(error))]
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...core.errors import ScatterError
 from ...nodes.joined_surface import KEY, Joined, Offset, build
+from ..base.all_or_nothing import once_done
 from ..base.held import Held
 from ..base.quiet import quiet
 
@@ -170,8 +171,14 @@ def _write_group(surface: bpy.types.Object) -> None:
     modifier = _modifier(surface)
     before = modifier.node_group
     modifier.node_group = build(surface.name, parts)
-    if before is not None and not before.users:
-        bpy.data.node_groups.remove(before)
+    if before is not None:
+        once_done(lambda: _remove(before))
+
+
+def _remove(group: bpy.types.NodeTree) -> None:
+    with suppress(ReferenceError):  # it is gone
+        if not group.users:
+            bpy.data.node_groups.remove(group)
 
 
 def _modifier(surface: bpy.types.Object) -> bpy.types.NodesModifier:

@@ -19,6 +19,7 @@ from ...core.records import (
 )
 from ...core.surface import Floats, Ints
 from ...nodes import get_input, has_input
+from ..base.all_or_nothing import once_done
 from ..base.meshio import read_columns, write_columns, write_points
 from .modifier import scatter_modifier
 
@@ -64,7 +65,14 @@ def new_store(
     count = len(columns[next(iter(types))])
     write_points(store.data, np.zeros((count, 3)) if places is None else places)
     write_columns(store.data, columns, types)
+    once_done(lambda: _name(store, label))  # those of an older bake have it until then
     return store
+
+
+def _name(store: bpy.types.Object, label: str) -> None:
+    for block in (store, store.data):
+        if block.name != label:
+            block.name = label
 
 
 def read_baked(obj: bpy.types.Object) -> Baked:

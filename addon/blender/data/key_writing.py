@@ -10,6 +10,7 @@ from ...core.solve import Report
 from ...core.sources import Sources
 from ...core.stale import settings_text
 from ...nodes import has_input, set_input
+from ..base.all_or_nothing import once_done
 from .added_points import add_points, drop_added
 from .key_stores import STORES, key_types, new_store, stores_of, triangle_types
 from .modifier import ensure_modifier, scatter_modifier, write_surface_inputs, write_warning
@@ -71,6 +72,11 @@ def clear_keys(obj: bpy.types.Object) -> None:
     obj.dapple.baked_keys = obj.dapple.baked_frames = 0
     obj.dapple.bake_fingerprint = obj.dapple.baked_settings = obj.dapple.baked_from = ""
     obj.update_tag()
+    once_done(lambda: _remove(stores))
+
+
+def _remove(stores: list[bpy.types.Object]) -> None:
+    """Take what held keys out of the file, unless something else has it."""
     for store in stores:
         if store.users == 0 and store.library is None:
             data = store.data

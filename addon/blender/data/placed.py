@@ -78,6 +78,6 @@ def write_placed(
     write_binding(obj, arrays, found.binding, rest)
     write_own_ids(obj, columns)
     write_locked(obj, placed)
-    inverse = np.linalg.inv(arrays.matrix)
+    inverse = np.linalg.pinv(arrays.matrix)  # which a flattened surface has too
     add_touched(obj, found.touched @ inverse[:3, :3].T + inverse[:3, 3])
     write_digest(obj)

@@ -17,9 +17,10 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError, StoppedError
+from ...core.errors import ScatterError
 from ...core.schedule import Schedule
 from ...core.steps import Stepper
+from ..base.all_or_nothing import sentence
 from ..base.artist import is_operated
 from ..base.handlers import Handlers
 from ..base.held import Held
@@ -100,7 +101,7 @@ def trouble(obj: bpy.types.Object) -> str:
 
 def touch(obj: bpy.types.Object) -> None:
     """A setting of a scatter was changed: of what it depends, too."""
-    if enabled:
+    if enabled and not is_quiet():
         _state.changes.relink()
         _change(obj.session_uid)
         _wake()
@@ -223,9 +224,9 @@ def _go_on(job: _Job) -> None:
     try:
         if not (job.wish and is_operated()) and job.stepper.run_for(_PART):
             _done(job)
-    except (ScatterError, StoppedError) as error:
+    except Exception as error:
         _fail(job)
-        _state.troubles[job.scatter.uid] = str(error)
+        _state.troubles[job.scatter.uid] = sentence("Optimize", error)
     except BaseException:
         _fail(job)
         raise

@@ -9,7 +9,7 @@ from bpy.props import StringProperty
 from ...core.errors import ScatterError
 from ...core.steps import Steps
 from ...core.tables import SCATTER
-from ..base.job import OPTIONS, Status, StepsOperator
+from ..base.job import OPTIONS, AllOrNothing, StepsOperator
 from ..base.translation import reported, told
 from ..base.under_way import Outcome
 from ..data.scatter import rest_note
@@ -103,7 +103,7 @@ class DAPPLE_OT_add_over_collection(_Adds, bpy.types.Operator):
         raise ScatterError(f"There is no collection '{self.collection}' with objects")
 
 
-class DAPPLE_OT_surface_from_selected(bpy.types.Operator):
+class DAPPLE_OT_surface_from_selected(AllOrNothing, bpy.types.Operator):
     """Have the surface be the other selected objects, several as one. The points are put on it when
     they are next optimized"""
 
@@ -120,13 +120,8 @@ class DAPPLE_OT_surface_from_selected(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            put_on_selected(context)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        put_on_selected(context)
 
 
 CLASSES = (DAPPLE_OT_add, DAPPLE_OT_add_over_collection, DAPPLE_OT_surface_from_selected)

@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 from ...core.errors import ScatterError
 from ...core.steps import Steps
 from ..base import under_way
-from ..base.job import OPTIONS, Status, StepsOperator
+from ..base.job import OPTIONS, AllOrNothing, Status, StepsOperator, tried
 from ..base.translation import reported, told
 from ..base.under_way import Outcome
 from ..data.scatter import is_surface, is_unsolved
@@ -20,7 +20,7 @@ from ..steps.placing import place_steps
 from .polls import ready
 
 
-class DAPPLE_OT_mark_asset(bpy.types.Operator):
+class DAPPLE_OT_mark_asset(AllOrNothing, bpy.types.Operator):
     """Make an asset of this scatter: its settings, object types and objects, without surface,
     points and bake. Save the file in an asset library, then drop it on any surface"""
 
@@ -32,13 +32,12 @@ class DAPPLE_OT_mark_asset(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         made = marked(context.object)
         if not bpy.app.background:
             _draw_preview(context, made)
         text = reported("Asset '{name}' added: save the file in an asset library", name=made.name)
         self.report({"INFO"}, text)
-        return {"FINISHED"}
 
 
 def _draw_preview(context: bpy.types.Context, asset: bpy.types.Object) -> None:
@@ -74,10 +73,10 @@ class DAPPLE_OT_place(StepsOperator, bpy.types.Operator):
         """Leave it to the background, which makes the undo step once the points are there."""
         if under_way.at_once:
             return self.execute(context)
-        try:
-            context.object.dapple.surface = self._surface(context)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
+        return tried(self, context, lambda: self._choose(context))
+
+    def _choose(self, context: bpy.types.Context) -> Status:
+        context.object.dapple.surface = self._surface(context)
         return {"CANCELLED"}
 
     def steps(self, context: bpy.types.Context) -> Steps:

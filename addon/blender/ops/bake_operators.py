@@ -5,9 +5,8 @@ from typing import Any
 
 import bpy
 
-from ...core.errors import ScatterError
 from ...core.steps import Steps
-from ..base.job import OPTIONS, Status, StepsOperator, is_under_way
+from ..base.job import OPTIONS, AllOrNothing, Status, StepsOperator, is_under_way
 from ..base.translation import counted, operator_label, reported, told
 from ..base.under_way import Outcome
 from ..data.key_writing import clear_keys
@@ -60,7 +59,7 @@ class DAPPLE_OT_bake(StepsOperator, bpy.types.Operator):
         return Outcome(obj, said)
 
 
-class DAPPLE_OT_clear_bake(bpy.types.Operator):
+class DAPPLE_OT_clear_bake(AllOrNothing, bpy.types.Operator):
     """Delete the baked keyframes; the points then stick to the surface where they were optimized"""
 
     bl_idname = "dapple.clear_bake"
@@ -72,19 +71,14 @@ class DAPPLE_OT_clear_bake(bpy.types.Operator):
         there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.baked_keys > 0
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         left = finished_files(context.object)
-        try:
-            clear_keys(context.object)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        clear_keys(context.object)
         for files in left:
             files.clear()
-        return {"FINISHED"}
 
 
-class DAPPLE_OT_discard_bake(bpy.types.Operator):
+class DAPPLE_OT_discard_bake(AllOrNothing, bpy.types.Operator):
     """Delete the frames that stopped bakes left behind; the next bake starts at its first frame"""
 
     bl_idname = "dapple.discard_bake"
@@ -113,11 +107,10 @@ class DAPPLE_OT_discard_bake(bpy.types.Operator):
             icon="WARNING",
         )
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         for files in all_work_files(context.object):
             files.clear()
         freshness.touch(context.object)
-        return {"FINISHED"}
 
 
 CLASSES = (DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake)

@@ -8,10 +8,9 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from ...core.errors import ScatterError
 from ...core.exporting import GLTF, SUFFIXES
 from ...core.native import missing
-from ..base.job import Status
+from ..base.job import AllOrNothing, Status
 from ..base.translation import counted, reported, told
 from ..data.scatter import is_scatter
 from ..export.points import Written, export_points
@@ -25,7 +24,7 @@ FORMATS = (
 )
 
 
-class DAPPLE_OT_export(bpy.types.Operator, ExportHelper):
+class DAPPLE_OT_export(AllOrNothing, bpy.types.Operator, ExportHelper):
     """Write the instances of the selected scatters to a file for other programs, with the objects
     that stand there"""
 
@@ -50,6 +49,8 @@ class DAPPLE_OT_export(bpy.types.Operator, ExportHelper):
             cls.poll_message_set(missing())
         elif not chosen(context):
             cls.poll_message_set(told("Select the scatters to export"))
+        elif context.mode != "OBJECT":
+            cls.poll_message_set(told("Needs Object Mode"))
         else:
             return True
         return False
@@ -72,16 +73,14 @@ class DAPPLE_OT_export(bpy.types.Operator, ExportHelper):
         row.enabled = self.format not in GLTF
         row.prop(self, "animation")
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         path = Path(bpy.path.abspath(self.filepath))
-        try:
-            written = export_points(path, chosen(context), self._frames(context.scene, path))
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        written = export_points(path, chosen(context), self._frames(context.scene, path))
         for kind, text in _said(written):
             self.report({kind}, text)
-        return {"FINISHED"}
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return chosen(context)
 
     def _frames(self, scene: bpy.types.Scene, path: Path) -> list[int]:
         if not self.animation or path.suffix.lower() in GLTF:

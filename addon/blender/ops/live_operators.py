@@ -8,12 +8,12 @@ from typing import ClassVar
 import bpy
 
 from ..base import under_way
-from ..base.job import Status
+from ..base.job import AllOrNothing
 from ..base.translation import told
 from ..live import watcher
 
 
-class DAPPLE_OT_cancel_update(bpy.types.Operator):
+class DAPPLE_OT_cancel_update(AllOrNothing, bpy.types.Operator):
     """Stop what is going on; the points stay as they are"""
 
     bl_idname = "dapple.cancel_update"
@@ -26,15 +26,14 @@ class DAPPLE_OT_cancel_update(bpy.types.Operator):
             cls.poll_message_set(told("No points are being updated"))
         return goes_on
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         if under_way.current() is not None:
             under_way.cancel()
         else:
             watcher.cancel()
-        return {"FINISHED"}
 
 
-class DAPPLE_OT_dismiss(bpy.types.Operator):
+class DAPPLE_OT_dismiss(AllOrNothing, bpy.types.Operator):
     """Hide this message"""
 
     bl_idname = "dapple.dismiss"
@@ -45,9 +44,8 @@ class DAPPLE_OT_dismiss(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.object is not None and bool(under_way.notes(context.object))
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         under_way.dismiss(context.object)
-        return {"FINISHED"}
 
 
 CLASSES = (DAPPLE_OT_cancel_update, DAPPLE_OT_dismiss)

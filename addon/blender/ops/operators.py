@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty
 
+from ...core.errors import ScatterError
 from ...core.steps import Steps
-from ..base.job import OPTIONS, Status, StepsOperator
+from ..base.job import OPTIONS, AllOrNothing, Status, StepsOperator
 from ..base.translation import operator_label, reported, told
 from ..base.under_way import Outcome
 from ..live import watcher
@@ -37,7 +38,7 @@ class _DropsKeys(StepsOperator):
     )
 
 
-class DAPPLE_OT_drop_keys(bpy.types.Operator):
+class DAPPLE_OT_drop_keys(AllOrNothing, bpy.types.Operator):
     """Continue with the operation that deletes the baked keyframes"""
 
     bl_idname = "dapple.drop_keys"
@@ -73,10 +74,12 @@ class DAPPLE_OT_drop_keys(bpy.types.Operator):
             icon="WARNING",
         )
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         operator = getattr(bpy.ops.dapple, self.action.lower())
-        operator("INVOKE_DEFAULT", drop_keys=True)
-        return {"FINISHED"}
+        try:
+            operator("INVOKE_DEFAULT", drop_keys=True)
+        except RuntimeError as error:  # what it has reported
+            raise ScatterError(str(error).removeprefix("Error: ").strip()) from error
 
 
 class DAPPLE_OT_optimize(_DropsKeys, bpy.types.Operator):
@@ -155,6 +158,9 @@ class DAPPLE_OT_tile(StepsOperator, bpy.types.Operator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         return tile_steps(context)
+
+    def written(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return [*filter(None, [context.object.dapple.tiles.object])]
 
     @staticmethod
     def done(context: bpy.types.Context, result: Any, obj: bpy.types.Object) -> Outcome:

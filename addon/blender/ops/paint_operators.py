@@ -4,23 +4,13 @@
 import bpy
 
 from ...core.density_table import PAINTED
-from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing
 from ..base.translation import told
 from ..steps.painting import begin_painting, end_painting, painted_scatter
 from .polls import ready
 
 
-def _begin(operator: bpy.types.Operator, context: bpy.types.Context, what: str) -> Status:
-    try:
-        begin_painting(context, PAINTED[what])
-    except ScatterError as error:
-        operator.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
-    return {"FINISHED"}
-
-
-class DAPPLE_OT_paint_density(bpy.types.Operator):
+class DAPPLE_OT_paint_density(AllOrNothing, bpy.types.Operator):
     """Paint on the surface how dense the points are. Takes the vertex group that the density uses,
     or adds one with the same weight everywhere: no points where the weight is 0"""
 
@@ -32,11 +22,11 @@ class DAPPLE_OT_paint_density(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        return _begin(self, context, "DENSITY")
+    def work(self, context: bpy.types.Context) -> None:
+        begin_painting(context, PAINTED["DENSITY"])
 
 
-class DAPPLE_OT_paint_blocked(bpy.types.Operator):
+class DAPPLE_OT_paint_blocked(AllOrNothing, bpy.types.Operator):
     """Paint on the surface where there are to be no points. Takes the vertex group of Blocked
     Areas, or adds an empty one: no points where the weight is 1, whatever the density is"""
 
@@ -48,11 +38,11 @@ class DAPPLE_OT_paint_blocked(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return ready(cls, context, scatter=True)
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        return _begin(self, context, "BLOCKED")
+    def work(self, context: bpy.types.Context) -> None:
+        begin_painting(context, PAINTED["BLOCKED"])
 
 
-class DAPPLE_OT_paint_done(bpy.types.Operator):
+class DAPPLE_OT_paint_done(AllOrNothing, bpy.types.Operator):
     """Leave Weight Paint mode and go back to the scatter"""
 
     bl_idname = "dapple.paint_done"
@@ -66,9 +56,8 @@ class DAPPLE_OT_paint_done(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         end_painting(context)
-        return {"FINISHED"}
 
 
 CLASSES = (DAPPLE_OT_paint_density, DAPPLE_OT_paint_blocked, DAPPLE_OT_paint_done)

@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Placing single points: in Edit Mode, or one by one."""
 
-from collections.abc import Callable
-
 import bpy
 import numpy as np
 from bpy.props import FloatVectorProperty, IntProperty
 
-from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing, Status, tried
 from ..base.translation import reported, told
 from ..data.library import read_only
 from ..live import watcher
@@ -18,7 +15,7 @@ from .mouse import place_under_mouse
 from .polls import editable
 
 
-class DAPPLE_OT_edit_points(bpy.types.Operator):
+class DAPPLE_OT_edit_points(AllOrNothing, bpy.types.Operator):
     """Add, move and remove single points in Edit Mode. Those that are added or moved are locked;
     the others become even around them"""
 
@@ -30,16 +27,11 @@ class DAPPLE_OT_edit_points(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return editable(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            begin_editing(context)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        begin_editing(context)
 
 
-class DAPPLE_OT_edit_points_done(bpy.types.Operator):
+class DAPPLE_OT_edit_points_done(AllOrNothing, bpy.types.Operator):
     """Leave Edit Mode, attach added and moved points to the surface and lock them"""
 
     bl_idname = "dapple.edit_points_done"
@@ -57,12 +49,8 @@ class DAPPLE_OT_edit_points_done(bpy.types.Operator):
             return True
         return False
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            placed, removed = end_editing(context)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> None:
+        placed, removed = end_editing(context)
         watcher.touch(context.object)
         text = reported(
             "Points placed and locked: {placed:,}, removed: {removed:,}",
@@ -70,26 +58,18 @@ class DAPPLE_OT_edit_points_done(bpy.types.Operator):
             removed=removed,
         )
         self.report({"INFO"}, text)
-        return {"FINISHED"}
 
 
-class _PlacesPoint:
+class _PlacesPoint(AllOrNothing):
     """Places a point of the active scatter."""
-
-    report: Callable[[set[str], str], None]
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return editable(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            self.place(context.object)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.place(context.object)
         watcher.touch(context.object)
-        return {"FINISHED"}
 
     def place(self, obj: bpy.types.Object) -> None:
         """What is done."""
@@ -133,16 +113,16 @@ class DAPPLE_OT_place_point(_PlacesThere, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         """Where the mouse is."""
-        try:
-            place = place_under_mouse(context, event)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        return tried(self, context, lambda: self._place_there(context, event))
+
+    def _place_there(self, context: bpy.types.Context, event: bpy.types.Event) -> Status | None:
+        place = place_under_mouse(context, event)
         if place is None:
             self.report({"WARNING"}, reported("The surface is not under the mouse"))
             return {"CANCELLED"}
         self.location = place
-        return self.execute(context)
+        self.work(context)
+        return None
 
     def place(self, obj: bpy.types.Object) -> None:
         add_vertex(obj, np.array(self.location))

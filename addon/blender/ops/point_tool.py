@@ -7,9 +7,8 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty
 
-from ...core.errors import ScatterError
 from ...core.surface import Floats
-from ..base.job import Status
+from ..base.job import Status, tried
 from ..base.translation import reported
 from ..live import watcher
 from ..steps.single_points import add_point, move_point, nearest_point, remove_point
@@ -55,11 +54,7 @@ class DAPPLE_OT_pull_point(bpy.types.Operator):
         return self._tried(context, lambda: self._end(context, event))
 
     def _tried(self, context: bpy.types.Context, work: Any) -> Status:
-        try:
-            status: Status = work()
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        status = tried(self, context, work)
         if status == {"FINISHED"}:
             watcher.touch(context.object)
         return status

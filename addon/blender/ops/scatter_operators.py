@@ -1,24 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the list of a surface's scatters does with one of them, which is called by its name."""
 
-from typing import Any
-
 import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing
 from ..base.translation import told
 from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import is_scatter, surface_of
-from ..steps.scatters import activate, copied, remove, show_solo
+from ..steps.scatters import activate, copied, remove, scatters_of, show_solo
 
 
-class _NamedOperator:
+class _NamedOperator(AllOrNothing):
     """Of the scatter with this name, otherwise of the active one."""
 
-    report: Any
     name: StringProperty(name="Name", description="Name of the scatter; if empty, the active one")
 
     @classmethod
@@ -27,15 +24,13 @@ class _NamedOperator:
             cls.poll_message_set(told("Needs Object Mode"))  # type: ignore[attr-defined]
         return context.mode == "OBJECT"
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            self.work(context, self._scatter(context))
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        self.work_on(context, self._scatter(context))
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return [self._scatter(context)]
+
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         """What is done with it."""
         raise NotImplementedError
 
@@ -54,7 +49,7 @@ class DAPPLE_OT_select_scatter(_NamedOperator, bpy.types.Operator):
     bl_label = "Select Scatter"
     bl_options = OPTIONS
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         obj.hide_set(False)
         activate(context, obj)
 
@@ -66,7 +61,7 @@ class DAPPLE_OT_select_surface(_NamedOperator, bpy.types.Operator):
     bl_label = "Select Surface"
     bl_options = OPTIONS
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         surface = parts_of(surface_of(obj))[0]
         if context.view_layer.objects.get(surface.name) != surface:
             raise ScatterError(f"Surface '{surface.name}' is not in the view layer")
@@ -80,8 +75,11 @@ class DAPPLE_OT_solo_scatter(_NamedOperator, bpy.types.Operator):
     bl_label = "Solo Scatter"
     bl_options = OPTIONS
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         show_solo(obj)
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return scatters_of(self._scatter(context).dapple.surface)
 
 
 class DAPPLE_OT_copy_scatter(_NamedOperator, bpy.types.Operator):
@@ -91,7 +89,7 @@ class DAPPLE_OT_copy_scatter(_NamedOperator, bpy.types.Operator):
     bl_label = "Copy Scatter"
     bl_options = OPTIONS
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         copied(obj)
 
 
@@ -102,7 +100,7 @@ class DAPPLE_OT_remove_scatter(_NamedOperator, bpy.types.Operator):
     bl_label = "Remove Scatter"
     bl_options = OPTIONS
 
-    def work(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    def work_on(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
         if read_only(obj):
             raise ScatterError(read_only(obj))
         remove(obj)

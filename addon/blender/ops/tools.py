@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing, Status
 from ..base.translation import reported, told
 from ..data.locking import lock_points
 from ..settings.updates import settings_changed
@@ -23,7 +23,7 @@ def _may_be_listed(cls: type[bpy.types.Operator], context: bpy.types.Context, wh
     return not context.object.override_library
 
 
-class DAPPLE_OT_edit_classes(bpy.types.Operator):
+class DAPPLE_OT_edit_classes(AllOrNothing, bpy.types.Operator):
     """Edit the list of object types; optimize again to apply"""
 
     bl_idname = "dapple.edit_classes"
@@ -48,16 +48,17 @@ class DAPPLE_OT_edit_classes(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told("A library override keeps the object types of its library")
+        why = told(
+            "The object types come from a linked file: edit them there, or make the scatter local"
+        )
         return _may_be_listed(cls, context, why)
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         change_classes(context.object, self.action)
         settings_changed(context.object.dapple, context)
-        return {"FINISHED"}
 
 
-class DAPPLE_OT_add_material(bpy.types.Operator):
+class DAPPLE_OT_add_material(AllOrNothing, bpy.types.Operator):
     """Add a material of the surface to those whose faces have points"""
 
     bl_idname = "dapple.add_material"
@@ -68,21 +69,21 @@ class DAPPLE_OT_add_material(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told("A library override keeps the materials of its library")
+        why = told(
+            "The materials come from a linked file: choose them there, or make the scatter local"
+        )
         return _may_be_listed(cls, context, why)
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         found = by_full_name(bpy.data.materials, self.material)
         chosen = context.object.dapple.density.materials
         if found is None:
-            self.report({"ERROR"}, reported("There is no material '{name}'", name=self.material))
-            return {"CANCELLED"}
+            raise ScatterError(reported("There is no material '{name}'", name=self.material))
         if all(one.material != found for one in chosen):
             chosen.add().material = found  # which has an update function
-        return {"FINISHED"}
 
 
-class DAPPLE_OT_remove_material(bpy.types.Operator):
+class DAPPLE_OT_remove_material(AllOrNothing, bpy.types.Operator):
     """Remove the material from those whose faces have points"""
 
     bl_idname = "dapple.remove_material"
@@ -95,19 +96,21 @@ class DAPPLE_OT_remove_material(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        why = told("A library override keeps the materials of its library")
+        why = told(
+            "The materials come from a linked file: choose them there, or make the scatter local"
+        )
         return _may_be_listed(cls, context, why)
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> Status | None:
         chosen = context.object.dapple.density.materials
         if self.index >= len(chosen):
             return {"CANCELLED"}
         chosen.remove(self.index)
         settings_changed(context.object.dapple, context)
-        return {"FINISHED"}
+        return None
 
 
-class DAPPLE_OT_lock(bpy.types.Operator):
+class DAPPLE_OT_lock(AllOrNothing, bpy.types.Operator):
     """Keep the selected points in place when the scatter is optimized, or unlock them. Points can
     be moved, added and deleted in Edit Mode first. In a bake all points move"""
 
@@ -124,21 +127,16 @@ class DAPPLE_OT_lock(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return writable(cls, context)
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            count = lock_points(context.object, self.lock, self.every)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: bpy.types.Context) -> None:
+        count = lock_points(context.object, self.lock, self.every)
         settings_changed(context.object.dapple, context)  # an update may have waited for it
         if self.lock:
             self.report({"INFO"}, reported("Points locked: {count:,}", count=count))
         else:
             self.report({"INFO"}, reported("Points unlocked: {count:,}", count=count))
-        return {"FINISHED"}
 
 
-class DAPPLE_OT_select_overlap(bpy.types.Operator):
+class DAPPLE_OT_select_overlap(AllOrNothing, bpy.types.Operator):
     """Select the two points whose instances overlap most and place the 3D cursor between them; if
     baked, go to the frame with the largest overlap"""
 
@@ -151,13 +149,8 @@ class DAPPLE_OT_select_overlap(bpy.types.Operator):
         there = writable(cls, context) and context.mode == "OBJECT"
         return there and context.object.dapple.report.worst_overlap > 0
 
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            context.scene.cursor.location = select_overlap(context.object, context)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def work(self, context: bpy.types.Context) -> None:
+        context.scene.cursor.location = select_overlap(context.object, context)
 
 
 CLASSES = (

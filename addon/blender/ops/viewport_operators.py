@@ -4,18 +4,17 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ...core.errors import ScatterError
 from ...core.native import missing
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing
 from ..data.joined import parts_of
 from ..data.library import read_only
 from ..data.scatter import active_surface, is_scatter
 from ..surface.topology import differences, match_subdivision
 from ..viewport import overlay, preview
-from .polls import writable
+from .polls import ready
 
 
-class DAPPLE_OT_preview(bpy.types.Operator):
+class DAPPLE_OT_preview(AllOrNothing, bpy.types.Operator):
     """Keep the points even in the viewport while scrubbing or posing, but not in renders. Run
     again to stop"""
 
@@ -24,19 +23,14 @@ class DAPPLE_OT_preview(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return writable(cls, context) and not missing()
+        return ready(cls, context, scatter=True)
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         obj = context.object
-        try:
-            (preview.stop if preview.is_on(obj) else preview.start)(obj)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        (preview.stop if preview.is_on(obj) else preview.start)(obj)
 
 
-class DAPPLE_OT_match_subdivision(bpy.types.Operator):
+class DAPPLE_OT_match_subdivision(AllOrNothing, bpy.types.Operator):
     """Use the same levels of the surface's modifiers in the viewport and in renders"""
 
     bl_idname = "dapple.match_subdivision"
@@ -63,12 +57,14 @@ class DAPPLE_OT_match_subdivision(bpy.types.Operator):
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         match_subdivision(active_surface(context), context.scene, self.use)
-        return {"FINISHED"}
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        return [obj for obj in parts_of(active_surface(context)) if obj.type != "MESH"]
 
 
-class DAPPLE_OT_show_density(bpy.types.Operator):
+class DAPPLE_OT_show_density(AllOrNothing, bpy.types.Operator):
     """Color the surface by its density, from dark (no points) to yellow (most points), for the
     active object type. Run again to stop"""
 
@@ -79,17 +75,12 @@ class DAPPLE_OT_show_density(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_scatter(context.object) and not missing()
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         obj = context.object
-        try:
-            if overlay.is_on(obj):
-                overlay.stop()
-            else:
-                overlay.start(obj)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        if overlay.is_on(obj):
+            overlay.stop()
+        else:
+            overlay.start(obj)
 
 
 CLASSES = (DAPPLE_OT_preview, DAPPLE_OT_match_subdivision, DAPPLE_OT_show_density)

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node groups and ready scatters as an asset library of the preferences, if the user wants that."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 
 from ..base import extension
+from ..base.job import AllOrNothing
 from ..base.translation import reported, told
 
-Status = set[str]
 NAME = "Dapple"
 FOLDER = extension.FOLDER / "assets"
 ASSETS = "dapple_nodes.blend"
@@ -38,9 +37,8 @@ def remove() -> None:
         bpy.context.preferences.filepaths.asset_libraries.remove(found)
 
 
-class _LibraryOperator:
+class _LibraryOperator(AllOrNothing):
     bl_options = {"INTERNAL"}  # noqa: RUF012 - as Blender wants it
-    report: Callable[[set[str], str], None]
 
 
 class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
@@ -56,18 +54,21 @@ class DAPPLE_OT_add_asset_library(_LibraryOperator, bpy.types.Operator):
             cls.poll_message_set(missing_assets())
         return not missing_assets()
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         found = library()
         if found is not None:
             text = reported("The asset library '{name}' is there already", name=found.name)
             self.report({"INFO"}, text)
-            return {"FINISHED"}
+            return
         libraries = context.preferences.filepaths.asset_libraries
         added = libraries.new(name=NAME, directory=str(FOLDER))
-        _append(added)
+        try:
+            _append(added)
+        except BaseException:
+            libraries.remove(added)
+            raise
         context.preferences.is_dirty = True
         self.report({"INFO"}, reported("Asset library '{name}' added", name=added.name))
-        return {"FINISHED"}
 
 
 def _append(added: bpy.types.UserAssetLibrary) -> None:
@@ -91,10 +92,9 @@ class DAPPLE_OT_remove_asset_library(_LibraryOperator, bpy.types.Operator):
             cls.poll_message_set(told("The preferences have no Dapple asset library"))
         return library() is not None
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def work(self, context: bpy.types.Context) -> None:
         remove()
         context.preferences.is_dirty = True
-        return {"FINISHED"}
 
 
 def unregister() -> None:

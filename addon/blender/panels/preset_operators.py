@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Saving, loading and removing presets: the operators and the menu."""
 
-from collections.abc import Callable
-
 import bpy
 from bpy.props import StringProperty
 
 from ...core import presets
-from ...core.errors import ScatterError
-from ..base.job import OPTIONS, Status
+from ..base.job import OPTIONS, AllOrNothing, Status
 from ..base.translation import told
 from ..data.scatter import is_scatter
 from ..ops.asset_operators import DAPPLE_OT_mark_asset
@@ -17,26 +14,12 @@ from ..steps.presets import apply, folder, values_of
 from . import shown
 
 
-class _PresetOperator:
-    report: Callable[[set[str], str], None]
-
+class _PresetOperator(AllOrNothing):
     name: StringProperty(name="Name", description="Name of the preset")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return is_scatter(context.object)
-
-    def work(self, obj: bpy.types.Object | None) -> None:
-        """What is done, for the active scatter if it is about one."""
-        raise NotImplementedError
-
-    def execute(self, context: bpy.types.Context) -> Status:
-        try:
-            self.work(context.object)
-        except ScatterError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
 class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
@@ -49,8 +32,8 @@ class DAPPLE_OT_save_preset(_PresetOperator, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         return context.window_manager.invoke_props_dialog(self)
 
-    def work(self, obj: bpy.types.Object) -> None:
-        presets.store(folder(), self.name, values_of(obj))
+    def work(self, context: bpy.types.Context) -> None:
+        presets.store(folder(), self.name, values_of(context.object))
 
 
 class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
@@ -64,8 +47,8 @@ class DAPPLE_OT_load_preset(_PresetOperator, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return writable(cls, context)
 
-    def work(self, obj: bpy.types.Object) -> None:
-        apply(obj, presets.load(folder(), self.name))
+    def work(self, context: bpy.types.Context) -> None:
+        apply(context.object, presets.load(folder(), self.name))
 
 
 class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
@@ -81,7 +64,7 @@ class DAPPLE_OT_remove_preset(_PresetOperator, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
         return context.window_manager.invoke_confirm(self, event)
 
-    def work(self, obj: bpy.types.Object | None) -> None:
+    def work(self, context: bpy.types.Context) -> None:
         presets.remove(folder(), self.name)
 
 

@@ -6,6 +6,7 @@ import bpy
 from ...core.bake import Baker
 from ...core.population import PopulationBaker
 from ...core.rest import at_rest
+from ..base.all_or_nothing import all_or_nothing
 from ..base.meshio import to_local
 from ..data.key_writing import write_baked
 from ..data.modifier import ensure_modifier, write_surface_inputs
@@ -19,11 +20,17 @@ def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> 
     born = baker.born() if isinstance(baker, PopulationBaker) else None
     if born is not None:
         to_local(obj, born.positions)  # where that cannot be, nothing is lost yet
-    if begun.solved is not None:
-        write_scattered(obj, baker.first_surface, begun.solved, rest)
-    elif "REST" in (kind, obj.dapple.bound_to):
-        write_binding(obj, baker.first_surface, baker.begin, rest)
-    write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
+    with all_or_nothing(bpy.context, [obj]):
+        if begun.solved is not None:
+            write_scattered(obj, baker.first_surface, begun.solved, rest)
+        elif "REST" in (kind, obj.dapple.bound_to):
+            write_binding(obj, baker.first_surface, baker.begin, rest)
+        write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
+        _write_known(obj, baker)
+
+
+def _write_known(obj: bpy.types.Object, baker: Baker) -> None:
+    """What a bake was solved from, and all faces that it has seen."""
     obj.dapple.bake_fingerprint = baker.fingerprint
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)

@@ -81,6 +81,8 @@ def add_vertex(obj: bpy.types.Object, place: Floats) -> None:
 
 
 def _check(obj: bpy.types.Object) -> None:
+    if not obj.visible_get():
+        raise ScatterError(f"Scatter '{obj.name}' is hidden: show it first")
     if obj.dapple.baked_keys:
         raise ScatterError(f"Scatter '{obj.name}' is baked: clear the bake to edit points")
     if is_edited(obj):

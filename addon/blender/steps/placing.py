@@ -9,6 +9,7 @@ from mathutils import Matrix
 
 from ...core.errors import ScatterError
 from ...core.steps import Steps
+from ..base.all_or_nothing import once_done
 from ..base.held import Held
 from ..base.translation import reported
 from ..data.scatter import surface_of
@@ -32,7 +33,7 @@ def place(obj: bpy.types.Object, surface: bpy.types.Object) -> str:
     obj.matrix_world = Matrix()
     _own_mesh(obj)
     if obj.asset_data is not None:
-        obj.asset_clear()
+        once_done(obj.asset_clear)
     _fit_density(obj, reasons)
     _fit_classes(obj, reasons)
     if not reasons:
@@ -55,9 +56,15 @@ def place_steps(context: bpy.types.Context, surface: bpy.types.Object) -> Steps:
 def _own_mesh(obj: bpy.types.Object) -> None:
     before, name = obj.data, obj.data.name
     obj.data = empty_mesh(name)
+    once_done(lambda: _remove(before, obj.data))
+
+
+def _remove(before: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
+    """Take the mesh of before out of the file if nothing else has it; the other has its name."""
     if not before.users:
+        name = before.name
         bpy.data.meshes.remove(before)
-        obj.data.name = name
+        mesh.name = name
 
 
 def _fit_density(obj: bpy.types.Object, reasons: list[str]) -> None:

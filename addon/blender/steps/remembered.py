@@ -11,13 +11,20 @@ from typing import Any
 import bpy
 
 from ...core.keep import Before, as_placed
-from ...core.records import POINT_ATTRIBUTES, ROW_ATTRIBUTES, Binding, binding_from
+from ...core.records import (
+    POINT_ATTRIBUTES,
+    ROW_ATTRIBUTES,
+    Binding,
+    Columns,
+    binding_from,
+)
 from ...core.rest import AtRest
 from ...core.solve import Scattered, Solved
 from ...core.surface import Ints, SurfaceArrays
+from ..base.all_or_nothing import all_or_nothing
 from ..base.handlers import Handlers
 from ..data.points import own_columns, point_columns_of, points_digest
-from ..data.store import write_scattered
+from ..data.store import write_binding, write_own_ids, write_scattered
 from ..data.touched import touched_places
 
 _MOST = 4  # as each has a surface with all that is known of it
@@ -29,9 +36,23 @@ def write_solved(
     obj: bpy.types.Object, arrays: SurfaceArrays, scattered: Scattered, rest: AtRest | None = None
 ) -> None:
     """Store a result, and remember how it was solved."""
-    write_scattered(obj, arrays, scattered, rest)
+    with all_or_nothing(bpy.context, [obj]):
+        write_scattered(obj, arrays, scattered, rest)
     if scattered.solved is not None and not scattered.settings.classes:
         _remember(obj.dapple.solved_points, scattered.solved, scattered.columns["id"])
+
+
+def write_reattached(
+    obj: bpy.types.Object,
+    arrays: SurfaceArrays,
+    binding: Binding,
+    columns: Columns,
+    rest: AtRest | None,
+) -> None:
+    """Store where points sit that are attached again, with what columns_with_own_ids returned."""
+    with all_or_nothing(bpy.context, [obj]):
+        write_binding(obj, arrays, binding, rest)
+        write_own_ids(obj, columns)
 
 
 def known_as_placed(obj: bpy.types.Object, before: str, binding: Binding) -> None:

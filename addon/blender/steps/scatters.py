@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import bpy
 
 from ...nodes import get_input, has_input, set_input
+from ..base.all_or_nothing import once_done
 from ..data.joined import is_joined, objects_of
 from ..data.key_stores import STORES
 from ..data.key_writing import clear_keys
@@ -75,6 +76,10 @@ def _copy_keys(copy: bpy.types.Object) -> None:
 def remove(obj: bpy.types.Object) -> None:
     """Remove a scatter with its bake; its tiles stay."""
     clear_keys(obj)
+    once_done(lambda: _remove(obj))
+
+
+def _remove(obj: bpy.types.Object) -> None:
     mesh = obj.data
     bpy.data.objects.remove(obj)
     if mesh.users == 0:

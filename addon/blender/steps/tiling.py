@@ -5,6 +5,7 @@ import bpy
 
 from ...core.steps import Steps, Task
 from ...core.tiles import tiled
+from ..base.all_or_nothing import all_or_nothing
 from ..base.held import Held
 from ..data.scatter import surface_of, tile_settings_of
 from ..surface.bound import current_binding
@@ -24,5 +25,6 @@ def tile_steps(context: bpy.types.Context) -> Steps:
     obj = held.get()
     check_points_kept(obj, before, "cut into tiles")
     check_tile_object(obj)
-    with as_read(arrays, surface):
+    made = [*filter(None, [obj.dapple.tiles.object])]
+    with as_read(arrays, surface), all_or_nothing(bpy.context, [obj, *made]):
         return write_tiles(obj, tiles), tiles

@@ -12,13 +12,12 @@ from ...core.steps import Steps, Task
 from ..base.held import Held
 from ..data.points import columns_with_own_ids, locked_points, places_of
 from ..data.scatter import settings_of
-from ..data.store import write_binding, write_own_ids
 from ..surface.bound import rest_of
 from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position
 from .joining import surface_for
 from .meanwhile import check_points_kept, points_now
-from .remembered import write_solved
+from .remembered import write_reattached, write_solved
 
 
 def optimize_steps(context: bpy.types.Context) -> Steps:
@@ -50,6 +49,6 @@ def rebind_steps(context: bpy.types.Context) -> Steps:
         obj = held.get()
         check_points_kept(obj, before, "attached")
         with as_read(arrays, surface), rest_position(surface, kind):
-            write_binding(obj, arrays, binding, rest_of(surface.get(), arrays, binding, kind))
-            write_own_ids(obj, columns)
+            rest = rest_of(surface.get(), arrays, binding, kind)
+            write_reattached(obj, arrays, binding, columns, rest)
     return obj

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All or nothing: an operator that fails leaves the file as it was, and says why in a sentence."""
+
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+from ...core.errors import ScatterError, StoppedError
+from .before import Before
+from .translation import operator_label, reported
+
+Status = set[str]  # that operators return
+_Call = Callable[[], Any]
+
+
+@dataclass
+class _State:
+    open: bool = False  # whether something is done that may have to be put back
+    later: list[_Call] = field(default_factory=list)
+
+
+_state = _State()
+
+
+@contextmanager
+def all_or_nothing(
+    context: bpy.types.Context, objects: Iterable[bpy.types.Object] = ()
+) -> Iterator[None]:
+    """Put back what is changed inside if that fails: of the active object, of others that are
+    given, and of those that both name. One inside another is a part of it.
+    """
+    if _state.open:
+        yield
+        return
+    before = Before(context, objects)
+    _state.open = True
+    try:
+        yield
+        _state.open = False
+        _do_later()
+    except BaseException:
+        _state.open = False
+        _state.later.clear()
+        before.put_back()
+        raise
+    before.forget()
+
+
+def once_done(call: _Call) -> None:
+    """Do what cannot be taken back once all else is done: at once, if nothing is under way."""
+    if _state.open:
+        _state.later.append(call)
+    else:
+        call()
+
+
+def _do_later() -> None:
+    calls, _state.later = _state.later, []
+    for call in calls:
+        call()
+
+
+def sentence(label: str, error: Exception) -> str:
+    """Why an operator has failed; where it was not foreseen, the console says more."""
+    if isinstance(error, (ScatterError, StoppedError)):
+        return str(error)
+    if isinstance(error, OSError) and error.filename:
+        return f"'{error.filename}': {error.strerror}"
+    traceback.print_exception(error)
+    return reported(
+        "'{work}' failed, nothing was changed: {error}",
+        work=operator_label(label),
+        error=str(error) or type(error).__name__,
+    )
+
+
+def tried(
+    operator: Any,
+    context: bpy.types.Context,
+    work: Callable[[], Status | None],
+    objects: Callable[[], Iterable[bpy.types.Object]] = list,
+) -> Status:
+    """What an operator returns once its work is done, or has failed and was put back."""
+    try:
+        with all_or_nothing(context, objects()):
+            status = work()
+    except Exception as error:
+        kind = "WARNING" if isinstance(error, StoppedError) else "ERROR"
+        operator.report({kind}, sentence(operator.bl_label, error))
+        return {"CANCELLED"}
+    return {"FINISHED"} if status is None else status
+
+
+class AllOrNothing:
+    """Mixin for operators: write work(context), perhaps concerned(context)."""
+
+    bl_label: str
+    report: Callable[[set[str], str], None]
+
+    def work(self, context: bpy.types.Context) -> Status | None:
+        """What is done; None is FINISHED."""
+        raise NotImplementedError
+
+    def concerned(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        """Objects that are written beside the active one; ScatterError if there are none."""
+        return []
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        """Do the work, or nothing."""
+        return tried(self, context, lambda: self.work(context), lambda: self.concerned(context))

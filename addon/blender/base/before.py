@@ -1,0 +1,377 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a file holds before an operator, and how that is put back where the operator fails.
+
+Kept are the objects that it works on and those that their properties of this add-on name: their own
+properties, modifiers and points. New data-blocks are removed. Data-blocks that are to be removed
+wait until all else is done (all_or_nothing.py), so none has to be made again.
+"""
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import bmesh
+import bpy
+import numpy as np
+
+from ...nodes import inputs_of, put_inputs
+from .quiet import quiet
+
+_LISTS = (
+    *("objects", "meshes", "node_groups", "materials", "collections", "images", "scenes"),
+    *("cameras", "lights", "actions", "armatures", "curves", "texts", "brushes"),
+)
+# Of an object: what follows from other values, and what nothing here changes.
+_LEFT = {"matrix_world", "matrix_local", "matrix_basis", "dimensions", "name", "asset_data", "tag"}
+_LEFT |= {"active_material", "active_material_index", "active_shape_key_index", "lightgroup"}
+_LEFT |= {"is_runtime_data", "use_extra_user", "active_selection_set"}
+_TOOLS = ("mesh_select_mode",)
+_RENDER = ("simplify_subdivision", "simplify_subdivision_render")
+# Attributes of meshes: the field with their values, numpy's type, numbers in each.
+_FIELDS: dict[str, tuple[str, Any, int]] = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "INT8": ("value", np.int32, 1),
+    "BOOLEAN": ("value", np.bool_, 1),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+    "QUATERNION": ("value", np.float32, 4),
+    "FLOAT4X4": ("value", np.float32, 16),
+    "INT32_2D": ("value", np.int32, 2),
+    "INT16_2D": ("value", np.int32, 2),
+}
+
+
+class Before:
+    """The state of what an operator works on."""
+
+    def __init__(self, context: bpy.types.Context, objects: Iterable[bpy.types.Object]) -> None:
+        self._known = {block.session_uid for block in _blocks()}
+        self._copies: list[bpy.types.Mesh] = []
+        self._view = _View()
+        written = [*filter(None, [context.object]), *objects]
+        found = _reached(written)
+        self._objects = [_Object(obj, obj in written) for obj in found]
+
+    def forget(self) -> None:
+        """Nothing is to be put back."""
+        for one in self._objects:
+            one.forget()
+
+    def put_back(self) -> None:
+        """Have all be as it was, which is nobody's change."""
+        with quiet():
+            self._view.leave_mode()
+            for one in self._objects:
+                one.put_back()
+            self._view.put_back()
+            self.forget()
+            new = [block for block in _blocks() if block.session_uid not in self._known]
+            bpy.data.batch_remove(new)
+            self._view.put_mode_back()
+
+
+def _blocks() -> Iterator[bpy.types.ID]:
+    for name in _LISTS:
+        yield from getattr(bpy.data, name)
+
+
+def _reached(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Objects, and those that properties of this add-on name, each once."""
+    found: dict[int, bpy.types.Object] = {}
+    waiting = list(objects)
+    while waiting:
+        obj = waiting.pop()
+        if obj.session_uid in found:
+            continue
+        found[obj.session_uid] = obj
+        for name in _groups(obj):
+            waiting += _named(getattr(obj, name))
+    return list(found.values())
+
+
+def _groups(obj: bpy.types.Object) -> list[str]:
+    """Names of the properties of add-ons that an object has values of."""
+    names = [prop.identifier for prop in obj.bl_rna.properties if _is_group(prop)]
+    return [name for name in names if obj.is_property_set(name)]
+
+
+def _is_group(prop: bpy.types.Property) -> bool:
+    group = bpy.types.PropertyGroup.bl_rna
+    return prop.type in {"POINTER", "COLLECTION"} and prop.fixed_type.base == group
+
+
+def _named(group: bpy.types.PropertyGroup) -> list[bpy.types.Object]:
+    found: list[bpy.types.Object] = []
+    for prop in group.bl_rna.properties:
+        if prop.type not in {"POINTER", "COLLECTION"}:
+            continue
+        value = getattr(group, prop.identifier)
+        if isinstance(value, bpy.types.Object):
+            found.append(value)
+        elif _is_group(prop):
+            for one in value if prop.type == "COLLECTION" else [value]:
+                found += _named(one)
+    return found
+
+
+class _View:
+    """What is active, selected and shown, and in which mode."""
+
+    def __init__(self) -> None:
+        context = bpy.context
+        scene, self._layer = context.scene, context.view_layer
+        self._scene, self._active = scene, self._layer.objects.active
+        self._mode = self._active.mode if self._active is not None else "OBJECT"
+        self._selected = {obj.session_uid for obj in self._layer.objects.selected}
+        self._time = scene.frame_current, scene.frame_subframe
+        self._cursor = tuple(scene.cursor.location)
+        self._values = [
+            (owner, {name: _plain(getattr(owner, name)) for name in names})
+            for owner, names in (
+                (context.tool_settings, _TOOLS),
+                (scene.render, _RENDER),
+                (scene, _own_names(scene)),
+            )
+        ]
+
+    def leave_mode(self) -> None:
+        """Go to Object Mode, where data can be written, unless all is as it was."""
+        active = self._layer.objects.active
+        if active is not None and active.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+
+    def put_back(self) -> None:
+        layer, scene = self._layer, self._scene
+        if layer.objects.active != self._active:
+            layer.objects.active = self._active
+        for obj in layer.objects:
+            selected = obj.session_uid in self._selected
+            if obj.select_get(view_layer=layer) != selected:
+                obj.select_set(selected, view_layer=layer)
+        if (scene.frame_current, scene.frame_subframe) != self._time:
+            scene.frame_set(self._time[0], subframe=self._time[1])
+        if tuple(scene.cursor.location) != self._cursor:
+            scene.cursor.location = self._cursor
+        for owner, values in self._values:
+            for name, value in values.items():
+                if _plain(getattr(owner, name)) != value:
+                    setattr(owner, name, value)
+
+    def put_mode_back(self) -> None:
+        if self._active is not None and self._active.mode != self._mode:
+            bpy.ops.object.mode_set(mode=self._mode)
+
+
+def _own_names(scene: bpy.types.Scene) -> list[str]:
+    """Plain properties that add-ons have given scenes."""
+    plain = [prop for prop in scene.bl_rna.properties if prop.is_runtime and not prop.is_readonly]
+    return [prop.identifier for prop in plain if prop.type not in {"POINTER", "COLLECTION"}]
+
+
+class _Object:
+    """One object: properties, modifiers, vertex groups and points."""
+
+    def __init__(self, obj: bpy.types.Object, written: bool) -> None:
+        self._obj = obj
+        self._hidden = _hidden(obj)
+        self._own = _Struct(obj, _LEFT, groups=False)
+        self._groups = {name: _Struct(getattr(obj, name)) for name in _groups(obj)}
+        self._keys = _custom(obj)
+        self._modifiers = [_Modifier(one) for one in obj.modifiers]
+        self._vertex_groups = {group.name for group in obj.vertex_groups}
+        self._active_group = obj.vertex_groups.active_index
+        other = obj.type != "MESH" and obj.data is not None
+        self._data = _Struct(obj.data, _LEFT, groups=False) if other else None
+        mesh = obj.data if obj.type == "MESH" else None
+        self._points = None
+        if mesh is not None and mesh.library is None and (written or not len(mesh.polygons)):
+            self._points = _Points(obj, mesh)
+
+    def put_back(self) -> None:
+        obj = self._obj
+        for name in _groups(obj):
+            if name in self._groups:
+                self._groups[name].put_back()
+            else:
+                obj.property_unset(name)
+        self._own.put_back()
+        self._put_modifiers_back()  # which update functions of the properties may have written
+        _put_custom_back(obj, self._keys)
+        for group in [one for one in obj.vertex_groups if one.name not in self._vertex_groups]:
+            obj.vertex_groups.remove(group)
+        if len(obj.vertex_groups) and obj.vertex_groups.active_index != self._active_group:
+            obj.vertex_groups.active_index = self._active_group
+        if _hidden(obj) not in (None, self._hidden):
+            obj.hide_set(self._hidden)
+        if self._data is not None:
+            self._data.put_back()
+        if self._points is not None:
+            self._points.put_back()
+
+    def forget(self) -> None:
+        if self._points is not None:
+            self._points.forget()
+
+    def _put_modifiers_back(self) -> None:
+        names = {one.name for one in self._modifiers}
+        for modifier in [one for one in self._obj.modifiers if one.name not in names]:
+            self._obj.modifiers.remove(modifier)
+        for one in self._modifiers:
+            modifier = self._obj.modifiers.get(one.name)
+            if modifier is not None:
+                one.put_back(modifier)
+
+
+def _hidden(obj: bpy.types.Object) -> bool | None:
+    """Whether the eye hides an object; None where the view layer does not have it."""
+    with suppress(RuntimeError):
+        return bool(obj.hide_get())
+    return None
+
+
+class _Modifier:
+    def __init__(self, modifier: bpy.types.Modifier) -> None:
+        self.name = modifier.name
+        self._own = _Struct(modifier, {"name", "is_active"}, groups=False)
+        is_group = modifier.type == "NODES" and modifier.node_group is not None
+        self._inputs = inputs_of(modifier) if is_group else {}
+
+    def put_back(self, modifier: bpy.types.Modifier) -> None:
+        self._own.put_back(modifier)
+        if self._inputs and inputs_of(modifier) != self._inputs:
+            put_inputs(modifier, self._inputs)
+
+
+class _Points:
+    """The geometry of a mesh, and its custom properties."""
+
+    def __init__(self, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
+        self._obj, self._mesh, self._keys = obj, mesh, _custom(mesh)
+        self._edited = self._copy = None
+        if obj.mode == "EDIT":
+            self._edited = bmesh.from_edit_mesh(mesh).copy()
+        elif mesh.shape_keys is None:
+            self._copy = mesh.copy()
+
+    def put_back(self) -> None:
+        mesh = self._mesh
+        _put_custom_back(mesh, self._keys)
+        if self._edited is not None:
+            self._edited.to_mesh(mesh)
+        elif self._copy is not None and _content(mesh) != _content(self._copy):
+            edited = bmesh.new()
+            edited.from_mesh(self._copy)
+            edited.to_mesh(mesh)
+            edited.free()
+        else:
+            return
+        mesh.update()
+        mesh.update_tag()
+        self._obj.update_tag()
+
+    def forget(self) -> None:
+        if self._edited is not None:
+            self._edited.free()
+        if self._copy is not None:
+            bpy.data.meshes.remove(self._copy)
+        self._edited = self._copy = None
+
+
+def _content(mesh: bpy.types.Mesh) -> dict[str, Any]:
+    """All that tells a mesh apart, without its normals."""
+    found: dict[str, Any] = {"edges": [tuple(edge.vertices) for edge in mesh.edges]}
+    found["faces"] = [tuple(face.vertices) for face in mesh.polygons]
+    for attribute in mesh.attributes:
+        field, kind, width = _FIELDS.get(attribute.data_type, ("", None, 0))
+        values = np.empty(len(attribute.data) * width, dtype=kind)
+        if field:
+            attribute.data.foreach_get(field, values)
+        key = (attribute.data_type, attribute.domain, len(attribute.data))
+        found[f"attribute {attribute.name}"] = (*key, values.tobytes())
+    return found
+
+
+class _Struct:
+    """Values of a struct of Blender's, with those of property groups inside."""
+
+    def __init__(self, struct: Any, leave: Iterable[str] = (), groups: bool = True) -> None:
+        self._struct, self._groups = struct, groups
+        self._set: dict[str, Any] = {}  # values by name
+        self._unset: set[str] = set()  # of them those that were never set
+        self._inside: dict[str, _Struct] = {}
+        self._lists: dict[str, list[_Struct]] = {}
+        for prop in struct.bl_rna.properties:
+            name = prop.identifier
+            if name in leave or name == "rna_type":
+                continue
+            if _is_group(prop):
+                self._take_group(prop, groups)
+            elif not prop.is_readonly and prop.type != "COLLECTION":
+                self._set[name] = _plain(getattr(struct, name))
+                if groups and not struct.is_property_set(name):
+                    self._unset.add(name)
+
+    def _take_group(self, prop: bpy.types.Property, groups: bool) -> None:
+        name = prop.identifier
+        value: Any = getattr(self._struct, name) if groups else None
+        if groups and prop.type == "COLLECTION":
+            self._lists[name] = [_Struct(one) for one in value]
+        elif groups:
+            self._inside[name] = _Struct(value)
+
+    def put_back(self, struct: Any = None) -> None:
+        struct = self._struct if struct is None else struct
+        for name, inside in self._inside.items():
+            inside.put_back(getattr(struct, name))
+        for name, before in self._lists.items():
+            _put_list_back(getattr(struct, name), before)
+        for name, value in self._set.items():
+            lost = self._groups and name not in self._unset and not struct.is_property_set(name)
+            if lost or not _same(_plain(getattr(struct, name)), value):
+                with suppress(AttributeError, TypeError):  # what Blender computes
+                    setattr(struct, name, value)
+        for name in self._unset:
+            if struct.is_property_set(name):
+                struct.property_unset(name)
+
+
+def _put_list_back(items: Any, before: list[_Struct]) -> None:
+    while len(items) > len(before):
+        items.remove(len(items) - 1)
+    while len(items) < len(before):
+        items.add()
+    for item, one in zip(items, before, strict=True):
+        one.put_back(item)
+
+
+def _same(one: Any, other: Any) -> bool:
+    return one is other or repr(one) == repr(other)
+
+
+def _plain(value: Any) -> Any:
+    """A value that does not change with the file; data-blocks stay what they are."""
+    if isinstance(value, (bool, int, float, str, set, frozenset, bpy.types.ID)) or value is None:
+        return value
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    if hasattr(value, "__len__"):
+        return tuple(_plain(one) for one in value)
+    return value
+
+
+def _custom(block: bpy.types.ID) -> dict[str, Any]:
+    """Custom properties, without those that add-ons have registered."""
+    registered = {prop.identifier for prop in block.bl_rna.properties}
+    return {name: _plain(block[name]) for name in set(block.keys()) - registered}
+
+
+def _put_custom_back(block: bpy.types.ID, before: dict[str, Any]) -> None:
+    now = _custom(block)
+    for name in now.keys() - before.keys():
+        del block[name]
+    for name, value in before.items():
+        if name not in now or not _same(now[name], value):
+            block[name] = value
