@@ -24,16 +24,42 @@ inline std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
-/// The argument as an array of one of the dtype kinds, with the shape (rows) or (rows, columns).
-inline py::array checked_array(const char* name, const py::object& value, const std::string& kinds,
-                               py::ssize_t columns) {
-  const py::array array = py::array::ensure(value);
-  if (!array)
-    throw ArgumentError(std::string(name) + " is not an array: numpy cannot make one of it");
+/// The items of a sequence, held: another thread may empty it, or it may make them as it goes.
+inline std::vector<py::object> items_of(const py::object& sequence) {
+  std::vector<py::object> items;
+  for (const py::handle item : sequence) items.push_back(py::reinterpret_borrow<py::object>(item));
+  return items;
+}
+
+/// What numpy makes of the argument: rows one after another, in memory that no other thread can
+/// write to. Whatever is checked and used is this copy.
+/// \throw ArgumentError naming the argument
+inline py::array copied(const char* name, const py::object& value) {
+  using Api = py::detail::npy_api;
+  constexpr int kEnsureCopy = 0x20;  // NPY_ARRAY_ENSURECOPY, which pybind11 does not name
+  auto array = py::reinterpret_steal<py::array>(Api::get().PyArray_FromAny_(
+      value.ptr(), nullptr, 0, 0,
+      Api::NPY_ARRAY_ENSUREARRAY_ | Api::NPY_ARRAY_C_CONTIGUOUS_ | kEnsureCopy, nullptr));
+  if (array) return array;
+  if (PyErr_ExceptionMatches(PyExc_MemoryError) || !PyErr_ExceptionMatches(PyExc_Exception))
+    throw py::error_already_set();
+  PyErr_Clear();
+  throw ArgumentError(std::string(name) + " is not an array: numpy cannot make one of it");
+}
+
+/// \throw ArgumentError unless the array is of one of the dtype kinds
+inline void check_kind(const char* name, const py::array& array, const std::string& kinds) {
   if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string::npos)
     throw ArgumentError(std::string(name) + " has the dtype " +
                         py::str(array.dtype()).cast<std::string>() + ": numbers are needed" +
                         (kinds == "iu" ? ", integers" : ""));
+}
+
+/// A copy of the argument, of one of the dtype kinds, with the shape (rows) or (rows, columns).
+inline py::array checked_array(const char* name, const py::object& value, const std::string& kinds,
+                               py::ssize_t columns) {
+  const py::array array = copied(name, value);
+  check_kind(name, array, kinds);
   const bool fits =
       columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
   if (!fits)
@@ -43,26 +69,33 @@ inline py::array checked_array(const char* name, const py::object& value, const 
   return array;
 }
 
-/// Floating-point rows; a C-contiguous float64 array is used as it is.
+/// Floating-point rows, copied.
 inline DoubleArray doubles(const char* name, const py::object& value, py::ssize_t columns) {
   return DoubleArray(checked_array(name, value, "fiu", columns));
 }
 
+/// Numbers of so many axes, copied.
+/// \param needed the shape, for the message
+inline DoubleArray doubles_of_shape(const char* name, const py::object& value, py::ssize_t axes,
+                                    const std::string& needed) {
+  const py::array array = copied(name, value);
+  if (array.ndim() != axes)
+    throw ArgumentError(std::string(name) + " has the shape " + shape_text(array) + ": " + needed +
+                        " is needed");
+  check_kind(name, array, "fiu");
+  return DoubleArray(array);
+}
+
 /// Rows and columns of numbers, copied.
 inline Image image_of(const char* name, const py::object& value) {
-  const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 2)
-    throw ArgumentError(std::string(name) +
-                        (array ? " has the shape " + shape_text(array) : " is not an array") +
-                        ": (rows, columns) is needed");
-  const DoubleArray values = doubles(name, value, array.shape(1));
+  const DoubleArray values = doubles_of_shape(name, value, 2, "(rows, columns)");
   return {static_cast<std::size_t>(values.shape(0)),
           static_cast<std::size_t>(values.shape(1)),
           {values.data(), values.data() + values.size()}};
 }
 
-/// Integer rows as int32; a C-contiguous int32 array is used as it is, another one is checked and
-/// copied. pybind11 before 2.12 misreads the item size of numpy 2, so the types are compared.
+/// Integer rows as int32, copied. pybind11 before 2.12 misreads the item size of numpy 2, so the
+/// types are compared.
 inline IntArray integers(const char* name, const py::object& value, py::ssize_t columns) {
   const py::array array = checked_array(name, value, "iu", columns);
   if (array.size() > 0 && !py::isinstance<py::array_t<std::int32_t>>(array)) {
@@ -76,15 +109,14 @@ inline IntArray integers(const char* name, const py::object& value, py::ssize_t 
   return IntArray(array);
 }
 
-/// Vectors at the corners of faces (m, 3, columns) as rows, three rows to a face.
+/// Vectors at the corners of faces (m, 3, columns) as rows, three rows to a face; copied.
 inline DoubleArray corner_rows(const char* name, const py::object& value, py::ssize_t columns) {
-  const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != columns)
-    throw ArgumentError(
-        std::string(name) +
-        (array ? " has the shape " + shape_text(array) : std::string(" is not an array")) +
-        ": (m, 3, " + std::to_string(columns) + ") is needed");
-  return doubles(name, array.attr("reshape")(-1, columns), columns);
+  const std::string needed = "(m, 3, " + std::to_string(columns) + ")";
+  const DoubleArray array = doubles_of_shape(name, value, 3, needed);
+  if (array.shape(1) != 3 || array.shape(2) != columns)
+    throw ArgumentError(std::string(name) + " has the shape " + shape_text(array) + ": " + needed +
+                        " is needed");
+  return DoubleArray(array.attr("reshape")(-1, columns));
 }
 
 inline std::span<const FaceUv> as_face_uv(const DoubleArray& rows) {

@@ -6,11 +6,34 @@
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spectrum.hpp>
-#include <optional>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(RadialStatistics& r) { return std::tie(r.radius, r.mean, r.anisotropy); }
+inline auto members(Spectrum& s) {
+  return std::tie(s.runs, s.half_width, s.periodogram, s.radial, s.frequency_unit);
+}
+inline auto members(SurfaceSpectrum& s) {
+  return std::tie(s.runs, s.centers, s.radius, s.bins, s.differentials, s.radial_differentials,
+                  s.half_width, s.power, s.radial_power, s.frequency_step);
+}
+
+inline void check_square(const std::vector<double>& values) {
+  const auto side = static_cast<std::size_t>(std::lround(std::sqrt(values.size())));
+  python::check_equal(values.size(), side * side);
+}
+inline void check_members(const Spectrum& s) { check_square(s.periodogram); }
+inline void check_members(const SurfaceSpectrum& s) {
+  check_square(s.differentials);
+  check_square(s.power);
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -56,42 +79,42 @@ std::shared_ptr<Spectrum> plane_spectrum(const py::object& runs,
   const auto sets = each_run(runs, holds_rows(runs), plane_points);
   const std::vector<std::span<const Vec2>> spans(sets.begin(), sets.end());
   const SpectrumOptions options{half_width, threads};
-  const py::gil_scoped_release released;
-  return std::make_shared<Spectrum>(spectrum(spans, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Spectrum>(spectrum(spans, options, watched));
+  });
 }
 
 py::array ranks_of(const py::object& points, const py::object& classes, const ContextPtr& context) {
   const DoubleArray places = doubles("points", points, 3);
   const IntArray own = classes.is_none() ? IntArray(0) : integers("classes", classes, 0);
-  std::vector<std::int32_t> ranks;
-  {
-    const py::gil_scoped_release released;
-    ranks = progressive_ranks(as_points(places), as_span(own), context.get());
-  }
-  return give(std::move(ranks));
+  return give(run(context, [&](Context* watched) {
+    return progressive_ranks(as_points(places), as_span(own), watched);
+  }));
 }
 
 py::array distances_of(const py::object& points) {
   const DoubleArray places = doubles("points", points, 3);
-  std::vector<double> distances;
-  {
-    const py::gil_scoped_release released;
-    distances = nearest_distances(as_points(places));
-  }
-  return give(std::move(distances));
+  return give(run([&] { return nearest_distances(as_points(places)); }));
 }
 
 using SamplesPtr = std::shared_ptr<Samples>;
 
-/// Samples as they are; points are bound where the surface is nearest.
-SamplesPtr samples_of(const Surface& surface, const char* name, const py::object& value,
-                      Context* context) {
-  if (py::isinstance<Samples>(value)) return value.cast<SamplesPtr>();
-  const DoubleArray points = doubles(name, value, 3);
-  const py::gil_scoped_release released;
+/// Samples, or points that are to be bound where the surface is nearest.
+struct SamplesArgument {
+  SamplesPtr samples;
+  DoubleArray points;
+};
+
+SamplesArgument samples_of(const char* name, const py::object& value) {
+  if (py::isinstance<Samples>(value)) return {value.cast<SamplesPtr>(), {}};
+  return {nullptr, doubles(name, value, 3)};
+}
+
+SamplesPtr bound(const Surface& surface, const SamplesArgument& given, Context* context) {
+  if (given.samples) return given.samples;
   const Projector projector(surface, false, context);
-  if (context) context->advance(kTreeBuilt);
-  const Projection near = projector.project(as_points(points), {}, context);
+  context->advance(kTreeBuilt);
+  const Projection near = projector.project(as_points(given.points), {}, context);
   return std::make_shared<Samples>(bind_samples(surface, near.faces, near.barycentric));
 }
 
@@ -99,16 +122,14 @@ std::shared_ptr<Report> analyze_samples(const Surface& surface, const py::object
                                         const py::kwargs& keywords) {
   const Keywords given(kAnalyze, keywords);
   const SampleOptions options = given.options();
-  const ContextPtr context = given.context();
-  std::optional<Context> binding, analyzing;  // both of them parts of the whole
-  if (context && !py::isinstance<Samples>(samples)) {
-    binding.emplace(*context, 0.0, kBound);
-    analyzing.emplace(*context, kBound, 1.0);
-  }
-  const SamplesPtr bound = samples_of(surface, "samples", samples, binding ? &*binding : nullptr);
-  const py::gil_scoped_release released;
-  return std::make_shared<Report>(analyze(surface, *bound, options.optimizer.capacity_weight,
-                                          options.cells, analyzing ? &*analyzing : context.get()));
+  const SamplesArgument argument = samples_of("samples", samples);
+  return run(given.context(), [&](Context* watched) {
+    const double share = argument.samples ? 0.0 : kBound;
+    Context binding(*watched, 0.0, share), analyzing(*watched, share, 1.0);
+    const SamplesPtr own = bound(surface, argument, &binding);
+    return std::make_shared<Report>(
+        analyze(surface, *own, options.optimizer.capacity_weight, options.cells, &analyzing));
+  });
 }
 
 std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
@@ -116,18 +137,16 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
                                                        Whole<int, "bins", 2, 4096> bins,
                                                        Threads threads, const ContextPtr& context) {
   const bool is_one = py::isinstance<Samples>(runs) || holds_rows(runs);
-  std::optional<Context> binding;  // no part of the progress: they are samples as a rule
-  if (context) binding.emplace(*context, 0.0, 0.0);
-  const auto sets = each_run(runs, is_one, [&](const char* name, const py::object& run) {
-    return samples_of(surface, name, run, binding ? &*binding : nullptr);
-  });
-  std::vector<const Samples*> pointers(sets.size());
-  std::transform(sets.begin(), sets.end(), pointers.begin(),
-                 [](const SamplesPtr& samples) { return samples.get(); });
+  const std::vector<SamplesArgument> sets = each_run(runs, is_one, samples_of);
   const SurfaceSpectrumOptions options{radius, bins, threads};
-  const py::gil_scoped_release released;
-  return std::make_shared<SurfaceSpectrum>(
-      surface_spectrum(surface, pointers, options, context.get()));
+  return run(context, [&](Context* watched) {
+    Context binding(*watched, 0.0, 0.0);  // no part of the progress: they are samples as a rule
+    std::vector<SamplesPtr> own;
+    std::vector<const Samples*> pointers;
+    for (const SamplesArgument& set : sets)
+      pointers.push_back(own.emplace_back(bound(surface, set, &binding)).get());
+    return std::make_shared<SurfaceSpectrum>(surface_spectrum(surface, pointers, options, watched));
+  });
 }
 
 /// A square array that shows the object's values without copying them.
@@ -141,8 +160,10 @@ auto square_property(std::vector<double> Class::*member) {
 }
 
 void bind_spectra(py::module_& m) {
-  py::class_<RadialStatistics, std::shared_ptr<RadialStatistics>>(
-      m, "RadialStatistics", "What a quantity over the plane is like at each distance.")
+  py::class_<RadialStatistics, std::shared_ptr<RadialStatistics>> radial(
+      m, "RadialStatistics", "What a quantity over the plane is like at each distance.");
+  def_pickle<RadialStatistics>(radial, "RadialStatistics");
+  radial
       .def_property_readonly("radius", array_property(&RadialStatistics::radius),
                              "(k,) float64: middle of each annulus.")
       .def_property_readonly("mean", array_property(&RadialStatistics::mean),
@@ -151,9 +172,10 @@ void bind_spectra(py::module_& m) {
                              "(k,) float64: variance / mean^2 over the annulus, in decibels; -inf "
                              "where nothing varies.");
 
-  py::class_<Spectrum, std::shared_ptr<Spectrum>>(
-      m, "Spectrum", "The spectrum of point sets on the unit torus or square.")
-      .def_readonly("runs", &Spectrum::runs, "Number of point sets.")
+  py::class_<Spectrum, std::shared_ptr<Spectrum>> flat(
+      m, "Spectrum", "The spectrum of point sets on the unit torus or square.");
+  def_pickle<Spectrum>(flat, "Spectrum");
+  flat.def_readonly("runs", &Spectrum::runs, "Number of point sets.")
       .def_readonly("half_width", &Spectrum::half_width, "Largest frequency on either axis.")
       .def_property_readonly("periodogram", square_property(&Spectrum::periodogram),
                              "(2 half_width + 1, 2 half_width + 1) float64: mean power at [f_y, "
@@ -164,9 +186,10 @@ void bind_spectra(py::module_& m) {
       .def_readonly("frequency_unit", &Spectrum::frequency_unit,
                     "sqrt(n): spectra of different n agree in frequency / frequency_unit.");
 
-  py::class_<SurfaceSpectrum, std::shared_ptr<SurfaceSpectrum>>(
-      m, "SurfaceSpectrum", "The spectrum of samples on a surface, from their differentials.")
-      .def_readonly("runs", &SurfaceSpectrum::runs, "Number of sets of samples.")
+  py::class_<SurfaceSpectrum, std::shared_ptr<SurfaceSpectrum>> curved(
+      m, "SurfaceSpectrum", "The spectrum of samples on a surface, from their differentials.");
+  def_pickle<SurfaceSpectrum>(curved, "SurfaceSpectrum");
+  curved.def_readonly("runs", &SurfaceSpectrum::runs, "Number of sets of samples.")
       .def_readonly("centers", &SurfaceSpectrum::centers,
                     "Samples farther than the radius from any border, over all runs.")
       .def_readonly("radius", &SurfaceSpectrum::radius, "Of the neighborhood, in spacings.")

@@ -7,8 +7,14 @@
 #include "bindings.hpp"
 #include "classes.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
 
 namespace dapple::python {
+
+inline auto members(ClassArgument& c) {
+  return std::tie(c.count, c.density, c.density_at, c.radius, c.locked);
+}
+
 namespace {
 
 ClassArgument make_class(Count count, const py::object& density, const std::string& density_at,
@@ -31,8 +37,9 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequen
   const ClassOptions options = given.options();
   const ContextPtr context = given.context();
   const std::vector<SampleClass> wanted = classes_on(surface, classes);
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(sample_classes(surface, wanted, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Samples>(sample_classes(surface, wanted, options, watched));
+  });
 }
 
 std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
@@ -54,25 +61,24 @@ std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::s
   const ClassOptions options = given.options();
   const ContextPtr context = given.context();
   const std::vector<PlanarClass> wanted = planar_classes(classes);
-  const py::gil_scoped_release released;
-  return std::make_shared<PlanarSamples>(
-      sample_planar_classes(domain, wanted, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<PlanarSamples>(sample_planar_classes(domain, wanted, options, watched));
+  });
 }
 
 }  // namespace
 
 std::vector<ClassArgument> class_arguments(const py::sequence& classes) {
   std::vector<ClassArgument> result;
-  for (std::size_t k = 0; k < classes.size(); ++k) {
-    const py::object entry = classes[k];
+  for (const py::object& entry : items_of(classes)) {
+    const std::string name = "classes[" + std::to_string(result.size()) + "]";
     if (py::isinstance<ClassArgument>(entry))
       result.push_back(entry.cast<ClassArgument>());
     else if (const py::object number = whole_number(entry))
-      result.push_back({static_cast<std::int64_t>(
-          bounded("classes[" + std::to_string(k) + "].count", number, 0, kMostSamples))});
+      result.push_back(
+          {static_cast<std::int64_t>(bounded(name + ".count", number, 0, kMostSamples))});
     else
-      throw ArgumentError("classes[" + std::to_string(k) + "] is " +
-                          py::repr(entry).cast<std::string>() +
+      throw ArgumentError(name + " is " + py::repr(entry).cast<std::string>() +
                           ": a SampleClass or a count is needed");
   }
   return result;
@@ -80,21 +86,18 @@ std::vector<ClassArgument> class_arguments(const py::sequence& classes) {
 
 std::vector<SampleClass> classes_on(const Surface& surface, const py::sequence& classes) {
   std::vector<SampleClass> result;
-  const py::object self = py::cast(surface, py::return_value_policy::reference);
   for (const ClassArgument& argument : class_arguments(classes)) {
     result.push_back({.count = static_cast<std::size_t>(argument.count),
                       .radius = argument.radius,
                       .locked = sites_of(argument.locked)});
     if (argument.density.is_none()) continue;
-    result.back().surface =
-        self.attr("with_density")(argument.density, py::arg("density_at") = argument.density_at)
-            .cast<Surface>();
+    result.back().surface = *with_density(surface, argument.density, argument.density_at, nullptr);
   }
   return result;
 }
 
 void bind_class_type(py::module_& m) {
-  py::class_<ClassArgument>(m, "SampleClass", R"(What one class of samples is to be.
+  py::class_<ClassArgument> type(m, "SampleClass", R"(What one class of samples is to be.
 
 Args:
     count: number of samples, 0..100000000.
@@ -106,8 +109,9 @@ Args:
         count includes them. For surfaces only.
 
 Raises:
-    ValueError: count out of range.)")
-      .def(py::init(&make_class), py::arg("count"), py::kw_only(), py::arg("density") = py::none(),
+    ValueError: count out of range.)");
+  def_pickle<ClassArgument>(type, "SampleClass");
+  type.def(py::init(&make_class), py::arg("count"), py::kw_only(), py::arg("density") = py::none(),
            py::arg("density_at") = "vertices", py::arg("radius") = 0.0,
            py::arg("locked") = py::none())
       .def_readonly("count", &ClassArgument::count, "Number of samples.")

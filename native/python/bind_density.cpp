@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
 
 namespace dapple::python {
 namespace {
@@ -20,9 +21,10 @@ std::shared_ptr<Refined> image_refined(const Surface& surface, const py::object&
   const ContextPtr context = given.context();
   const DoubleArray rows = corner_rows("uv", uv, 2);
   const Image pixels = image_of("image", image);
-  const py::gil_scoped_release released;
-  return std::make_shared<Refined>(
-      refine_image(surface, as_face_uv(rows), pixels, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Refined>(
+        refine_image(surface, as_face_uv(rows), pixels, options, watched));
+  });
 }
 
 /// \throw ArgumentError for a whole number that is too large for a double
@@ -63,9 +65,10 @@ std::shared_ptr<Refined> obstacles_refined(const Surface& surface, const py::obj
   const DoubleArray sizes = numbers_of("radii", radii, centers.shape(0));
   const std::vector<std::uint8_t> mask = areas_of(areas);
   const ObstacleOptions options{edge, max_faces};
-  const py::gil_scoped_release released;
-  return std::make_shared<Refined>(refine_obstacles(
-      surface, {as_points(centers), as_span(sizes), mask}, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Refined>(
+        refine_obstacles(surface, {as_points(centers), as_span(sizes), mask}, options, watched));
+  });
 }
 
 py::array barycentric_of(const py::object& self) {
@@ -74,22 +77,63 @@ py::array barycentric_of(const py::object& self) {
 }
 
 py::array fine_vertices(const Refined& refined, const py::object& vertices) {
-  return give(refined.vertices(as_points(doubles("vertices", vertices, 3))));
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  return give(run([&] { return refined.vertices(as_points(points)); }));
 }
 
 std::shared_ptr<Refined> deformed(const Refined& refined, const py::object& vertices) {
   const DoubleArray points = doubles("vertices", vertices, 3);
-  const py::gil_scoped_release released;
-  return std::make_shared<Refined>(refined.deformed(as_points(points)));
+  return run([&] { return std::make_shared<Refined>(refined.deformed(as_points(points))); });
+}
+
+/// A function of a refinement that takes samples over.
+template <typename Function>
+auto samples_through(const Function& function) {
+  return [function](const Refined& refined, const Samples& samples) {
+    return run([&] { return std::make_shared<Samples>(function(refined, samples)); });
+  };
+}
+
+py::object packed_refined(const Refined& r) {
+  return py::make_tuple(r.original, r.surface, packed(r.parents), packed(r.barycentric),
+                        packed(r.ends), r.resolved);
+}
+
+/// \throw ArgumentError for an index out of range
+void check_refined(const Refined& r) {
+  check_equal(r.parents.size(), r.surface.face_count());
+  check_equal(r.barycentric.size(), r.parents.size());
+  check_equal(r.original.vertex_count() + r.ends.size(), r.surface.vertex_count());
+  const auto out = [](std::int32_t index, std::size_t count) {
+    return index < 0 || static_cast<std::size_t>(index) >= count;
+  };
+  for (const std::int32_t parent : r.parents)
+    if (out(parent, r.original.face_count())) throw ArgumentError("a parent is no face");
+  for (std::size_t k = 0; k < r.ends.size(); ++k)
+    if (out(r.ends[k][0], r.original.vertex_count() + k) ||
+        out(r.ends[k][1], r.original.vertex_count() + k))
+      throw ArgumentError("an end is no vertex before it");
+}
+
+Refined restored_refined(const py::object& state) {
+  const auto items = state.cast<py::tuple>();
+  if (items.size() != 6) throw ArgumentError("it has another number of members");
+  Refined r{items[0].cast<Surface>(), items[1].cast<Surface>(), {}, {}, {}, items[5].cast<bool>()};
+  unpack(py::object(items[2]), r.parents);
+  unpack(py::object(items[3]), r.barycentric);
+  unpack(py::object(items[4]), r.ends);
+  check_refined(r);
+  return r;
 }
 
 void bind_refined(py::module_& m) {
-  py::class_<Refined, std::shared_ptr<Refined>>(
+  py::class_<Refined, std::shared_ptr<Refined>> type(
       m, "Refined",
       "A surface cut into smaller faces that carry a density in detail, and the way back.\n\n"
       "Made by refine_image(), refine_obstacles() and refine_edges(). Sample its surface, then "
-      "to_original().")
-      .def_property_readonly(
+      "to_original().");
+  def_pickle<Refined>(type, "Refined", &packed_refined, &restored_refined);
+  type.def_property_readonly(
           "original", [](const Refined& r) { return std::make_shared<Surface>(r.original); },
           "The Surface that was cut.")
       .def_property_readonly(
@@ -103,10 +147,10 @@ void bind_refined(py::module_& m) {
           "(m, 3, 3) float64: coordinates of each corner of a face in its parent.")
       .def_readonly("resolved", &Refined::resolved,
                     "False if max_faces was too few for all detail.")
-      .def("to_original", &to_original, py::arg("samples"),
+      .def("to_original", samples_through(&to_original), py::arg("samples"),
            "Samples on surface as Samples on original: the same positions, ids, classes and "
            "report. Raises ValueError.")
-      .def("from_original", &from_original, py::arg("samples"),
+      .def("from_original", samples_through(&from_original), py::arg("samples"),
            "Samples on original as Samples on surface: the same positions, ids, classes and "
            "report. Raises ValueError.")
       .def("vertices", &fine_vertices, py::arg("vertices"),
@@ -114,9 +158,14 @@ void bind_refined(py::module_& m) {
            "vertices, (v, 3) float64: what a Tracker on surface advances to. Raises ValueError.")
       .def("deformed", &deformed, py::arg("vertices"),
            "The same over moved vertices of original, (v, 3) float64. Raises ValueError.")
-      .def("then", &Refined::then, py::arg("finer"),
-           "Two refinements as one, from this one's original to the surface of finer, which cut "
-           "this one's surface further. Raises ValueError if it did not.");
+      .def(
+          "then",
+          [](const Refined& refined, const Refined& finer) {
+            return run([&] { return std::make_shared<Refined>(refined.then(finer)); });
+          },
+          py::arg("finer"),
+          "Two refinements as one, from this one's original to the surface of finer, which cut "
+          "this one's surface further. Raises ValueError if it did not.");
 }
 
 void bind_edges(py::module_& m) {
@@ -125,9 +174,10 @@ void bind_edges(py::module_& m) {
       [](const Surface& surface, const py::object& longest, MaxFaces max_faces,
          const ContextPtr& context) {
         const DoubleArray limits = numbers_of("longest", longest, 1);
-        const py::gil_scoped_release released;
-        return std::make_shared<Refined>(
-            refine_edges(surface, as_span(limits), max_faces, context.get()));
+        return run(context, [&](Context* watched) {
+          return std::make_shared<Refined>(
+              refine_edges(surface, as_span(limits), max_faces, watched));
+        });
       },
       py::arg("surface"), py::arg("longest"), py::kw_only(), py::arg("max_faces") = 1'000'000,
       py::arg("context") = py::none(),
@@ -207,7 +257,8 @@ void bind_curvature(py::module_& m) {
   m.def(
       "curvedness",
       [](const Surface& surface, Smoothing smoothing, const ContextPtr& context) {
-        return give(without_gil([&] { return curvedness(surface, smoothing, context.get()); }));
+        return give(run(context,
+                        [&](Context* watched) { return curvedness(surface, smoothing, watched); }));
       },
       py::arg("surface"), py::kw_only(), py::arg("smoothing") = CurvatureOptions().smoothing,
       py::arg("context") = nullptr,
@@ -231,8 +282,9 @@ Raises:
       [](const Surface& surface, double exponent, double floor, double percentile,
          Smoothing smoothing, const ContextPtr& context) {
         const CurvatureOptions options{exponent, floor, percentile, smoothing};
-        return give(
-            without_gil([&] { return curvature_density(surface, options, context.get()); }));
+        return give(run(context, [&](Context* watched) {
+          return curvature_density(surface, options, watched);
+        }));
       },
       py::arg("surface"), py::kw_only(), py::arg("exponent") = CurvatureOptions().exponent,
       py::arg("floor") = CurvatureOptions().floor,

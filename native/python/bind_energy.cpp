@@ -6,6 +6,17 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+// Of the diagram Python sees these numbers of the cells alone.
+inline auto members(Moments& m) { return std::tie(m.area, m.capacity, m.mass); }
+inline auto members(Energy& e) {
+  return std::tie(e.total, e.cvt, e.capacity_term, e.normalized, e.gradient, e.diagram.cells);
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -19,12 +30,13 @@ std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& posi
   const IntArray held = integers("faces", faces, 0);
   const auto p = as_points(points);
   const auto f = as_span(held);
-  const py::gil_scoped_release released;
-  auto result = std::make_shared<Energy>(
-      evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
-                      options.optimizer.capacity_weight, context.get(), options.cells));
-  if (context) context->advance(1.0);
-  return result;
+  return run(context, [&](Context* watched) {
+    auto result = std::make_shared<Energy>(
+        evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
+                        options.optimizer.capacity_weight, watched, options.cells));
+    watched->advance(1.0);
+    return result;
+  });
 }
 
 /// One number of every cell.
@@ -41,9 +53,10 @@ auto cell_property(Member Moments::*member) {
 }  // namespace
 
 void bind_energy(py::module_& m) {
-  py::class_<Energy, std::shared_ptr<Energy>>(m, "Energy",
-                                              "The energy at given sites and its gradient.")
-      .def_readonly("total", &Energy::total, "cvt + capacity_weight * capacity_term.")
+  py::class_<Energy, std::shared_ptr<Energy>> type(m, "Energy",
+                                                   "The energy at given sites and its gradient.");
+  def_pickle<Energy>(type, "Energy");
+  type.def_readonly("total", &Energy::total, "cvt + capacity_weight * capacity_term.")
       .def_readonly("cvt", &Energy::cvt,
                     "Sum of the integrals of density^2 |x - site|^2 over the cells.")
       .def_readonly("capacity_term", &Energy::capacity_term, "Sum of the squared capacities.")

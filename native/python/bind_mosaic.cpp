@@ -6,6 +6,16 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(Tile& t) { return std::tie(t.cell_area, t.area, t.parts, t.loops); }
+inline auto members(Mosaic& m) {
+  return std::tie(m.vertices, m.corners, m.starts, m.sites, m.classes, m.faces, m.sides, m.tiles);
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -19,8 +29,9 @@ std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& sampl
     options.insets.assign(values.data(), values.data() + values.size());
   }
   const ContextPtr context = given.context();
-  const py::gil_scoped_release released;
-  return std::make_shared<Mosaic>(mosaic(surface, samples, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Mosaic>(mosaic(surface, samples, options, watched));
+  });
 }
 
 /// A property that copies one member of every tile into an array.
@@ -44,11 +55,12 @@ py::array sides_of(const Mosaic& mosaic) {
 }  // namespace
 
 void bind_mosaic(py::module_& m) {
-  py::class_<Mosaic, std::shared_ptr<Mosaic>>(
+  py::class_<Mosaic, std::shared_ptr<Mosaic>> type(
       m, "Mosaic",
       "A mesh of m polygons: the tiles of n samples one after another; tiles share no vertices. "
-      "See mosaic().")
-      .def("__len__", &Mosaic::size)
+      "See mosaic().");
+  def_pickle<Mosaic>(type, "Mosaic");
+  type.def("__len__", &Mosaic::size)
       .def_property_readonly("vertices", array_property(&Mosaic::vertices),
                              "(v, 3) float64, a read-only view.")
       .def_property_readonly(

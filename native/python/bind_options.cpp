@@ -2,8 +2,15 @@
 #include <pybind11/stl.h>
 
 #include "keywords.hpp"
+#include "pickling.hpp"
 
 namespace dapple::python {
+
+inline auto members(Row& r) {
+  return std::tie(r.name, r.type, r.standard, r.min, r.max, r.bounded, r.open, r.choices, r.unit,
+                  r.documentation, r.changes_solution, r.level);
+}
+
 namespace {
 
 constexpr std::size_t kColumns = 120;  // of a line of documentation
@@ -103,8 +110,9 @@ std::string documented(const std::vector<Row>& rows, std::string text) {
 }
 
 void bind_options(py::module_& m) {
-  py::class_<Row>(m, "Option", "What is known of an option of a verb; see option_table().")
-      .def_readonly("name", &Row::name, "As the argument is called.")
+  py::class_<Row> type(m, "Option", "What is known of an option of a verb; see option_table().");
+  def_pickle<Row>(type, "Option");
+  type.def_readonly("name", &Row::name, "As the argument is called.")
       .def_readonly("type", &Row::type, "'float', 'int', 'bool' or 'str'.")
       .def_readonly("default", &Row::standard, "What the verb takes where nothing is given.")
       .def_readonly("min", &Row::min, "The least number, or None.")

@@ -7,6 +7,17 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(PlanarSamples& s) { return std::tie(s.positions, s.classes, s.report); }
+inline void check_members(const PlanarSamples& s) {
+  python::check_equal(s.classes.size(), s.positions.size());
+}
+inline auto members(Image& i) { return std::tie(i.rows, i.columns, i.values); }
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -20,25 +31,59 @@ std::vector<Vec2> plane_points(const char* name, const py::object& value) {
   return {first, first + array.shape(0)};
 }
 
-std::shared_ptr<PlanarDomain> make_plane(double width, double height, const py::object& density) {
-  return std::make_shared<PlanarDomain>(
-      density.is_none() ? PlanarDomain::rectangle(width, height)
-                        : PlanarDomain::image(width, height, image_of("density", density)));
+/// A Plane, which knows what it was made of.
+struct PlaneMaker {
+  double width = 0.0, height = 0.0;  // of a rectangle
+  bool dense = false;
+  Image density = {};              // of that, if it is dense
+  std::vector<Vec2> outline = {};  // of a polygon; or empty
+  std::vector<std::vector<Vec2>> holes = {};
+
+  [[nodiscard]] PlanarDomain make() const {
+    if (!outline.empty()) return PlanarDomain::polygon(outline, holes);
+    return dense ? PlanarDomain::image(width, height, density)
+                 : PlanarDomain::rectangle(width, height);
+  }
+};
+
+auto members(PlaneMaker& p) {
+  return std::tie(p.width, p.height, p.dense, p.density, p.outline, p.holes);
 }
 
-std::shared_ptr<PlanarDomain> make_polygon(const py::object& outline, const py::sequence& holes) {
-  std::vector<std::vector<Vec2>> rings;
-  for (std::size_t k = 0; k < holes.size(); ++k) {
-    const std::string name = "holes[" + std::to_string(k) + "]";
-    rings.push_back(plane_points(name.c_str(), py::object(holes[k])));
+class MadePlane : public PlanarDomain {
+ public:
+  explicit MadePlane(PlaneMaker maker) : PlanarDomain(maker.make()), maker_(std::move(maker)) {}
+  [[nodiscard]] const PlaneMaker& maker() const { return maker_; }
+
+ private:
+  PlaneMaker maker_;
+};
+
+std::shared_ptr<MadePlane> made(PlaneMaker&& maker) {
+  return run([&] { return std::make_shared<MadePlane>(std::move(maker)); });
+}
+
+std::shared_ptr<MadePlane> make_plane(double width, double height, const py::object& density) {
+  PlaneMaker maker{.width = width, .height = height};
+  maker.dense = !density.is_none();
+  if (maker.dense) maker.density = image_of("density", density);
+  return made(std::move(maker));
+}
+
+std::shared_ptr<MadePlane> make_polygon(const py::object& outline, const py::sequence& holes) {
+  PlaneMaker maker{.outline = plane_points("outline", outline)};
+  if (maker.outline.empty()) throw ArgumentError("outline has 0 points: 3 or more are needed");
+  for (const py::object& hole : items_of(holes)) {
+    const std::string name = "holes[" + std::to_string(maker.holes.size()) + "]";
+    maker.holes.push_back(plane_points(name.c_str(), hole));
   }
-  return std::make_shared<PlanarDomain>(
-      PlanarDomain::polygon(plane_points("outline", outline), rings));
+  return made(std::move(maker));
 }
 
 std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
-  return density.is_none() ? std::make_shared<TorusDomain>()
-                           : std::make_shared<TorusDomain>(image_of("density", density));
+  if (density.is_none()) return std::make_shared<TorusDomain>();
+  const Image image = image_of("density", density);
+  return run([&] { return std::make_shared<TorusDomain>(image); });
 }
 
 std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count,
@@ -46,17 +91,20 @@ std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count cou
   const Keywords given(kSamplePlanar, keywords);
   const SampleOptions options = given.options();
   const ContextPtr context = given.context();
-  const py::gil_scoped_release released;
-  return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, watched));
+  });
 }
 
 std::shared_ptr<Energy> energy_of(const FlatDomain& domain, const py::object& positions,
                                   const py::kwargs& keywords) {
   const std::vector<Vec2> points = plane_points("positions", positions);
   const SampleOptions options = Keywords(kEnergyPlanar, keywords, {}).options();
-  const py::gil_scoped_release released;
-  return std::make_shared<Energy>(evaluate_energy(
-      *domain.with_cells(options.cells), domain.sites(points), options.optimizer.capacity_weight));
+  return run(nullptr, [&](Context* watched) {
+    return std::make_shared<Energy>(evaluate_energy(*domain.with_cells(options.cells),
+                                                    domain.sites(points),
+                                                    options.optimizer.capacity_weight, watched));
+  });
 }
 
 py::array positions_of(const py::object& self) {
@@ -75,7 +123,7 @@ void bind_domains(py::module_& m) {
           "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)).");
 
-  py::class_<PlanarDomain, FlatDomain, std::shared_ptr<PlanarDomain>>(m, "Plane",
+  py::class_<MadePlane, FlatDomain, std::shared_ptr<MadePlane>> plane(m, "Plane",
                                                                       R"(A piece of the plane.
 
 Plane(width, height) is the rectangle [0, width] x [0, height]; see also Plane.polygon.
@@ -86,7 +134,15 @@ Args:
         values hold at the centers of the pixels; between them the density is linear on triangles, beyond them constant.
 
 Raises:
-    ValueError: naming the argument out of range, or the first value that is not finite or negative.)")
+    ValueError: naming the argument out of range, or the first value that is not finite or negative.)");
+  def_pickle<MadePlane>(
+      plane, "Plane", [](const MadePlane& p) { return packed(p.maker()); },
+      [](const py::object& state) {
+        PlaneMaker maker;
+        unpack(state, maker);
+        return std::move(*made(std::move(maker)));
+      });
+  plane
       .def(py::init(&make_plane), py::arg("width"), py::arg("height"),
            py::arg("density") = py::none())
       .def_static("polygon", &make_polygon, py::arg("outline"), py::arg("holes") = py::tuple(),
@@ -103,10 +159,10 @@ Raises:
     ValueError: naming the first point that is not finite or repeats another, the edge that crosses or touches another,
         the ring of fewer than 3 points, the hole that is not inside.)")
       .def_property_readonly(
-          "surface", [](const PlanarDomain& d) { return std::make_shared<Surface>(d.surface()); },
+          "surface", [](const MadePlane& d) { return std::make_shared<Surface>(d.surface()); },
           "The same domain as a flat Surface, z = 0.");
 
-  py::class_<TorusDomain, FlatDomain, std::shared_ptr<TorusDomain>>(
+  py::class_<TorusDomain, FlatDomain, std::shared_ptr<TorusDomain>> torus(
       m, "Torus",
       R"(The unit square, its opposite sides joined.
 
@@ -115,14 +171,28 @@ Args:
         its row 0 at y = 0. The values hold at the centers of the pixels; between them the density is linear on triangles.
 
 Raises:
-    ValueError: naming the first value that is not finite or negative.)")
-      .def(py::init(&make_torus), py::arg("density") = py::none());
+    ValueError: naming the first value that is not finite or negative.)");
+  def_pickle<TorusDomain>(
+      torus, "Torus",
+      [](const TorusDomain& t) {
+        return py::make_tuple(t.density() ? packed(*t.density()) : py::object(py::none()));
+      },
+      [](const py::object& state) {
+        const auto items = state.cast<py::tuple>();
+        if (items.size() != 1) throw ArgumentError("it has another number of members");
+        if (py::object(items[0]).is_none()) return TorusDomain();
+        Image image;
+        unpack(py::object(items[0]), image);
+        return run([&] { return TorusDomain(image); });
+      });
+  torus.def(py::init(&make_torus), py::arg("density") = py::none());
 }
 
 void bind_planar_verbs(py::module_& m) {
-  py::class_<PlanarSamples, std::shared_ptr<PlanarSamples>>(m, "PlanarSamples",
-                                                            "Samples of a Plane or a Torus.")
-      .def("__len__", [](const PlanarSamples& s) { return s.positions.size(); })
+  py::class_<PlanarSamples, std::shared_ptr<PlanarSamples>> type(m, "PlanarSamples",
+                                                                 "Samples of a Plane or a Torus.");
+  def_pickle<PlanarSamples>(type, "PlanarSamples");
+  type.def("__len__", [](const PlanarSamples& s) { return s.positions.size(); })
       .def_property_readonly("positions", &positions_of,
                              "(n, 2) float64, a read-only view; on a Torus in [0, 1).")
       .def_property_readonly("classes", array_property(&PlanarSamples::classes), "(n,) int32.")

@@ -11,6 +11,22 @@
 #include "bindings.hpp"
 #include "classes.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(Samples& s) {
+  return std::tie(s.positions, s.normals, s.faces, s.barycentric, s.ids, s.classes, s.fade,
+                  s.report);
+}
+inline void check_members(const Samples& s) {
+  for (const std::size_t length :
+       {s.normals.size(), s.faces.size(), s.barycentric.size(), s.ids.size(), s.classes.size(),
+        s.fade.empty() ? s.size() : s.fade.size()})
+    python::check_equal(length, s.size());
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -22,8 +38,9 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count,
   if (const auto locked = given.object<Samples>("locked"))
     options.locked = {locked->positions, locked->faces, locked->barycentric};
   const ContextPtr context = given.context();
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(sample(surface, count, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Samples>(sample(surface, count, options, watched));
+  });
 }
 
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
@@ -31,8 +48,9 @@ std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples&
   const Keywords given(kResample, keywords);
   const SampleOptions options = given.options();
   const ContextPtr context = given.context();
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(resample(surface, samples, count, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Samples>(resample(surface, samples, count, options, watched));
+  });
 }
 
 std::shared_ptr<Samples> relax_samples(const Surface& surface, const Samples& samples,
@@ -48,17 +66,13 @@ std::shared_ptr<Samples> relax_samples(const Surface& surface, const Samples& sa
   }
   const IntArray faces = integers("changed", changed, 0);
   const ContextPtr context = given.context();
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(relax(surface, samples, as_span(faces), options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Samples>(relax(surface, samples, as_span(faces), options, watched));
+  });
 }
 
 py::array faces_that_differ(const Surface& before, const Surface& after) {
-  std::vector<std::int32_t> faces;
-  {
-    const py::gil_scoped_release released;
-    faces = changed_faces(before, after);
-  }
-  return give(std::move(faces));
+  return give(run([&] { return changed_faces(before, after); }));
 }
 
 std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& faces,
@@ -67,10 +81,13 @@ std::shared_ptr<Samples> make_samples(const Surface& surface, const py::object& 
   const auto optional = [](const char* name, const py::object& value) {
     return value.is_none() ? IntArray() : integers(name, value, 0);
   };
-  return std::make_shared<Samples>(bind_samples(surface, as_span(integers("faces", faces, 0)),
-                                                as_points(doubles("barycentric", barycentric, 3)),
-                                                as_span(optional("ids", ids)),
-                                                as_span(optional("classes", classes))));
+  const IntArray held = integers("faces", faces, 0);
+  const DoubleArray weights = doubles("barycentric", barycentric, 3);
+  const IntArray named = optional("ids", ids), classed = optional("classes", classes);
+  return run([&] {
+    return std::make_shared<Samples>(
+        bind_samples(surface, as_span(held), as_points(weights), as_span(named), as_span(classed)));
+  });
 }
 
 py::dict quality_dict(const Quality& quality) {
@@ -107,8 +124,10 @@ py::dict report_dict(const Report& report) {
 }
 
 void bind_reports(py::module_& m) {
-  py::class_<Quality, std::shared_ptr<Quality>>(m, "Quality", "How even a set of samples is.")
-      .def_readonly("count", &Quality::count, "Number of samples.")
+  py::class_<Quality, std::shared_ptr<Quality>> quality(m, "Quality",
+                                                        "How even a set of samples is.");
+  def_pickle<Quality>(quality, "Quality");
+  quality.def_readonly("count", &Quality::count, "Number of samples.")
       .def_readonly("spacing", &Quality::spacing,
                     "Hexagonal packing distance, in the units of the vertices.")
       .def_property_readonly(
@@ -135,10 +154,11 @@ void bind_reports(py::module_& m) {
           "Share of the samples on parts thinner than the spacing, such as wires: neighbors are "
           "before and behind them only, so no hexagonal spacing fits, and alpha is without them.");
 
-  py::class_<Report, Quality, std::shared_ptr<Report>>(
+  py::class_<Report, Quality, std::shared_ptr<Report>> type(
       m, "Report",
-      "What was done to get the samples, and how good they are: all together, and each class.")
-      .def_property_readonly(
+      "What was done to get the samples, and how good they are: all together, and each class.");
+  def_pickle<Report>(type, "Report");
+  type.def_property_readonly(
           "classes", [](const Report& r) { return r.classes; },
           "A list with the Quality of each class; empty if there is one class only.")
       .def_readonly("worst_overlap", &Report::worst_overlap,
@@ -184,7 +204,7 @@ py::object fades(const py::object& self) {
 }
 
 void bind_samples(py::module_& m) {
-  py::class_<Samples, std::shared_ptr<Samples>>(
+  py::class_<Samples, std::shared_ptr<Samples>> type(
       m, "Samples", R"(Samples on a surface; all arrays are read-only views.
 
 Made by sample() and Tracker.advance(), or from stored bindings:
@@ -197,8 +217,9 @@ Args:
     classes: (n,) int32; None is 0 for all.
 
 Raises:
-    ValueError: naming the first entry out of range, not finite, negative, or the row that does not sum to 1.)")
-      .def(py::init(&make_samples), py::arg("surface"), py::arg("faces"), py::arg("barycentric"),
+    ValueError: naming the first entry out of range, not finite, negative, or the row that does not sum to 1.)");
+  def_pickle<Samples>(type, "Samples");
+  type.def(py::init(&make_samples), py::arg("surface"), py::arg("faces"), py::arg("barycentric"),
            py::kw_only(), py::arg("ids") = py::none(), py::arg("classes") = py::none())
       .def("__len__", &Samples::size)
       .def_property_readonly("positions", array_property(&Samples::positions),

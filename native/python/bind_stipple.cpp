@@ -7,25 +7,22 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(Stipples& s) { return std::tie(s.positions, s.classes, s.radius, s.report); }
+inline void check_members(const Stipples& s) {
+  python::check_equal(s.classes.size(), s.positions.size());
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
 
-/// Numbers of the shape (first, second, third).
-DoubleArray volume(const char* name, const py::object& value, const char* needed) {
-  const py::array array = py::array::ensure(value);
-  if (!array || array.ndim() != 3)
-    throw ArgumentError(std::string(name) +
-                        (array ? " has the shape " + shape_text(array) : " is not an array") +
-                        ": " + needed + " is needed");
-  if (array.size() > 0 && std::string("fiu").find(array.dtype().kind()) == std::string::npos)
-    throw ArgumentError(std::string(name) + " has the dtype " +
-                        py::str(array.dtype()).cast<std::string>() + ": numbers are needed");
-  return DoubleArray(array);
-}
-
 std::vector<Image> inks_of(const py::object& value) {
-  const DoubleArray array = volume("inks", value, "(inks, rows, columns)");
+  const DoubleArray array = doubles_of_shape("inks", value, 3, "(inks, rows, columns)");
   const auto rows = static_cast<std::size_t>(array.shape(1));
   const auto columns = static_cast<std::size_t>(array.shape(2));
   std::vector<Image> inks;
@@ -51,7 +48,7 @@ py::array separate_channels(const py::object& channels) {
   if (images.size() != 3)
     throw ArgumentError("channels holds " + std::to_string(images.size()) +
                         ": red, green and blue are needed");
-  return to_array(separate({images[0], images[1], images[2]}));
+  return to_array(run([&] { return separate({images[0], images[1], images[2]}); }));
 }
 
 py::array mix_seven(const py::object& value) {
@@ -60,12 +57,12 @@ py::array mix_seven(const py::object& value) {
     throw ArgumentError("inks holds " + std::to_string(images.size()) + ": 7 are needed");
   std::array<Image, kInks> inks;
   std::copy(images.begin(), images.end(), inks.begin());
-  return to_array(mix(inks));
+  return to_array(run([&] { return mix(inks); }));
 }
 
 std::vector<std::size_t> counts_of(const py::sequence& counts) {
   std::vector<std::size_t> result;
-  for (const py::handle one : counts) {
+  for (const py::object& one : items_of(counts)) {
     const std::string name = "counts[" + std::to_string(result.size()) + "]";
     const py::object number = whole_number(one);
     if (!number)
@@ -84,8 +81,9 @@ std::shared_ptr<Stipples> stipple_inks(const py::object& inks, Count count,
     options.counts = counts_of(py::sequence(counts));
   const ContextPtr context = given.context();
   const std::vector<Image> images = inks_of(inks);
-  const py::gil_scoped_release released;
-  return std::make_shared<Stipples>(stipple(images, count, options, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Stipples>(stipple(images, count, options, watched));
+  });
 }
 
 py::array positions_of(const py::object& self) {
@@ -97,9 +95,10 @@ py::array positions_of(const py::object& self) {
 }  // namespace
 
 void bind_stipple(py::module_& m) {
-  py::class_<Stipples, std::shared_ptr<Stipples>>(m, "Stipples",
-                                                  "Dots that render a picture; see stipple_inks().")
-      .def("__len__", [](const Stipples& s) { return s.positions.size(); })
+  py::class_<Stipples, std::shared_ptr<Stipples>> type(
+      m, "Stipples", "Dots that render a picture; see stipple_inks().");
+  def_pickle<Stipples>(type, "Stipples");
+  type.def("__len__", [](const Stipples& s) { return s.positions.size(); })
       .def_property_readonly(
           "positions", &positions_of,
           "(n, 2) float64, a read-only view: x and y in pixels; pixel [row, column] is [column, "

@@ -7,10 +7,29 @@
 #include <dapple/mesh_file.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/spacing.hpp>
+#include <dapple/surface_record.hpp>
 #include <dapple/topology.hpp>
+#include <unordered_map>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(Topology& t) {
+  return std::tie(t.components, t.border_edges, t.border_loops, t.nonmanifold_edges, t.manifold,
+                  t.closed, t.genus);
+}
+inline auto members(Projection& p) {
+  return std::tie(p.positions, p.faces, p.barycentric, p.distances);
+}
+inline auto members(MeshRecord& r) {
+  return std::tie(r.weld, r.merge_doubled, r.faces, r.original_face, r.original_vertex,
+                  r.next_around_edge, r.welded_vertex, r.component, r.doubled);
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -74,30 +93,24 @@ std::shared_ptr<Surface> make_surface(const py::object& vertices, const py::obje
   const IntArray triangles = integers("faces", faces, 3);
   const DensityArgument values(density, density_at);
   const NormalsArgument corners(normals);
-  const py::gil_scoped_release released;
-  return std::make_shared<Surface>(corners.shade(Surface(
-      as_points(points), as_faces(triangles), values.view(),
-      {.weld = weld, .sharp_angle = sharp_angle, .merge_doubled = merge_doubled}, context.get())));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Surface>(corners.shade(Surface(
+        as_points(points), as_faces(triangles), values.view(),
+        {.weld = weld, .sharp_angle = sharp_angle, .merge_doubled = merge_doubled}, watched)));
+  });
 }
 
 std::shared_ptr<Surface> deformed(const Surface& surface, const py::object& vertices,
                                   const py::object& normals, const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const NormalsArgument corners(normals);
-  const py::gil_scoped_release released;
-  return std::make_shared<Surface>(
-      corners.shade(surface.deformed(as_points(points), context.get())));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Surface>(corners.shade(surface.deformed(as_points(points), watched)));
+  });
 }
 
 py::object corner_normals_of(const Surface& surface) {
-  return give(surface.corner_normals()).attr("reshape")(-1, 3, 3);
-}
-
-std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
-                                      const std::string& density_at, const ContextPtr& context) {
-  const DensityArgument values(density, density_at);
-  const py::gil_scoped_release released;
-  return std::make_shared<Surface>(surface.with_density(values.view(), context.get()));
+  return give(run([&] { return surface.corner_normals(); })).attr("reshape")(-1, 3, 3);
 }
 
 py::object density_of(const Surface& surface) {
@@ -109,8 +122,8 @@ py::object density_of(const Surface& surface) {
 
 std::shared_ptr<Projection> project_points(const Surface& surface, const py::object& points) {
   const DoubleArray array = doubles("points", points, 3);
-  const py::gil_scoped_release released;
-  return std::make_shared<Projection>(Projector(surface).project(as_points(array)));
+  return run(
+      [&] { return std::make_shared<Projection>(Projector(surface).project(as_points(array))); });
 }
 
 /// Whatever the bytes of a name are.
@@ -131,11 +144,7 @@ py::object give_corners(std::vector<Row>&& rows, py::ssize_t columns) {
 }
 
 py::dict read_mesh_arrays(const std::filesystem::path& path, bool may_be_empty) {
-  MeshArrays mesh;
-  {
-    const py::gil_scoped_release released;
-    mesh = read_mesh(path, may_be_empty);
-  }
+  MeshArrays mesh = run([&] { return read_mesh(path, may_be_empty); });
   py::dict found, at_vertices, at_faces;
   for (MeshAttribute& attribute : mesh.attributes) {
     const py::dict& owner = attribute.at_faces ? at_faces : at_vertices;
@@ -153,11 +162,7 @@ py::dict read_mesh_arrays(const std::filesystem::path& path, bool may_be_empty) 
 }
 
 py::dict vertex_columns(const std::filesystem::path& path) {
-  std::vector<MeshAttribute> columns;
-  {
-    const py::gil_scoped_release released;
-    columns = read_vertex_columns(path);
-  }
+  std::vector<MeshAttribute> columns = run([&] { return read_vertex_columns(path); });
   py::dict found;
   for (MeshAttribute& column : columns) found[name_of(column)] = give(std::move(column.values));
   return found;
@@ -167,16 +172,70 @@ void write_mesh_arrays(const std::filesystem::path& path, const py::object& vert
                        const py::object& faces) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = integers("faces", faces, 3);
-  const Surface checked(as_points(points), as_faces(triangles));
-  const py::gil_scoped_release released;
-  write_mesh(path, as_points(points), as_faces(triangles));
+  run([&] {
+    const Surface checked(as_points(points), as_faces(triangles));
+    write_mesh(path, as_points(points), as_faces(triangles));
+  });
+}
+
+/// How the faces of surfaces are connected, as an object that pickles write once for all of them.
+struct SharedConnectivity {
+  std::shared_ptr<const Connectivity> value;
+};
+
+/// The same object for the same connectivity, as long as somebody has it.
+std::shared_ptr<SharedConnectivity> shared_object(std::shared_ptr<const Connectivity> value) {
+  static std::unordered_map<const Connectivity*, std::weak_ptr<SharedConnectivity>> known;
+  std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<SharedConnectivity>& place = known[value.get()];
+  if (auto found = place.lock()) return found;
+  auto made = std::make_shared<SharedConnectivity>(SharedConnectivity{std::move(value)});
+  place = made;
+  return made;
+}
+
+py::object packed_surface(const Surface& surface) {
+  SurfaceRecord record = run([&] { return record_of(surface); });
+  return py::make_tuple(shared_object(record.connectivity), packed(record.vertices),
+                        packed(record.density_at), packed(record.density), record.sharp_angle,
+                        packed(record.hard_edges), packed(record.normals));
+}
+
+Surface restored_surface(const py::object& state) {
+  const auto items = state.cast<py::tuple>();
+  if (items.size() != 7) throw ArgumentError("it has another number of members");
+  SurfaceRecord record;
+  record.connectivity = items[0].cast<const SharedConnectivity&>().value;
+  unpack(py::object(items[1]), record.vertices);
+  unpack(py::object(items[2]), record.density_at);
+  unpack(py::object(items[3]), record.density);
+  unpack(py::object(items[4]), record.sharp_angle);
+  unpack(py::object(items[5]), record.hard_edges);
+  unpack(py::object(items[6]), record.normals);
+  return run([&] { return restored(record); });
+}
+
+void bind_connectivity(py::module_& m) {
+  py::class_<SharedConnectivity, std::shared_ptr<SharedConnectivity>> type(
+      m, "_Connectivity", "How the faces of surfaces are connected, in their pickles.");
+  def_pickle<SharedConnectivity>(
+      type, "_Connectivity",
+      [](const SharedConnectivity& c) { return packed(record_of(*c.value)); },
+      [](const py::object& state) {
+        MeshRecord record;
+        unpack(state, record);
+        return run([&] { return SharedConnectivity{restored(std::move(record))}; });
+      });
 }
 
 void bind_surface_class(py::module_& m) {
-  py::class_<Topology>(
+  bind_connectivity(m);
+  py::class_<Topology> connections(
       m, "Topology",
       "How the faces of a surface are connected (through OpenMesh); border edges at "
-      "the same place are, see Surface.")
+      "the same place are, see Surface.");
+  def_pickle<Topology>(connections, "Topology");
+  connections
       .def_readonly("components", &Topology::components, "Sets of faces connected over edges.")
       .def_readonly("border_edges", &Topology::border_edges, "Edges with one face.")
       .def_readonly("border_loops", &Topology::border_loops,
@@ -189,8 +248,8 @@ void bind_surface_class(py::module_& m) {
       .def_readonly("genus", &Topology::genus,
                     "Handles, summed over the components; -1 if not manifold.");
 
-  py::class_<Surface, std::shared_ptr<Surface>>(m, "Surface",
-                                                R"(Immutable, checked triangles with a density.
+  py::class_<Surface, std::shared_ptr<Surface>> type(m, "Surface",
+                                                     R"(Immutable, checked triangles with a density.
 
 Args:
     vertices: (v, 3) float64, positions in any unit.
@@ -214,8 +273,9 @@ Raises:
     SurfaceError: naming the first offender: an index out of range, a number that is not finite, a negative density,
         a density or normals of another length, no area, or a density whose integral is 0 or not finite.
     ValueError: an array of another shape or dtype, or another name.
-    Cancelled: through the context.)")
-      .def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
+    Cancelled: through the context.)");
+  def_pickle<Surface>(type, "Surface", &packed_surface, &restored_surface);
+  type.def(py::init(&make_surface), py::arg("vertices"), py::arg("faces"),
            py::arg("density") = py::none(), py::kw_only(), py::arg("density_at") = "vertices",
            py::arg("weld") = SurfaceOptions{}.weld, py::arg("normals") = py::none(),
            py::arg("sharp_angle") = SurfaceOptions{}.sharp_angle,
@@ -248,7 +308,9 @@ Raises:
                              "angles.")
       .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
       .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
-      .def_property_readonly("topology", &topology, "A Topology, measured anew at each call.")
+      .def_property_readonly(
+          "topology", [](const Surface& s) { return run([&] { return topology(s); }); },
+          "A Topology, measured anew at each call.")
       .def(
           "spacing", [](const Surface& s, Count count) { return s.spacing(count); },
           py::arg("count"),
@@ -272,9 +334,10 @@ Raises:
 }
 
 void bind_projection(py::module_& m) {
-  py::class_<Projection, std::shared_ptr<Projection>>(m, "Projection",
-                                                      "Closest points of a surface.")
-      .def_property_readonly("positions", array_property(&Projection::positions), "(n, 3) float64.")
+  py::class_<Projection, std::shared_ptr<Projection>> type(m, "Projection",
+                                                           "Closest points of a surface.");
+  def_pickle<Projection>(type, "Projection");
+  type.def_property_readonly("positions", array_property(&Projection::positions), "(n, 3) float64.")
       .def_property_readonly("faces", array_property(&Projection::faces),
                              "(n,) int32; the lowest index at ties.")
       .def_property_readonly("barycentric", array_property(&Projection::barycentric),
@@ -323,6 +386,14 @@ Raises:
 }
 
 }  // namespace
+
+std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
+                                      const std::string& density_at, const ContextPtr& context) {
+  const DensityArgument values(density, density_at);
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Surface>(surface.with_density(values.view(), watched));
+  });
+}
 
 void bind_surface(py::module_& m) {
   bind_surface_class(m);

@@ -6,6 +6,18 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "pickling.hpp"
+
+namespace dapple {
+
+inline auto members(Texels& t) { return std::tie(t.rows, t.columns, t.faces, t.barycentric); }
+inline void check_members(const Texels& t) {
+  python::check_equal(t.faces.size(), t.rows * t.columns);
+  python::check_equal(t.barycentric.size(), t.faces.size());
+  if (t.faces.empty()) throw ArgumentError("it has no texels");
+}
+
+}  // namespace dapple
 
 namespace dapple::python {
 namespace {
@@ -20,9 +32,10 @@ std::shared_ptr<Texels> find_texels(const Surface& surface, const py::object& uv
                                     Whole<int, "margin", 0, kMostInt> margin,
                                     const ContextPtr& context) {
   const DoubleArray coordinates = corner_rows("uv", uv, 2);
-  const py::gil_scoped_release released;
-  return std::make_shared<Texels>(
-      texels(surface, as_face_uv(coordinates), rows, columns, margin, context.get()));
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Texels>(
+        texels(surface, as_face_uv(coordinates), rows, columns, margin, watched));
+  });
 }
 
 py::tuple cover_texels(const Surface& surface, const Samples& samples, const py::object& radii,
@@ -30,11 +43,9 @@ py::tuple cover_texels(const Surface& surface, const Samples& samples, const py:
                        const ContextPtr& context) {
   const DoubleArray sizes = doubles("radii", radii, 0);
   const DoubleArray directions = doubles("tangents", tangents, 3);
-  DecalCover found;
-  {
-    const py::gil_scoped_release released;
-    found = cover(surface, samples, as_span(sizes), as_points(directions), texels, context.get());
-  }
+  DecalCover found = run(context, [&](Context* watched) {
+    return cover(surface, samples, as_span(sizes), as_points(directions), texels, watched);
+  });
   std::vector<double> places;
   for (const Vec2& place : found.places) places.insert(places.end(), {place.x(), place.y()});
   std::vector<py::ssize_t> shape = shape_of(texels);
@@ -46,9 +57,10 @@ py::tuple cover_texels(const Surface& surface, const Samples& samples, const py:
 }  // namespace
 
 void bind_texture(py::module_& m) {
-  py::class_<Texels, std::shared_ptr<Texels>>(
-      m, "Texels", "Where on a surface the texels of a picture lie; see texels().")
-      .def_property_readonly(
+  py::class_<Texels, std::shared_ptr<Texels>> type(
+      m, "Texels", "Where on a surface the texels of a picture lie; see texels().");
+  def_pickle<Texels>(type, "Texels");
+  type.def_property_readonly(
           "faces",
           [](const py::object& self) {
             const auto& t = self.cast<const Texels&>();

@@ -6,15 +6,24 @@
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
 #include <dapple/window_tracker.hpp>
-#include <functional>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "classes.hpp"
+#include "guarded.hpp"
 #include "keywords.hpp"
+#include "pickling.hpp"
 
 namespace dapple::python {
 namespace {
+
+constexpr const char* kNotPickled =
+    "it is a motion under way. Keep what resume() takes, and go on with one made of the first "
+    "frame";
+
+using SharedTracker = Guarded<Tracker>;
+using SharedPopulation = Guarded<Population>;
+using SharedWindowTracker = Guarded<WindowTracker>;
 
 /// What a tracker is told of the classes of its samples.
 std::vector<SampleClass> wanted_classes(const Surface& surface, const py::object& classes) {
@@ -22,38 +31,43 @@ std::vector<SampleClass> wanted_classes(const Surface& surface, const py::object
   return classes_on(surface, py::sequence(classes));
 }
 
-std::shared_ptr<Tracker> make_tracker(const Surface& surface, const Samples& samples,
-                                      const py::kwargs& keywords) {
+std::shared_ptr<SharedTracker> make_tracker(const Surface& surface, const Samples& samples,
+                                            const py::kwargs& keywords) {
   const Keywords given(kTracker, keywords, {"classes", "context"});
   const TrackerOptions options = given.options();
   const ContextPtr context = given.context();
   std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
-  const py::gil_scoped_release released;
-  return std::make_shared<Tracker>(surface, samples, options, std::move(wanted), context.get());
+  return run(context, [&](Context* watched) {
+    return std::make_shared<SharedTracker>(surface, samples, options, std::move(wanted), watched);
+  });
 }
 
-std::shared_ptr<Samples> advance_tracker(Tracker& tracker, const py::object& vertices,
+std::shared_ptr<Samples> advance_tracker(SharedTracker& shared, const py::object& vertices,
                                          const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
-  const py::gil_scoped_release released;
-  return std::make_shared<Samples>(tracker.advance(as_points(points), context.get()));
+  const SharedTracker::Change tracker(shared);
+  return run(context, [&](Context* watched) {
+    return std::make_shared<Samples>(tracker->advance(as_points(points), watched));
+  });
 }
 
-void resume_tracker(Tracker& tracker, const py::object& vertices, const Samples& samples,
+void resume_tracker(SharedTracker& shared, const py::object& vertices, const Samples& samples,
                     bool settled) {
   const DoubleArray points = doubles("vertices", vertices, 3);
-  const py::gil_scoped_release released;
-  tracker.resume(as_points(points), samples, settled);
+  const SharedTracker::Change tracker(shared);
+  run([&] { tracker->resume(as_points(points), samples, settled); });
 }
 
-std::shared_ptr<Population> make_population(const Surface& surface, const Samples& samples,
-                                            const py::kwargs& keywords) {
+std::shared_ptr<SharedPopulation> make_population(const Surface& surface, const Samples& samples,
+                                                  const py::kwargs& keywords) {
   const Keywords given(kPopulation, keywords, {"classes", "context"});
   const PopulationOptions options = given.options();
   const ContextPtr context = given.context();
   std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
-  const py::gil_scoped_release released;
-  return std::make_shared<Population>(surface, samples, options, std::move(wanted), context.get());
+  return run(context, [&](Context* watched) {
+    return std::make_shared<SharedPopulation>(surface, samples, options, std::move(wanted),
+                                              watched);
+  });
 }
 
 /// A frame of a body without a density that faces of its own could need.
@@ -70,29 +84,33 @@ Surface surface_like(const Surface& before, std::span<const Vec3> vertices,
           context};
 }
 
-std::shared_ptr<Samples> advance_population(Population& population, const py::object& vertices,
+std::shared_ptr<Samples> advance_population(SharedPopulation& shared, const py::object& vertices,
                                             const py::object& faces, const ContextPtr& context) {
   if (py::isinstance<Surface>(vertices)) {
     if (!faces.is_none())
       throw ArgumentError("faces are given beside a Surface, which has its own");
     const auto next = vertices.cast<std::shared_ptr<Surface>>();
-    const py::gil_scoped_release released;
-    return std::make_shared<Samples>(population.advance(*next, context.get()));
+    const SharedPopulation::Change population(shared);
+    return run(context, [&](Context* watched) {
+      return std::make_shared<Samples>(population->advance(*next, watched));
+    });
   }
   const DoubleArray points = doubles("vertices", vertices, 3);
   const IntArray triangles = faces.is_none() ? IntArray() : integers("faces", faces, 3);
   const bool same_faces = faces.is_none();
-  const py::gil_scoped_release released;
-  const Surface& before = population.surface();
-  if (same_faces || (static_cast<std::size_t>(points.shape(0)) == before.vertex_count() &&
-                     std::ranges::equal(as_faces(triangles), before.faces())))
-    return std::make_shared<Samples>(population.advance(as_points(points), context.get()));
-  const Surface next = surface_like(before, as_points(points), as_faces(triangles), context.get());
-  return std::make_shared<Samples>(population.advance(next, context.get()));
+  const SharedPopulation::Change population(shared);
+  return run(context, [&](Context* watched) {
+    const Surface& before = population->surface();
+    if (same_faces || (static_cast<std::size_t>(points.shape(0)) == before.vertex_count() &&
+                       std::ranges::equal(as_faces(triangles), before.faces())))
+      return std::make_shared<Samples>(population->advance(as_points(points), watched));
+    const Surface next = surface_like(before, as_points(points), as_faces(triangles), watched);
+    return std::make_shared<Samples>(population->advance(next, watched));
+  });
 }
 
-py::dict state_of(const Population& population) {
-  PopulationState state = population.state();
+py::dict state_of(const SharedPopulation& population) {
+  PopulationState state = population.read().state();
   py::dict result;
   result["fades"] = give(std::move(state.fades));
   result["first_faces"] = give(std::move(state.first_faces));
@@ -128,11 +146,11 @@ PopulationState state_from(const py::dict& given) {
           .settled = of("settled").cast<bool>()};
 }
 
-void resume_population(Population& population, const Surface& surface, const Samples& samples,
+void resume_population(SharedPopulation& shared, const Surface& surface, const Samples& samples,
                        const py::dict& state) {
   const PopulationState given = state_from(state);
-  const py::gil_scoped_release released;
-  population.resume(surface, samples, given);
+  const SharedPopulation::Change population(shared);
+  run([&] { population->resume(surface, samples, given); });
 }
 
 std::vector<std::shared_ptr<Samples>> shared(std::vector<Samples> frames) {
@@ -160,35 +178,50 @@ std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const py
   const ContextPtr context = given.context();
   std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
-  const py::gil_scoped_release released;
-  return shared(
-      track_window(surface, vertices, samples, options, std::move(wanted), context.get()));
+  return run(context, [&](Context* watched) {
+    return shared(track_window(surface, vertices, samples, options, std::move(wanted), watched));
+  });
 }
 
-std::shared_ptr<WindowTracker> make_window_tracker(const Surface& surface, const Samples& samples,
-                                                   const py::kwargs& keywords) {
+std::shared_ptr<SharedWindowTracker> make_window_tracker(const Surface& surface,
+                                                         const Samples& samples,
+                                                         const py::kwargs& keywords) {
   const Keywords given(kWindowTracker, keywords, {"classes", "context"});
   const WindowOptions options = given.options();
   const ContextPtr context = given.context();
   std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
-  const py::gil_scoped_release released;
-  return std::make_shared<WindowTracker>(surface, samples, options, std::move(wanted),
-                                         context.get());
+  return run(context, [&](Context* watched) {
+    return std::make_shared<SharedWindowTracker>(surface, samples, options, std::move(wanted),
+                                                 watched);
+  });
 }
 
-std::vector<std::shared_ptr<Samples>> advance_window(WindowTracker& tracker,
+std::vector<std::shared_ptr<Samples>> advance_window(SharedWindowTracker& window,
                                                      const py::iterable& frames, Done done,
                                                      const ContextPtr& context) {
   const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
-  const py::gil_scoped_release released;
-  return shared(tracker.advance(vertices, done, context.get()));
+  const SharedWindowTracker::Change tracker(window);
+  return run(context,
+             [&](Context* watched) { return shared(tracker->advance(vertices, done, watched)); });
 }
 
-void resume_window(WindowTracker& tracker, const py::object& vertices, const Samples& samples,
-                   const std::vector<std::reference_wrapper<const Samples>>& ahead) {
+/// Copies: what a sequence makes as it goes is gone once the next one is asked for.
+std::vector<Samples> samples_ahead(const py::object& ahead) {
+  std::vector<Samples> result;
+  for (const py::object& one : items_of(ahead)) {
+    if (!py::isinstance<Samples>(one))
+      refuse_type("ahead[" + std::to_string(result.size()) + "]", one, "a Samples");
+    result.push_back(one.cast<const Samples&>());
+  }
+  return result;
+}
+
+void resume_window(SharedWindowTracker& window, const py::object& vertices, const Samples& samples,
+                   const py::iterable& ahead) {
   const DoubleArray points = doubles("vertices", vertices, 3);
-  const py::gil_scoped_release released;
-  tracker.resume(as_points(points), samples, {ahead.begin(), ahead.end()});
+  std::vector<Samples> frames = samples_ahead(ahead);
+  const SharedWindowTracker::Change tracker(window);
+  run([&] { tracker->resume(as_points(points), samples, std::move(frames)); });
 }
 
 void bind_tracker(py::module_& m) {
@@ -208,12 +241,14 @@ Args:
 Raises:
     ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)");
-  py::class_<Tracker, std::shared_ptr<Tracker>> type(m, "Tracker", documentation.c_str());
+  py::class_<SharedTracker, std::shared_ptr<SharedTracker>> type(m, "Tracker",
+                                                                 documentation.c_str());
   def_init(type, kTracker, &make_tracker,
            "__init__(self: Tracker, surface: Surface, samples: Samples, *, {signature}, "
            "classes: Sequence[SampleClass | int] | None = None, "
            "context: Context | None = None) -> None",
            py::arg("surface"), py::arg("samples"));
+  type.def("__reduce_ex__", refusal(kNotPickled));
   type.def(
           "resume", &resume_tracker, py::arg("vertices"), py::arg("samples"), py::kw_only(),
           py::arg("settled") = false,
@@ -228,7 +263,7 @@ Raises:
     SurfaceError: vertices of another number or not finite.
     ValueError: samples of another number, or not of the surface.)")
       .def_property_readonly(
-          "settled", &Tracker::settled,
+          "settled", [](const SharedTracker& t) { return t.read().settled(); },
           "Whether nothing was left to be caught up when the last frame was done.")
       .def("advance", &advance_tracker, py::arg("vertices"), py::kw_only(),
            py::arg("context") = nullptr,
@@ -247,10 +282,12 @@ Raises:
     SurfaceError: vertices of another number or not finite.
     Cancelled: through the context.)")
       .def_property_readonly(
-          "surface", [](const Tracker& t) { return std::make_shared<Surface>(t.surface()); },
+          "surface",
+          [](const SharedTracker& t) { return std::make_shared<Surface>(t.read().surface()); },
           "The Surface of the current frame.")
       .def_property_readonly(
-          "samples", [](const Tracker& t) { return std::make_shared<Samples>(t.samples()); },
+          "samples",
+          [](const SharedTracker& t) { return std::make_shared<Samples>(t.read().samples()); },
           "The Samples of the current frame.");
 }
 
@@ -273,12 +310,14 @@ Args:
 Raises:
     ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)");
-  py::class_<Population, std::shared_ptr<Population>> type(m, "Population", documentation.c_str());
+  py::class_<SharedPopulation, std::shared_ptr<SharedPopulation>> type(m, "Population",
+                                                                       documentation.c_str());
   def_init(type, kPopulation, &make_population,
            "__init__(self: Population, surface: Surface, samples: Samples, *, {signature}, "
            "classes: Sequence[SampleClass | int] | None = None, "
            "context: Context | None = None) -> None",
            py::arg("surface"), py::arg("samples"));
+  type.def("__reduce_ex__", refusal(kNotPickled));
   type.def("advance", &advance_population, py::arg("vertices"), py::arg("faces") = py::none(),
            py::kw_only(), py::arg("context") = nullptr,
            R"(Move to the next frame; the population is unchanged if this raises.
@@ -324,10 +363,12 @@ fades (n,) float64 per sample; first_faces (m,) int32 and first_barycentric (m, 
 that stay was on the first frame, on the current faces; starts (m + 1,) int64 and neighbors (k,) int32, rows of their
 neighbors there; densities (c,) float64, samples per capacity of each class; next_id, above all ids so far; settled.)")
       .def_property_readonly(
-          "surface", [](const Population& p) { return std::make_shared<Surface>(p.surface()); },
+          "surface",
+          [](const SharedPopulation& p) { return std::make_shared<Surface>(p.read().surface()); },
           "The Surface of the current frame.")
       .def_property_readonly(
-          "samples", [](const Population& p) { return std::make_shared<Samples>(p.samples()); },
+          "samples",
+          [](const SharedPopulation& p) { return std::make_shared<Samples>(p.read().samples()); },
           "The Samples of the current frame.");
 }
 
@@ -379,13 +420,14 @@ Args:
 Raises:
     ValueError: the samples are not of the surface, or of a class that is not given; an option out of range.
     Cancelled: through the context.)");
-  py::class_<WindowTracker, std::shared_ptr<WindowTracker>> type(m, "WindowTracker",
-                                                                 documentation.c_str());
+  py::class_<SharedWindowTracker, std::shared_ptr<SharedWindowTracker>> type(m, "WindowTracker",
+                                                                             documentation.c_str());
   def_init(type, kWindowTracker, &make_window_tracker,
            "__init__(self: WindowTracker, surface: Surface, samples: Samples, *, {signature}, "
            "classes: Sequence[SampleClass | int] | None = None, "
            "context: Context | None = None) -> None",
            py::arg("surface"), py::arg("samples"));
+  type.def("__reduce_ex__", refusal(kNotPickled));
   type.def("advance", &advance_window, py::arg("frames"), py::arg("done"), py::kw_only(),
            py::arg("context") = nullptr,
            R"(Solve the frames after the present one; the tracker is unchanged if this raises.
@@ -416,13 +458,19 @@ Raises:
     SurfaceError: vertices of another number or not finite.
     ValueError: samples of another number, or not of the surface.)")
       .def_property_readonly(
-          "surface", [](const WindowTracker& t) { return std::make_shared<Surface>(t.surface()); },
+          "surface",
+          [](const SharedWindowTracker& t) {
+            return std::make_shared<Surface>(t.read().surface());
+          },
           "The Surface of the present frame.")
       .def_property_readonly(
-          "samples", [](const WindowTracker& t) { return std::make_shared<Samples>(t.samples()); },
+          "samples",
+          [](const SharedWindowTracker& t) {
+            return std::make_shared<Samples>(t.read().samples());
+          },
           "The Samples of the present frame.")
       .def_property_readonly(
-          "ahead", [](const WindowTracker& t) { return shared(t.ahead()); },
+          "ahead", [](const SharedWindowTracker& t) { return shared(t.read().ahead()); },
           "list of the Samples of the frames that are to be solved again.");
 }
 

@@ -5,27 +5,42 @@
 
 #include <dapple/context.hpp>
 #include <dapple/errors.hpp>
+#include <dapple/surface.hpp>
 #include <memory>
 
 #include "arrays.hpp"
+#include "call.hpp"
 #include "whole.hpp"
 
 namespace dapple::python {
 
-using ContextPtr = std::shared_ptr<Context>;
+/// A Context of Python's, which keeps what it is a part of.
+class SharedContext : public Context {
+ public:
+  SharedContext() = default;
+  SharedContext(const std::shared_ptr<SharedContext>& whole, double from, double to)
+      : Context(*whole, from, to), whole_(whole), depth_(whole->depth_ + 1) {}
 
-/// What the work returns, done while other Python threads run.
-template <typename Work>
-auto without_gil(const Work& work) {
-  const py::gil_scoped_release released;
-  return work();
-}
+  /// How many others it is a part of, one within the other.
+  [[nodiscard]] int depth() const { return depth_; }
+
+ private:
+  std::shared_ptr<SharedContext> whole_;
+  int depth_ = 0;
+};
+
+using ContextPtr = std::shared_ptr<SharedContext>;
 
 /// A property that shows an array of the object without copying it.
 template <typename Class, typename Member>
 auto array_property(Member Class::*member) {
   return [member](const py::object& self) { return view(self, self.cast<const Class&>().*member); };
 }
+
+/// The surface with another density, as Python gives it.
+/// \throw SurfaceError, ArgumentError, Cancelled
+std::shared_ptr<Surface> with_density(const Surface& surface, const py::object& density,
+                                      const std::string& density_at, const ContextPtr& context);
 
 // Each binds one subject; the order in module.cpp matters, since signatures name the types bound
 // before.

@@ -89,7 +89,7 @@ class Keywords {
     return value.cast<std::shared_ptr<Class>>();
   }
 
-  [[nodiscard]] ContextPtr context() const { return object<Context>("context"); }
+  [[nodiscard]] ContextPtr context() const { return object<SharedContext>("context"); }
 
  private:
   template <class Owner, class Member>

@@ -44,7 +44,7 @@ class FlatDomain : public Domain {
 /// A rectangle, a polygon with holes, or an image over a rectangle. Which cells touch is found
 /// first, as if the domain were all of the rectangle around it; then the cells are cut out of the
 /// triangles that make up the domain.
-class PlanarDomain final : public FlatDomain {
+class PlanarDomain : public FlatDomain {
  public:
   /// [0, width] x [0, height].
   /// \throw ArgumentError unless both are finite and > 0

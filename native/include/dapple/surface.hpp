@@ -36,6 +36,7 @@ struct Joints {
 };
 
 class OrderedSurface;
+struct SurfaceRecord;
 
 /// Immutable, checked triangles with a density that is linear on each face.
 ///
@@ -134,6 +135,9 @@ class Surface {
   [[nodiscard]] const OrderedSurface& ordered() const { return *ordered_; }
 
  private:
+  friend Surface restored(const SurfaceRecord& record, Context* context);
+  explicit Surface(std::shared_ptr<const OrderedSurface> ordered) : ordered_(std::move(ordered)) {}
+
   [[nodiscard]] std::vector<Vec3> counted_normals(std::span<const std::int32_t> faces,
                                                   std::span<const Vec3> weights) const;
 

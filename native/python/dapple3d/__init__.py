@@ -6,9 +6,10 @@
 >>> samples.positions  # (2000, 3): evenly spaced, never patterned
 """
 
+from . import _starting  # noqa: F401, I001  first, as the others take long
+
 from typing import Any, Final
 
-from . import _starting  # noqa: F401  first, as the others take long
 from ._meshes import MeshArrays, read_mesh
 from ._native import (
     Cancelled,

@@ -12,8 +12,10 @@ def start() -> None:
     from dapple3d import _starting
     from dapple3d.cli.app import main
 
-    _starting.ready()
-    main(prog_name="dapple")
+    try:
+        main(prog_name="dapple")
+    finally:
+        _starting.ended()
 
 
 if __name__ == "__main__":

@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ctrl-C while a command is still being imported: a sentence, no traceback.
 
-The package imports this first, so it imports nothing that takes long.
+The package imports this first, so it imports only what every Python has loaded already: signal
+itself makes enumerations, which takes a while.
 """
 
+import _signal as signal  # type: ignore[import-not-found]
 import os
-import signal
 import sys
-from types import FrameType
-from typing import Final
 
-CANCELLED: Final = "Cancelled: nothing was written."
-INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
+CANCELLED = "Cancelled: nothing was written."
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 def is_command() -> bool:
@@ -20,21 +19,32 @@ def is_command() -> bool:
     return name == "dapple" or (name == "-m" and "dapple3d" in sys.orig_argv)
 
 
-def _end(_signal: int, _frame: FrameType | None) -> None:
+def _end(_signal: int, _frame: object) -> None:
     os.write(2, f"{CANCELLED}\n".encode())
     os._exit(INTERRUPTED)
 
 
 def begin() -> None:
-    """From here on Ctrl-C ends the process, unless somebody else listens to it."""
+    """From here on Ctrl-C ends the process, unless somebody else listens to it.
+
+    The script `dapple` has it blocked until then.
+    """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def ready() -> None:
     """From here on Ctrl-C is the exception that the command waits for."""
     if signal.getsignal(signal.SIGINT) is _end:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def ended() -> None:
+    """From here on there is nothing left to interrupt."""
+    if signal.getsignal(signal.SIGINT) in (_end, signal.default_int_handler):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 if is_command():

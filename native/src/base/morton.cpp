@@ -33,7 +33,7 @@ std::uint64_t code(const Vec3& unit) {
 using Key = std::pair<std::uint64_t, std::int32_t>;
 
 void sort(std::vector<Key>& keys, Context* context) {
-  if (context) return sort_watched(keys, context);
+  if (context && !Poll::current()) return sort_watched(keys, context);
   parallel_sort(keys);
 }
 

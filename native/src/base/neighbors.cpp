@@ -6,6 +6,7 @@
 #include <nanoflann.hpp>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 
 namespace dapple {
@@ -14,8 +15,10 @@ struct Neighbors::Tree {
   // The interface nanoflann asks of a point set.
   struct PointSet {
     std::span<const Vec3> points;
+    bool building = true;
     [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
     [[nodiscard]] double kdtree_get_pt(std::size_t point, std::size_t axis) const {
+      if (building && axis == 0) check_at(point, 1024);
       return points[point][static_cast<Eigen::Index>(axis)];
     }
     template <typename Box>
@@ -26,8 +29,9 @@ struct Neighbors::Tree {
   using Metric = nanoflann::L2_Simple_Adaptor<double, PointSet, double, std::int32_t>;
   using Index = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointSet, 3, std::int32_t>;
 
-  explicit Tree(std::span<const Vec3> points)
-      : set{points}, index(3, set, {/*leaf_max_size=*/10}) {}
+  explicit Tree(std::span<const Vec3> points) : set{points}, index(3, set, {/*leaf_max_size=*/10}) {
+    set.building = false;
+  }
 
   PointSet set;
   Index index;

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <dapple/context.hpp>
 #include <dapple/option.hpp>
 #include <functional>
 #include <span>
@@ -27,7 +29,8 @@ namespace dapple {
 
 /// Run `body(begin, end)` over [0, count) in chunks of `grain`, whose bounds do not depend on the
 /// number of threads: what a chunk computes into its own slots is then the same for any number of
-/// them.
+/// them. The caller's Poll is asked between them.
+/// \throw Cancelled
 template <typename Body>
 void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   const std::size_t chunks = (count + grain - 1) / grain;
@@ -40,17 +43,36 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   using Group = tbb::task_group_context;
   Group group(Group::bound, Group::default_traits | Group::fp_settings);
   HandOver all;
+  Poll* const poll = Poll::current();
   const auto visit = [&](const auto& range) {
     const HandOver::Part part(all);
-    for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
+    const Poll::Share share(poll);
+    for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk) {
+      if (poll) poll->check();
       body(chunk * grain, std::min(count, (chunk + 1) * grain));
+    }
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1), visit, group);
 }
 
+/// Whether one value is less than another; asks a Poll now and then, as the addresses fall.
+template <typename Less>
+struct PolledLess {
+  Less less;
+  Poll* poll;
+
+  template <typename T>
+  bool operator()(const T& a, const T& b) const {
+    if (poll && (reinterpret_cast<std::uintptr_t>(&a) & 0x3ffffU) < sizeof(T)) poll->check();
+    return less(a, b);
+  }
+};
+
 /// Sort values of which no two are equal, so that there is one order for any number of threads.
+/// \throw Cancelled by the caller's Poll; what was to be sorted is lost
 template <typename T, typename Less = std::less<>>
-void parallel_sort(std::vector<T>& values, const Less& less = {}) {
+void parallel_sort(std::vector<T>& values, const Less& compare = {}) {
+  const PolledLess<Less> less{compare, Poll::current()};
 #ifdef DAPPLE_THREAD_SANITIZER  // which does not see what that of oneTBB hands over
   std::sort(values.begin(), values.end(), less);
 #else

@@ -28,17 +28,24 @@ class Stretch {
   std::optional<Context> part_;
 };
 
+/// Ask whether to go on, whether anybody watches or only the thread's Poll does.
+inline void check_context(const Context* context) {
+  if (context) return context->check();
+  if (Poll* const poll = Poll::current()) poll->check();
+}
+
 /// In the loop over k: ask now and then whether to go on.
 inline void check_at(const Context* context, std::size_t k, std::size_t grain = 4096) {
-  if (context && k % grain == 0) context->check();
+  if (k % grain == 0) check_context(context);
 }
+inline void check_at(std::size_t k, std::size_t grain = 4096) { check_at(nullptr, k, grain); }
 
 /// The same, and say how far the loop of `count` is.
 inline void report_at(Context* context, std::size_t k, std::size_t count,
                       std::size_t grain = 4096) {
-  if (!context || k % grain != 0) return;
-  context->check();
-  context->advance(static_cast<double>(k) / static_cast<double>(count));
+  if (k % grain != 0) return;
+  check_context(context);
+  if (context) context->advance(static_cast<double>(k) / static_cast<double>(count));
 }
 
 /// How much of `count` equal things several threads have done.
@@ -46,9 +53,7 @@ class Tally {
  public:
   Tally(Context* context, std::size_t count) : context_(context), count_(count) {}
 
-  void check() const {
-    if (context_) context_->check();
-  }
+  void check() const { check_context(context_); }
   void add(std::size_t more) {
     const std::size_t done = done_ += more;
     if (context_) context_->advance(static_cast<double>(done) / static_cast<double>(count_));
@@ -63,7 +68,7 @@ class Tally {
 /// Sort, and ask now and then whether to go on; if not, what was to be sorted is lost.
 template <typename T>
 void sort_watched(std::vector<T>& values, Context* context) {
-  if (!context) return std::sort(values.begin(), values.end());
+  if (!context && !Poll::current()) return std::sort(values.begin(), values.end());
   const auto expected = static_cast<std::size_t>(std::bit_width(values.size())) *
                         std::max<std::size_t>(values.size(), 1);
   std::size_t comparisons = 0;

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/whole_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <dapple/errors.hpp>
 #include <fstream>
 #include <random>
+#include <vector>
+
+#include "base/progress.hpp"
 
 namespace dapple {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kBlock = 1 << 20;  // bytes between two checks
 
 /// \throw FileError with what the system says about the last call
 [[noreturn]] void refuse(const fs::path& path, const char* what) {
@@ -22,7 +28,11 @@ namespace fs = std::filesystem;
 bool put(const fs::path& path, const std::string& content) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  for (std::size_t at = 0; at < content.size() && file; at += kBlock) {
+    check_context(nullptr);
+    file.write(content.data() + at,
+               static_cast<std::streamsize>(std::min(kBlock, content.size() - at)));
+  }
   file.close();
   return static_cast<bool>(file);
 }
@@ -73,8 +83,13 @@ std::string read_whole(const fs::path& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string content;
-  if (file) content.assign(std::istreambuf_iterator<char>(file), {});
-  if (!file || file.bad()) refuse(path, "read");
+  std::vector<char> block(kBlock);
+  while (file) {
+    check_context(nullptr);
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    content.append(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.eof() || file.bad()) refuse(path, "read");
   return content;
 }
 

@@ -42,21 +42,25 @@ Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
   check_grid(x.size(), y.size());
   std::vector<Vec3> vertices;
   std::vector<double> density;
-  for (std::size_t row = 0; row < y.size(); ++row)
+  for (std::size_t row = 0; row < y.size(); ++row) {
+    check_context(nullptr);
     for (std::size_t column = 0; column < x.size(); ++column) {
       vertices.emplace_back(x[column], y[row], 0.0);
       density.push_back(value(column, row));
     }
+  }
   std::vector<Face> faces;
   const auto vertex = [&](std::size_t column, std::size_t row) {
     return static_cast<std::int32_t>(row * x.size() + column);
   };
-  for (std::size_t row = 0; row + 1 < y.size(); ++row)
+  for (std::size_t row = 0; row + 1 < y.size(); ++row) {
+    check_context(nullptr);
     for (std::size_t column = 0; column + 1 < x.size(); ++column) {
       const std::int32_t a = vertex(column, row), c = vertex(column + 1, row + 1);
       faces.push_back({a, vertex(column + 1, row), c});
       faces.push_back({a, c, vertex(column, row + 1)});
     }
+  }
   return Surface(vertices, faces, density);
 }
 

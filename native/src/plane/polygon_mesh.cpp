@@ -3,6 +3,7 @@
 
 #include <CGAL/Polygon_2_algorithms.h>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "surface/constrained_triangulation.hpp"
 
@@ -52,6 +53,7 @@ class RingMesh {
     const auto& vertices = rings_[index];
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const auto a = vertices[k], b = vertices[(k + 1) % vertices.size()];
+      check_at(k, 64);
       if (!insert_edge(a, b))
         throw ArgumentError("the edge that starts at " + entry(ring.name.c_str(), k) +
                             " crosses or touches another edge: polygons must not meet themselves "

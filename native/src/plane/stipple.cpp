@@ -208,15 +208,18 @@ std::array<Image, kInks> separate(const ColorImage& picture) {
     check_shape(kNames[k], picture[k], picture[0]);
     check_same_length(kNames[k], picture[k].values.size(), "its pixels",
                       picture[k].rows * picture[k].columns);
-    for (std::size_t p = 0; p < picture[k].values.size(); ++p)
+    for (std::size_t p = 0; p < picture[k].values.size(); ++p) {
+      check_at(p);
       if (!(picture[k].values[p] >= 0.0 && picture[k].values[p] <= 1.0))
         throw ArgumentError(entry(kNames[k], p) + " is " + number(picture[k].values[p]) +
                             ": it must be in [0, 1]");
+    }
   }
   std::array<Image, kInks> inks;
   for (Image& ink : inks)
     ink = {picture[0].rows, picture[0].columns, std::vector<double>(picture[0].values.size(), 0.0)};
   for (std::size_t p = 0; p < picture[0].values.size(); ++p) {
+    check_at(p);
     std::array<std::size_t, 3> order = {0, 1, 2};
     const auto covers = [&](std::size_t k) { return 1.0 - picture[k].values[p]; };
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -239,7 +242,7 @@ ColorImage mix(const std::array<Image, kInks>& inks) {
     picture[k] = {inks[0].rows, inks[0].columns, std::vector<double>(inks[0].values.size(), 1.0)};
     for (std::size_t c = 0; c < kInks; ++c)
       for (std::size_t p = 0; p < picture[k].values.size(); ++p)
-        picture[k].values[p] -= kTakes[c][k] * inks[c].values[p];
+        check_at(p), picture[k].values[p] -= kTakes[c][k] * inks[c].values[p];
   }
   return picture;
 }

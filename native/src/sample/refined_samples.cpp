@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/refined_samples.hpp>
 
+#include "base/progress.hpp"
 #include "base/triangle.hpp"
 #include "density/piece_finder.hpp"
 #include "surface/validate_surface.hpp"
@@ -24,6 +25,7 @@ Samples to_original(const Refined& refined, const Samples& samples) {
   std::vector<std::int32_t> faces;
   std::vector<Vec3> weights;
   for (std::size_t k = 0; k < samples.size(); ++k) {
+    check_at(k);
     const auto fine = static_cast<std::size_t>(samples.faces[k]);
     faces.push_back(refined.parents[fine]);
     weights.push_back(combined(refined.barycentric[fine], samples.barycentric[k]));
@@ -37,6 +39,7 @@ Samples from_original(const Refined& refined, const Samples& samples) {
   std::vector<std::int32_t> faces;
   std::vector<Vec3> weights;
   for (std::size_t k = 0; k < samples.size(); ++k) {
+    check_at(k);
     const auto [face, inside] = finder.find(samples.faces[k], samples.barycentric[k]);
     faces.push_back(face);
     weights.push_back(inside);

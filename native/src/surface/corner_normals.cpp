@@ -7,6 +7,7 @@
 
 #include "base/elementary.hpp"
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/vectors.hpp"
 
 namespace dapple {
@@ -135,8 +136,9 @@ std::shared_ptr<const Shading> shading_of_normals(const OrderedSurface& mesh, do
                                                   std::span<const Vec3> corners) {
   const double cosine = limit_of(sharp_angle);
   std::vector<Vec3> given(corners.size());
-  for (std::size_t h = 0; h < given.size(); ++h)
+  for_each_vector(given.size(), [&](std::size_t h) {
     given[h] = corners[3 * static_cast<std::size_t>(mesh.original_face(nth_face(h / 3))) + h % 3];
+  });
   const auto normal = [&](std::int32_t h) -> const Vec3& {
     return given[static_cast<std::size_t>(h)];
   };
@@ -159,9 +161,10 @@ CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::in
   const Fans fans(mesh);
   std::vector<std::int32_t> members, fan;
   std::vector<std::size_t> ends;
-  for (const std::int32_t face : faces)
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(f);
     for (std::int32_t k = 0; k < 3; ++k) {
-      const std::int32_t corner = half_edge(mesh.ordered_face(face), k);
+      const std::int32_t corner = half_edge(mesh.ordered_face(faces[f]), k);
       if (fan_[static_cast<std::size_t>(corner)] >= 0 || is_given(corner)) continue;
       fans.collect(corner, fan);
       for (const std::int32_t member : fan)
@@ -169,6 +172,7 @@ CornerNormals::CornerNormals(const OrderedSurface& mesh, std::span<const std::in
       members.insert(members.end(), fan.begin(), fan.end());
       ends.push_back(members.size());
     }
+  }
   normals_.resize(ends.size());
   for_each_vector(normals_.size(), [&](std::size_t k) {
     const std::size_t begin = k == 0 ? 0 : ends[k - 1];

@@ -6,6 +6,7 @@
 #include <dapple/limits.hpp>
 #include <numeric>
 
+#include "base/progress.hpp"
 #include "base/random.hpp"
 #include "surface/cut_polygon.hpp"
 #include "surface/mesh_text.hpp"
@@ -107,8 +108,10 @@ MeshArrays MeshBuilder::build() {
   mesh.faces.reserve(ends_.size());
   mesh.polygons.reserve(ends_.size());
   const std::vector<std::size_t> like = cut_like();
-  for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon)
+  for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon) {
+    check_at(polygon);
     cut(polygon, like[polygon], mesh);
+  }
   for (const MeshAttribute& attribute : attributes) {
     if (attribute.values.size() != (attribute.at_faces ? ends_.size() : vertices.size())) continue;
     MeshAttribute& found = mesh.attributes.emplace_back(attribute);
@@ -135,6 +138,7 @@ std::vector<std::size_t> MeshBuilder::cut_like() const {
   std::iota(result.begin(), result.end(), std::size_t{0});
   std::vector<std::pair<std::uint64_t, std::size_t>> sums;
   for (std::size_t polygon = 0; polygon < ends_.size(); ++polygon) {
+    check_at(polygon);
     if (ends_[polygon] < first_corner(polygon) + 4) continue;
     std::uint64_t sum = 0;
     for (std::size_t k = first_corner(polygon); k < ends_[polygon]; ++k)

@@ -20,6 +20,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/progress.hpp"
+
 namespace dapple {
 
 /// What is wrong with a file, and where; without its name.
@@ -74,7 +76,7 @@ class Lines {
     const std::size_t end = std::min(rest_.find('\n'), rest_.size());
     line = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    ++number;
+    check_at(++number);
     return true;
   }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
 
 namespace dapple {
@@ -18,12 +19,28 @@ void add(std::string& text, double value) {
   text.append(digits.data(), std::to_chars(digits.data(), digits.data() + 32, value).ptr);
 }
 
+/// Call add(row) for each row.
+template <typename Row, typename Add>
+void for_each_row(std::span<const Row> rows, const Add& add) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    check_at(k);
+    add(rows[k]);
+  }
+}
+
 void add_place(std::string& text, const Vec3& p) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     if (axis > 0) text += ' ';
     add(text, p[axis]);
   }
   text += '\n';
+}
+
+/// \param first what the first vertex is counted as
+void add_face(std::string& text, const char* before, const Face& face, std::int32_t first) {
+  const auto& [a, b, c] = face;
+  text += before + std::to_string(a + first) + " " + std::to_string(b + first) + " " +
+          std::to_string(c + first) + "\n";
 }
 
 /// Little-endian.
@@ -52,21 +69,18 @@ void check_single(std::span<const Vec3> vertices) {
 std::string to_off(std::span<const Vec3> vertices, std::span<const Face> faces) {
   std::string text =
       "OFF\n" + std::to_string(vertices.size()) + " " + std::to_string(faces.size()) + " 0\n";
-  for (const Vec3& p : vertices) add_place(text, p);
-  for (const auto& [a, b, c] : faces)
-    text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+  for_each_row(vertices, [&](const Vec3& p) { add_place(text, p); });
+  for_each_row(faces, [&](const Face& f) { add_face(text, "3 ", f, 0); });
   return text;
 }
 
 std::string to_obj(std::span<const Vec3> vertices, std::span<const Face> faces) {
   std::string text;
-  for (const Vec3& p : vertices) {
+  for_each_row(vertices, [&](const Vec3& p) {
     text += "v ";
     add_place(text, p);
-  }
-  for (const auto& [a, b, c] : faces)
-    text += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " +
-            std::to_string(c + 1) + "\n";
+  });
+  for_each_row(faces, [&](const Face& f) { add_face(text, "f ", f, 1); });
   return text;
 }
 
@@ -75,12 +89,13 @@ std::string to_ply(std::span<const Vec3> vertices, std::span<const Face> faces) 
       "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices.size()) +
       "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
       std::to_string(faces.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const Vec3& p : vertices)
+  for_each_row(vertices, [&](const Vec3& p) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) add_bytes(bytes, p[axis]);
-  for (const Face& face : faces) {
+  });
+  for_each_row(faces, [&](const Face& face) {
     add_bytes(bytes, static_cast<std::uint8_t>(3));
     for (const std::int32_t v : face) add_bytes(bytes, v);
-  }
+  });
   return bytes;
 }
 
@@ -88,7 +103,7 @@ std::string to_stl(std::span<const Vec3> vertices, std::span<const Face> faces) 
   check_single(vertices);
   std::string bytes(80, '\0');
   add_bytes(bytes, static_cast<std::uint32_t>(faces.size()));
-  for (const Face& face : faces) {
+  for_each_row(faces, [&](const Face& face) {
     const auto corner = [&](std::size_t k) -> const Vec3& {
       return vertices[static_cast<std::size_t>(face[k])];
     };
@@ -96,7 +111,7 @@ std::string to_stl(std::span<const Vec3> vertices, std::span<const Face> faces) 
     add_single(bytes, normal.allFinite() ? normal : Vec3(Vec3::Zero()));
     for (std::size_t k = 0; k < 3; ++k) add_single(bytes, corner(k));
     add_bytes(bytes, std::uint16_t{0});
-  }
+  });
   return bytes;
 }
 

@@ -54,9 +54,10 @@ DensityLayout density_layout(const Connectivity& mesh, DensityAt at) {
           at == DensityAt::kCorners ? std::size_t{3} : std::size_t{1}};
 }
 
-OrderedSurface::OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity,
+OrderedSurface::OrderedSurface(std::span<const Vec3> vertices,
+                               std::shared_ptr<const Connectivity> connectivity,
                                const Density& density, Context* context)
-    : connectivity_(std::make_shared<const Connectivity>(std::move(connectivity))) {
+    : connectivity_(std::move(connectivity)) {
   vertices_ =
       std::make_shared<const std::vector<Vec3>>(gather(vertices, connectivity_->original_vertex));
   place_density(density);

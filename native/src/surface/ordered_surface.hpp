@@ -27,7 +27,11 @@ class OrderedSurface {
   /// \throw SurfaceError if there is no area, no density where there is area, or an area that is
   /// not finite; Cancelled
   OrderedSurface(std::span<const Vec3> vertices, Connectivity connectivity, const Density& density,
-                 Context* context = nullptr);
+                 Context* context = nullptr)
+      : OrderedSurface(vertices, std::make_shared<const Connectivity>(std::move(connectivity)),
+                       density, context) {}
+  OrderedSurface(std::span<const Vec3> vertices, std::shared_ptr<const Connectivity> connectivity,
+                 const Density& density, Context* context = nullptr);
 
   /// The same with moved vertices, or another density (both in the caller's order). What is known
   /// of faces is measured anew where something differs, and shared elsewhere. Hard edges stay;
@@ -124,6 +128,9 @@ class OrderedSurface {
   }
 
   [[nodiscard]] const Connectivity& connectivity() const { return *connectivity_; }
+  [[nodiscard]] std::shared_ptr<const Connectivity> shared_connectivity() const {
+    return connectivity_;
+  }
   [[nodiscard]] const Shading& shading() const { return *shading_; }
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return *vertices_; }
   [[nodiscard]] DensityAt density_at() const { return density_->at; }

@@ -178,6 +178,7 @@ bool gather(RTCPointQueryFunctionArguments* arguments) noexcept {
 /// What Embree's threads are given while they build its tree.
 struct Watch {
   const Context* context;
+  Poll* poll = Poll::current();
   HandOver all = {};
 };
 
@@ -186,8 +187,9 @@ struct Watch {
 bool go_on(void* given, double) noexcept {
   Watch& watch = *static_cast<Watch*>(given);
   const HandOver::Part part(watch.all);
+  const Poll::Share share(watch.poll);
   try {
-    watch.context->check();
+    check_context(watch.context);
     return true;
   } catch (...) {
     return false;
@@ -227,11 +229,12 @@ void Projector::Scene::find_size(const Context* context) {
 
 void Projector::Scene::build(const Context* context) {
   Watch watch{context};
-  if (context) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
+  const bool asked = context || watch.poll;
+  if (asked) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
   rtcCommitScene(handle.get());
-  if (context) {
+  if (asked) {
     rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
-    context->check();
+    check_context(context);
   }
   check_error(device.get());
 }

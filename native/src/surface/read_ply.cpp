@@ -326,7 +326,7 @@ class PlyReader {
   std::vector<MeshAttribute> read_columns(const Element& element) {
     check_room(element);
     RowReader row(element, false, true);
-    for (std::size_t k = 0; k < element.count; ++k) read_row(element, row);
+    for (std::size_t k = 0; k < element.count; ++k) check_at(k), read_row(element, row);
     return std::move(row.others);
   }
 
@@ -345,6 +345,7 @@ class PlyReader {
     if (row.has(Use::kUv)) mesh_.uv.owner = Owner::kVertices;
     if (row.has(Use::kColor)) mesh_.colors.owner = Owner::kVertices;
     for (std::size_t k = 0; k < element.count; ++k) {
+      check_at(k);
       read_row(element, row);
       mesh_.vertices.push_back(row.place());
       if (row.has(Use::kNormal)) mesh_.normals.values.push_back(row.normal());
@@ -358,6 +359,7 @@ class PlyReader {
     RowReader row(element, true);
     std::vector<Color> colors;
     for (std::size_t k = 0; k < element.count; ++k) {
+      check_at(k);
       corners_.clear();
       wedge_.clear();
       read_row(element, row);
@@ -388,6 +390,7 @@ class PlyReader {
   void read_others(const Element& element) {
     RowReader row(element, true);
     for (std::size_t k = 0; k < element.count; ++k) {
+      check_at(k);
       corners_.clear();
       wedge_.clear();
       read_row(element, row);

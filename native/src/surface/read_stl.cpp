@@ -99,6 +99,7 @@ Vec3 stl_point(std::string_view bytes) {
 
 void read_binary(std::string_view bytes, std::size_t count, Places& places, MeshBuilder& mesh) {
   for (std::size_t f = 0; f < count; ++f) {
+    check_at(f);
     const std::string_view triangle = bytes.substr(kHeader + f * kTriangle + kNormal);
     const std::array<std::int64_t, 3> corners = {places.at(stl_point(triangle)),
                                                  places.at(stl_point(triangle.substr(12))),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/topology.hpp>
 
+#include "base/progress.hpp"
 #include "surface/border_loops.hpp"
 #include "surface/openmesh.hpp"
 #include "surface/ordered_surface.hpp"
@@ -17,6 +18,7 @@ bool count_edges(const Surface& surface, Topology& result) {
   };
   bool consistent = true;
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(3 * surface.face_count()); ++h) {
+    check_at(static_cast<std::size_t>(h));
     if (!surface.ordered().counts(face_of(h))) continue;
     int faces = 1;
     bool lowest = true;
@@ -42,13 +44,16 @@ bool build(const Surface& surface, HalfEdgeMesh& mesh) {
     return h;
   };
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    check_at(f);
     if (!surface.ordered().counts(nth_face(f))) continue;
     const auto [a, b, c] = surface.ordered().welded_corners(nth_face(f));
     if (a == b || b == c || c == a || !mesh.add_face(handle(a), handle(b), handle(c)).is_valid())
       return false;
   }
-  for (const auto vertex : mesh.vertices())
+  for (const auto vertex : mesh.vertices()) {
+    check_at(static_cast<std::size_t>(vertex.idx()));
     if (!mesh.is_manifold(vertex)) return false;
+  }
   return true;
 }
 

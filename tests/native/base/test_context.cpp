@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <dapple/context.hpp>
 #include <dapple/errors.hpp>
+#include <limits>
 #include <thread>
 #include <vector>
+
+#include "base/parallel.hpp"
 
 namespace dapple::test {
 namespace {
@@ -55,6 +60,69 @@ TEST(Context, CancelsWholeAndPartTogether) {
   Context other;
   Context(other, 0.0, 1.0).cancel();
   EXPECT_TRUE(other.cancelled());
+}
+
+TEST(Context, IsDoneAtOne) {
+  Context context;
+  context.advance(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(context.progress(), 0.0);
+  context.advance(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(context.progress(), 1.0);
+}
+
+TEST(Poll, IsAskedNowAndThenInItsOwnThread) {
+  int asked = 0;
+  Poll poll([&] { return ++asked < 2; });
+  const Context context;
+  context.check();
+  EXPECT_EQ(asked, 0) << "not at once";
+  std::thread([&] {
+    const Poll::Share share(&poll);
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    context.check();
+  }).join();
+  EXPECT_EQ(asked, 0) << "of another thread";
+  context.check();
+  EXPECT_EQ(asked, 1);
+  context.check();
+  EXPECT_EQ(asked, 1) << "so soon after";
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_THROW(context.check(), Cancelled);
+  EXPECT_FALSE(context.cancelled()) << "the context serves whoever comes next";
+}
+
+TEST(Poll, StopsWhatItsThreadBeginsWhileItLives) {
+  const Context context;
+  {
+    Poll outer;
+    {
+      Poll inner;
+      inner.stop();
+      EXPECT_THROW(context.check(), Cancelled);
+    }
+    EXPECT_EQ(Poll::current(), &outer);
+    EXPECT_NO_THROW(context.check());
+    std::thread([&] { EXPECT_EQ(Poll::current(), nullptr); }).join();
+  }
+  EXPECT_EQ(Poll::current(), nullptr);
+}
+
+TEST(Poll, StopsLoopsThatNobodyWatches) {
+  Poll poll;
+  poll.stop();
+  std::atomic<int> chunks = 0;
+  EXPECT_THROW(parallel_chunks(100, 1, [&](std::size_t, std::size_t) { ++chunks; }), Cancelled);
+  EXPECT_EQ(chunks, 0);
+}
+
+TEST(Poll, MayWorkItself) {
+  Context context;
+  Poll poll([&] {
+    context.check();
+    return true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_NO_THROW(context.check());
 }
 
 TEST(Context, KeepsTheHighestOfManyThreads) {

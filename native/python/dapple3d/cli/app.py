@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 import dapple3d as dapple
+from dapple3d import _starting
 from dapple3d._starting import CANCELLED, INTERRUPTED
 from dapple3d.cli import commands
 
@@ -27,8 +28,11 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
+            _starting.ready()
             return super().invoke(ctx)
         except KeyboardInterrupt:
+            if _starting.is_command():
+                _starting.begin()  # a second Ctrl-C does not wait for anything
             click.echo(CANCELLED, err=True)
             ctx.exit(INTERRUPTED)
         except BrokenPipeError:

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Eight threads that do everything with the same surfaces at once, some of it cancelled on the way.
+// tests/sanitize.sh runs it under ThreadSanitizer; everywhere it compares bytes.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <dapple/classes.hpp>
+#include <dapple/curvature.hpp>
+#include <dapple/energy.hpp>
+#include <dapple/errors.hpp>
+#include <dapple/mosaic.hpp>
+#include <dapple/neighbors.hpp>
+#include <dapple/planar_sampler.hpp>
+#include <dapple/population.hpp>
+#include <dapple/progressive.hpp>
+#include <dapple/projector.hpp>
+#include <dapple/refine.hpp>
+#include <dapple/relax.hpp>
+#include <dapple/resample.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/surface_record.hpp>
+#include <dapple/topology.hpp>
+#include <dapple/window_tracker.hpp>
+#include <functional>
+#include <numeric>
+#include <thread>
+
+#include "changing_bodies.hpp"
+#include "invariants.hpp"
+#include "shapes.hpp"
+
+namespace dapple::test {
+namespace {
+
+constexpr int kThreads = 8;
+constexpr int kRounds = 3;
+
+/// What all threads share; nothing of it changes.
+struct Shared {
+  Shape shape = blob(2);
+  Surface surface = shape.surface();
+  std::vector<Vec3> next = deformed(shape.vertices, 0.4);
+  SampleOptions options = [] {
+    SampleOptions few;
+    few.optimizer.max_evaluations = 4;
+    return few;
+  }();
+  Samples samples = sample(surface, 80, options);
+  PlanarDomain polygon = PlanarDomain::polygon({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}});
+};
+
+/// Numbers that say what came out.
+using Outcome = std::vector<double>;
+using Work = std::function<Outcome(const Shared&, Context*)>;
+
+Outcome of(const std::vector<Vec3>& points) {
+  Outcome result;
+  for (const Vec3& p : points) result.insert(result.end(), {p.x(), p.y(), p.z()});
+  return result;
+}
+
+Outcome tracked(const Shared& s, Context* context) {
+  TrackerOptions options;
+  options.optimizer.max_evaluations = 3;
+  Tracker tracker(s.surface, s.samples, options, {}, context);
+  return of(tracker.advance(s.next, context).positions);
+}
+
+Outcome windowed(const Shared& s, Context* context) {
+  WindowOptions options;
+  options.tracker.optimizer.max_evaluations = 2;
+  const std::vector<std::vector<Vec3>> frames = {s.next, s.shape.vertices};
+  return of(track_window(s.surface, frames, s.samples, options, {}, context).back().positions);
+}
+
+const std::vector<Work>& works() {
+  static const std::vector<Work> kWorks = {
+      [](const Shared& s, Context* c) { return of(sample(s.surface, 90, s.options, c).positions); },
+      [](const Shared& s, Context* c) {
+        const std::vector<SampleClass> classes = {{.count = 30}, {.count = 50}};
+        ClassOptions options;
+        options.sample = s.options;
+        return of(sample_classes(s.surface, classes, options, c).positions);
+      },
+      [](const Shared& s, Context* c) {
+        return of(resample(s.surface, s.samples, 95, s.options, c).positions);
+      },
+      [](const Shared& s, Context* c) {
+        std::vector<std::int32_t> faces(s.surface.face_count() / 3);
+        std::iota(faces.begin(), faces.end(), 0);
+        RelaxOptions options;
+        options.optimizer = s.options.optimizer;
+        return of(relax(s.surface, s.samples, faces, options, c).positions);
+      },
+      tracked,
+      [](const Shared& s, Context* c) {
+        PopulationOptions options;
+        options.tracker.optimizer.max_evaluations = 3;
+        Population population(s.surface, s.samples, options, {}, c);
+        return of(population.advance(s.next, c).positions);
+      },
+      windowed,
+      [](const Shared& s, Context* c) {
+        Outcome result;
+        for (const Vec2& p : sample_planar(s.polygon, 40, s.options, c).positions)
+          result.insert(result.end(), {p.x(), p.y()});
+        return result;
+      },
+      [](const Shared& s, Context* c) {
+        return of(mosaic(s.surface, s.samples, MosaicOptions{.grout = 0.01}, c).vertices);
+      },
+      [](const Shared& s, Context* c) { return curvedness(s.surface, 3, c); },
+      [](const Shared& s, Context* c) {
+        return of(refine_edges(s.surface, std::vector{0.2}, 20'000, c).surface.vertices());
+      },
+      [](const Shared& s, Context* c) {
+        return Projector(s.surface, false, c).project(s.next, {}, c).distances;
+      },
+      [](const Shared& s, Context*) { return nearest_distances(s.samples.positions); },
+      [](const Shared& s, Context* c) {
+        const auto ranks = progressive_ranks(s.samples.positions, {}, c);
+        return Outcome(ranks.begin(), ranks.end());
+      },
+      [](const Shared& s, Context* c) {
+        const Surface back = restored(record_of(s.surface.deformed(s.next, c)), c);
+        return of(back.corner_normals());
+      },
+      [](const Shared& s, Context*) {
+        const Topology found = topology(s.surface);
+        return Outcome{double(found.genus), double(found.components)};
+      },
+      [](const Shared& s, Context* c) {
+        const Report report = analyze(s.surface, s.samples, 30.0, Cells::kConnected, c);
+        return Outcome{report.energy, report.bond_order, report.evenness.alpha_min};
+      }};
+  return kWorks;
+}
+
+/// Once more, stopped on the way by its Context or by the thread's Poll.
+void cancel(const Shared& shared, const Work& work, int turn) {
+  Context context;
+  Poll poll([turn] { return turn % 3 != 0; });
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::microseconds(300 * (turn % 7)));
+    turn % 2 ? context.cancel() : poll.stop();
+  });
+  try {
+    (void)work(shared, turn % 4 ? &context : nullptr);
+  } catch (const Cancelled&) {
+  }
+  other.join();
+}
+
+TEST(Stress, EightThreadsDoEverythingAtOnce) {
+  const Shared shared;
+  std::vector<Outcome> expected;
+  for (const Work& work : works()) expected.push_back(work(shared, nullptr));
+  std::atomic<int> turn = 0, different = 0;
+  const int turns = kRounds * static_cast<int>(works().size());
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t)
+    threads.emplace_back([&] {
+      for (int k = turn++; k < turns; k = turn++) {
+        const auto which = static_cast<std::size_t>(k) % works().size();
+        Context context;
+        if (works()[which](shared, &context) != expected[which]) ++different;
+        cancel(shared, works()[which], k);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(different, 0);
+}
+
+}  // namespace
+}  // namespace dapple::test
