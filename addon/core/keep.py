@@ -33,6 +33,7 @@ _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no me
 _HANDFUL = 3  # points that come or go at a place without many others giving way
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
+_TRIES = 4  # to have no point where the density is 0
 _STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
 _MOST = 1.0  # of all points: where more have to come from elsewhere, all are placed anew
 _MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
@@ -75,10 +76,12 @@ def kept(
         touched = _touched(before, arrays, ground)
         if len(touched) and not len(changed):
             solved = _evened_around(ground, given, touched, settings, context, locked)
+            solved = _off_nothing(ground, solved, settings, context, locked)
             fine = _with_ids_of(given, solved, ground)
         else:
             changed = np.union1d(changed, touched).astype(np.int32)
-            solved = fine = _relaxed(ground, given, changed, settings, context, locked)
+            solved = _relaxed(ground, given, changed, settings, context, locked)
+            solved = fine = _off_nothing(ground, solved, settings, context, locked)
         found = _scattered(before, arrays, ground, given, fine, settings, locked)
         effort = {name: getattr(report_of(solved.report), name) for name in _EFFORT}
     return replace(found, report=replace(found.report, **effort))
@@ -127,6 +130,7 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
     ground, arrays = solved.ground, solved.arrays
     with named(arrays.name):
         fine = _resampled(ground, solved.samples, settings, context, locked)
+        fine = _off_nothing(ground, fine, settings, context, locked)
         stored = Before(before.binding, before.columns, solved)
         found = _scattered(stored, arrays, ground, solved.samples, fine, settings, locked)
     spent = before.report.milliseconds + found.report.milliseconds
@@ -277,6 +281,24 @@ def _stranded(ground: Ground, given: Any) -> float:
     if not len(given):
         return 0.0
     return float((ground.at_corners()[given.faces] == 0.0).all(axis=1).mean())
+
+
+def _off_nothing(
+    ground: Ground, found: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """The points without those where the density is 0, and others in their place; locked ones stay
+    anywhere.
+    """
+    for _ in range(_TRIES):
+        left = ground.densities(found) == 0.0
+        left[_rows(found, locked)] = False
+        if not left.any():
+            return found
+        who = {"ids": found.ids[~left], "classes": found.classes[~left]}
+        places = found.faces[~left], found.barycentric[~left]
+        rest = package().Samples(ground.surface, *places, **who)
+        found = _resampled(ground, rest, settings, context, locked)
+    return found
 
 
 def _coming(ground: Ground, given: Any, changed: Ints) -> float:
