@@ -134,8 +134,13 @@ Texels texels(const Surface& surface, std::span<const FaceUv> uv, std::size_t ro
               std::size_t columns, int margin, Context* context) {
   check(surface, uv, rows, columns, margin);
   Texels result{rows, columns, {}, {}};
-  result.faces.assign(rows * columns, -1);
-  result.barycentric.assign(rows * columns, Vec3::Zero());
+  result.faces.reserve(rows * columns);
+  result.barycentric.reserve(rows * columns);
+  for (std::size_t row = 0; row < rows; ++row) {  // memory is slow where it is written to first
+    check_context(context);
+    result.faces.insert(result.faces.end(), columns, -1);
+    result.barycentric.insert(result.barycentric.end(), columns, Vec3::Zero());
+  }
   for (std::size_t f = 0; f < uv.size(); ++f) {
     if (context) report(*context, f, uv.size());
     fill(TexelTriangle(uv[f], rows, columns), static_cast<std::int32_t>(f), result, context);

@@ -5,12 +5,14 @@
 #include <unordered_set>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 32;  // cells, or faces, a chunk
+constexpr std::size_t kFew = 512;   // faces or sites between two checks
 
 template <typename T>
 void sort_unique(std::vector<T>& values) {
@@ -64,7 +66,9 @@ std::vector<std::int32_t> Rings::owners(std::span<const OrderedFace> faces,
 /// The sites on the faces; for a face without any, the one nearest to its centroid.
 std::vector<std::int32_t> Rings::on_or_near(std::span<const OrderedFace> faces) const {
   std::vector<std::int32_t> result;
-  for (const OrderedFace face : faces) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(f, kFew);
+    const OrderedFace face = faces[f];
     const auto [first, last] = std::equal_range(sites_.faces.begin(), sites_.faces.end(), face);
     const auto place = static_cast<std::int32_t>(first - sites_.faces.begin());
     if (first == last)
@@ -82,7 +86,8 @@ std::vector<std::int32_t> Rings::grown(std::span<const std::int32_t> sites,
                                        const Context* context) {
   find(sites, context);
   std::vector<std::int32_t> result(sites.begin(), sites.end());
-  for (const std::int32_t site : sites) append(result, cells_.at(site).neighbors);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    check_at(k, kFew), append(result, cells_.at(sites[k]).neighbors);
   sort_unique(result);
   return result;
 }
@@ -90,7 +95,8 @@ std::vector<std::int32_t> Rings::grown(std::span<const std::int32_t> sites,
 std::vector<OrderedFace> Rings::faces(std::span<const std::int32_t> sites, const Context* context) {
   find(sites, context);
   std::vector<OrderedFace> result;
-  for (const std::int32_t site : sites) append(result, cells_.at(site).faces);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    check_at(k, kFew), append(result, cells_.at(sites[k]).faces);
   sort_unique(result);
   return result;
 }
@@ -106,7 +112,8 @@ void Rings::find(std::span<const std::int32_t> sites, const Context* context) {
     if (context) context->check();
     for (std::size_t k = begin; k < end; ++k) found[k] = find_cell(floods_.local(), missing[k]);
   });
-  for (std::size_t k = 0; k < missing.size(); ++k) cells_.emplace(missing[k], std::move(found[k]));
+  for (std::size_t k = 0; k < missing.size(); ++k)
+    check_at(k, kFew), cells_.emplace(missing[k], std::move(found[k]));
 }
 
 /// A site that coincides with another has that one as its neighbor.

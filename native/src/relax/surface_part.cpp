@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "base/progress.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -40,6 +41,7 @@ Surface cut_out(const Surface& whole, std::span<const OrderedFace> faces, Contex
   std::vector<Face> corners;
   std::vector<double> densities;
   for (const OrderedFace face : faces) {
+    check_at(corners.size());
     const Vec3 density = mesh.densities(face);
     for (std::int32_t k = 0; k < 3; ++k) {
       edges.push_back(edge_of(mesh, half_edge(face, k)));
@@ -66,8 +68,10 @@ class Holes {
       : mesh_(mesh), faces_(faces), most_(most) {}
 
   std::vector<OrderedFace> find() {
-    for (const OrderedFace face : faces_)
-      for_each_beside(face, [this](OrderedFace other) { walk_from(other); });
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      check_at(f, 512);
+      for_each_beside(faces_[f], [this](OrderedFace other) { walk_from(other); });
+    }
     return std::move(holes_);
   }
 
@@ -113,6 +117,7 @@ class Holes {
 SurfacePart::SurfacePart(const Surface& whole, std::span<const OrderedFace> faces, Context* context)
     : surface_(cut_out(whole, faces, context)), inside_(whole.face_count(), -1) {
   for (const OrderedFace face : faces) {
+    check_at(outside_.size());
     const std::int32_t callers = whole.ordered().original_face(face);
     inside_[static_cast<std::size_t>(callers)] = static_cast<std::int32_t>(outside_.size());
     outside_.push_back(callers);
