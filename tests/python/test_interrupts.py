@@ -18,7 +18,7 @@ from shapes import bent, torus
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 
 LONG = {"tolerance": 0.0, "max_evaluations": 5000}
-SOON = float(os.environ.get("DAPPLE_SOON", "1"))  # seconds; 0.1 where nothing else runs
+SOON = 0.5  # seconds of all threads together
 
 
 @pytest.fixture(autouse=True)
@@ -29,11 +29,14 @@ def _ctrl_c_raises():
 
 
 def delay_of(call, after=0.15):
-    """Seconds from Ctrl-C, that long after the call began, to its exception; None: it was done."""
+    """Seconds of work from Ctrl-C, so long after the call began, to its end; None: it was done.
+
+    Those of the processor: whatever else the machine does is not counted.
+    """
     sent = []
 
     def send():
-        sent.append(time.perf_counter())
+        sent.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(after, send)
@@ -41,7 +44,7 @@ def delay_of(call, after=0.15):
     try:
         call()
     except KeyboardInterrupt:
-        return time.perf_counter() - sent[0]
+        return time.process_time() - sent[0]
     finally:
         timer.cancel()
         timer.join()
@@ -165,12 +168,12 @@ def test_what_ctrl_c_interrupts_is_left_as_it_was(bodies):
 
 def test_a_handler_that_does_not_raise_does_not_stop_the_work(bodies):
     heard = []
-    signal.signal(signal.SIGINT, lambda *_: heard.append(time.perf_counter()))
+    signal.signal(signal.SIGINT, lambda *_: heard.append(time.process_time()))
     expected = dapple.sample(bodies.surface, 9000, max_evaluations=15)
     sent = []
 
     def send():
-        sent.append(time.perf_counter())
+        sent.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(0.1, send)
