@@ -31,6 +31,7 @@ _SAME = 1e-5  # of a surface's extent: vertices that are moved by less are where
 _SPARE_POINTS, _SPARE = 2, 0.001  # points by area that may be missing, in all and as a share
 _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no measure of points
 _HANDFUL = 3  # points that come or go at a place without many others giving way
+_RINGS = 3.0  # spacings around those points, within which others make room for them
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
 _FEW = 0.02  # of the points that move, which may be too many or too few where they are
 _TRIES = 4  # to have no point where the density is 0
@@ -335,28 +336,30 @@ def _evened_around(
     Then as many go or come, if they are many among so many around that each gives way by little.
     """
 
-    def relaxed(samples: Any, where: Ints, count: int | None) -> Any:
-        rows, options = _rows(samples, locked), settings.sample_options()
+    def relaxed(samples: Any, where: Ints, count: int | None, rows: Ints) -> Any:
+        options = settings.sample_options()
         return package().relax(
             ground.surface, samples, where, count=count, locked=rows, context=context, **options
         )
 
-    found = relaxed(given, faces, None)
+    found = relaxed(given, faces, None, _rows(given, locked))
     spare = abs(len(found) - len(given))
     if not spare:
         return found
-    if spare > _HANDFUL:
-        faces = _faces_around(ground, found, faces, spare)
-    return relaxed(found, faces, len(given))
+    away = _away(ground, found, faces)
+    nearest = np.argsort(away)[: round(spare / _YIELDS) if spare > _HANDFUL else 0]
+    reach = away[nearest].max(initial=0.0) + _RINGS * found.report.spacing
+    stay = np.union1d(_rows(found, locked), np.flatnonzero(away > reach)).astype(np.int32)
+    around = np.union1d(faces, found.faces[nearest]).astype(np.int32)
+    return relaxed(found, around, len(given), stay)
 
 
-def _faces_around(ground: Ground, samples: Any, faces: Ints, spare: int) -> Ints:
-    """These faces, and those of the samples around that share what is spare among them."""
-    corners = ground.surface.vertices[ground.surface.faces[faces]]
-    middles = corners.mean(axis=1)
-    away = np.min([np.linalg.norm(samples.positions - one, axis=1) for one in middles], axis=0)
-    nearest = np.argsort(away)[: round(spare / _YIELDS)]
-    return np.union1d(faces, samples.faces[nearest]).astype(np.int32)
+def _away(ground: Ground, samples: Any, faces: Ints) -> Floats:
+    """Distances (n,) of samples from the nearest of these faces."""
+    middles = ground.surface.vertices[ground.surface.faces[faces]].mean(axis=1)
+    ways = [np.linalg.norm(samples.positions - one, axis=1) for one in middles]
+    found: Floats = np.min(ways, axis=0)
+    return found
 
 
 def _with_ids_of(given: Any, found: Any, ground: Ground) -> Any:
@@ -377,11 +380,8 @@ def _resampled(
     """All points made even, as many as there have to be; none of them stays but the locked ones."""
     options, wanted = settings.sample_options(), _wanted(ground, settings)
     rows = _rows(given, locked)
-    if not len(rows):
-        return package().resample(ground.surface, given, wanted, context=context, **options)
-    everything = np.arange(len(ground.surface.faces), dtype=np.int32)
-    return package().relax(
-        ground.surface, given, everything, count=wanted, locked=rows, context=context, **options
+    return package().resample(
+        ground.surface, given, wanted, locked=rows, context=context, **options
     )
 
 

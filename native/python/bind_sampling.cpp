@@ -43,13 +43,21 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, Count count,
   });
 }
 
+std::vector<std::int32_t> locked_rows(const py::object& given) {
+  if (given.is_none()) return {};
+  const IntArray indices = integers("locked", given, 0);
+  const auto rows = as_span(indices);
+  return {rows.begin(), rows.end()};
+}
+
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
                                           Count count, const py::kwargs& keywords) {
-  const Keywords given(kResample, keywords);
+  const Keywords given(kResample, keywords, {"locked", "context"});
   const SampleOptions options = given.options();
+  const std::vector<std::int32_t> locked = locked_rows(given.other("locked"));
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
-    return std::make_shared<Samples>(resample(surface, samples, count, options, watched));
+    return std::make_shared<Samples>(resample(surface, samples, count, options, watched, locked));
   });
 }
 
@@ -59,11 +67,7 @@ std::shared_ptr<Samples> relax_samples(const Surface& surface, const Samples& sa
   RelaxOptions options = given.options();
   if (const py::object count = given.other("count"); !count.is_none())
     read("count", {0.0, static_cast<double>(kMostSamples)}, count, options.count.emplace());
-  if (const py::object locked = given.other("locked"); !locked.is_none()) {
-    const IntArray indices = integers("locked", locked, 0);
-    const auto span = as_span(indices);
-    options.locked.assign(span.begin(), span.end());
-  }
+  options.locked = locked_rows(given.other("locked"));
   const IntArray faces = integers("changed", changed, 0);
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
@@ -268,7 +272,7 @@ Raises:
 
   def_verb(
       m, kResample, &resample_surface,
-      R"(resample(surface: Surface, samples: Samples, count: int, *, {signature}, context: Context | None = None) -> Samples
+      R"(resample(surface: Surface, samples: Samples, count: int, *, {signature}, locked: ArrayLike | None = None, context: Context | None = None) -> Samples
 
 Another count or density for samples that are there, most of which stay nearly where they are.
 
@@ -278,8 +282,9 @@ other, or put into the widest gaps. Then all are made as even as they were.
 Args:
     surface: a Surface of the same faces; its density and vertices may be others.
     samples: Samples.
-    count: number of samples wanted, 0..100000000.
+    count: number of samples wanted, 0..100000000; it includes the locked ones.
     {options}
+    locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
     context: a Context to watch and cancel it by.
 
 Returns:
@@ -287,7 +292,8 @@ Returns:
     slide_mean, slide_median and slide_max tell how far they moved, in spacings.
 
 Raises:
-    ValueError: samples that are not of the surface, or an option out of range.
+    ValueError: samples that are not of the surface, an index or an option out of range, or more locked samples than the
+        count.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("samples"), py::arg("count"));
 

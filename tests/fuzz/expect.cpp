@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <dapple/domain.hpp>
 #include <limits>
 
 namespace dapple::fuzz {
@@ -20,19 +21,6 @@ bool equal(const std::vector<Tile>& a, const std::vector<Tile>& b) {
     return s.cell_area == t.cell_area && s.area == t.area && s.parts == t.parts &&
            s.loops == t.loops;
   });
-}
-
-/// The density's largest value on a face.
-double densest(const Surface& surface, const std::vector<double>& values, const Face& face,
-               std::size_t number) {
-  if (surface.density_at() == DensityAt::kFaces) return values[number];
-  double result = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const bool at_vertices = surface.density_at() == DensityAt::kVertices;
-    const std::size_t at = at_vertices ? static_cast<std::size_t>(face[k]) : 3 * number + k;
-    result = std::max(result, values[at]);
-  }
-  return result;
 }
 
 /// How much larger faces can be with their welded vertices in place of their own: tiles have those.
@@ -85,15 +73,20 @@ bool same_bytes(const Refined& a, const Refined& b) {
          equal(a.surface.density(), b.surface.density());
 }
 
-void expect_where_dense(const Surface& surface, const Samples& samples) {
-  if (surface.uniform()) return;
-  const std::vector<double> values = surface.density();
-  const std::vector<Face> faces = surface.faces();
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const auto number = static_cast<std::size_t>(samples.faces[k]);
-    EXPECT_GT(densest(surface, values, faces[number], number), 0.0)
-        << "sample " << k << " is where the density is 0";
-  }
+void expect_where_dense(const Surface& surface, const Samples& samples,
+                        std::span<const std::int32_t> locked) {
+  test::check_where_dense(surface, samples, locked);
+}
+
+void expect_filled(const Surface& surface, const Samples& samples, Cells cells,
+                   std::span<const std::int32_t> locked) {
+  if (!samples.report.converged) return;
+  const Sites sites{samples.positions, samples.faces, samples.barycentric};
+  const RestrictedVoronoi diagram = SurfaceDomain(surface, cells).cells(sites, nullptr);
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    if (std::find(locked.begin(), locked.end(), samples.ids[k]) == locked.end()) {
+      EXPECT_GT(diagram.cells[k].capacity, 0.0) << "sample " << k << " is converged without a cell";
+    }
 }
 
 double area_rounding(const Surface& surface) {

@@ -62,8 +62,14 @@ void expect_descent(const Report& report);
 /// Numbers that a report must have, whatever the samples are.
 void expect_measured(const Report& report);
 
-/// No sample is on a face whose density is 0.
-void expect_where_dense(const Surface& surface, const Samples& samples);
+/// No sample is where the density is 0, but for locked ones.
+/// \param locked ids of those
+void expect_where_dense(const Surface& surface, const Samples& samples,
+                        std::span<const std::int32_t> locked = {});
+
+/// Who says that it converged has no sample without a cell, but for locked ones.
+void expect_filled(const Surface& surface, const Samples& samples, Cells cells = Cells::kConnected,
+                   std::span<const std::int32_t> locked = {});
 
 /// Those of a class.
 [[nodiscard]] std::size_t count_of(std::span<const std::int32_t> classes, std::int32_t wanted);

@@ -217,6 +217,24 @@ std::vector<double> take_numbers(Bytes& bytes, std::size_t count) {
 /// Of which the square of a square is no number: it is enough that such a surface is made.
 bool is_extreme(double value) { return value < 1e-70 || value > 1e70; }
 
+/// No density in a part of a surface, by the order of its vertices or faces: in single ones, in
+/// half of it, in all but an island or but one. \param group numbers that belong together
+void take_zeros(Bytes& bytes, std::vector<double>& values, std::size_t group) {
+  const std::size_t count = values.size() / group;
+  const std::size_t begin = bytes.whole() % count, length = 1 + count / 8;
+  const int kind = bytes.below(4);
+  Random random(bytes.byte());
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool inside = (k + count - begin) % count < length;
+    const bool zero = kind == 0   ? random.below(3) == 0
+                      : kind == 1 ? k < begin
+                      : kind == 2 ? !inside
+                                  : k != begin;
+    if (!zero) continue;
+    for (std::size_t g = 0; g < group; ++g) values[k * group + g] = 0.0;
+  }
+}
+
 Vec3 take_weights(Bytes& bytes) {
   Vec3 weights = Vec3::Zero();
   const int corner = bytes.below(3);
@@ -258,6 +276,8 @@ Values take_values(Bytes& bytes, std::size_t vertices, std::size_t faces) {
   const int at = bytes.below(3);
   const std::size_t counts[] = {vertices, faces, 3 * faces};
   Values values{static_cast<DensityAt>(at), take_numbers(bytes, counts[at])};
+  if (bytes.one_in(2))
+    take_zeros(bytes, values.values, at == 2 && bytes.one_in(2) ? std::size_t{3} : 1);
   if (bytes.one_in(32)) {
     bytes.set_wild();
     values.values.pop_back();
@@ -280,6 +300,7 @@ std::optional<Surface> take_surface(Bytes& bytes, const Shape& shape) try {
     default:
       break;
   }
+  options.merge_doubled = !bytes.one_in(4);
   Surface surface(shape.vertices, shape.faces, Density{shape.density_at, shape.density}, options);
   if (is_extreme(surface.area()) || is_extreme(surface.mass())) return std::nullopt;
   return surface;

@@ -80,6 +80,32 @@ void check(const Surface& surface, const Samples& samples, double rounding) {
   check_cells(surface, sites, rounding);
 }
 
+bool is_where_dense(const Surface& surface, std::int32_t face, const Vec3& weights) {
+  if (surface.uniform()) return true;
+  const std::vector<double> values = surface.density();
+  const auto f = static_cast<std::size_t>(face);
+  if (surface.density_at() == DensityAt::kFaces) return values[f] > 0.0;
+  const double most =
+      *std::max_element(values.begin(), values.end());  // so that nothing underflows
+  const Face corners = surface.faces()[f];
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool at_vertices = surface.density_at() == DensityAt::kVertices;
+    const std::size_t at = at_vertices ? static_cast<std::size_t>(corners[k]) : 3 * f + k;
+    sum += weights[static_cast<Eigen::Index>(k)] * (values[at] / most);
+  }
+  return sum > 0.0;
+}
+
+void check_where_dense(const Surface& surface, const Samples& samples,
+                       std::span<const std::int32_t> locked) {
+  for (std::size_t k = 0; k < samples.size() && !surface.uniform(); ++k)
+    if (std::find(locked.begin(), locked.end(), samples.ids[k]) == locked.end()) {
+      EXPECT_TRUE(is_where_dense(surface, samples.faces[k], samples.barycentric[k]))
+          << "sample " << k << " is where the density is 0";
+    }
+}
+
 bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return equal_bytes(a, b);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/samples.hpp>
+#include <span>
 
 namespace dapple::test {
 
@@ -18,6 +19,15 @@ void check_cells(const Surface& surface, const Sites& sites, double rounding = 0
 
 /// Each site is at `face`, `weights`, to rounding.
 void check_on_surface(const Surface& surface, const Sites& sites, const std::vector<Vec3>& weights);
+
+/// Whether the density at a point of a face is above 0. A point where a face's density falls to
+/// exactly 0, such as a corner, does not count: no sample may be there, but for a locked one.
+[[nodiscard]] bool is_where_dense(const Surface& surface, std::int32_t face, const Vec3& weights);
+
+/// No sample is where the density is 0, but for locked ones.
+/// \param locked ids of those
+void check_where_dense(const Surface& surface, const Samples& samples,
+                       std::span<const std::int32_t> locked = {});
 
 /// The same bytes.
 [[nodiscard]] bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b);

@@ -44,5 +44,21 @@ def check_samples(surface: dapple.Surface, samples: dapple.Samples) -> None:
     assert abs(energy.capacities.sum() - surface.mass) <= rounding * surface.mass
 
 
+def is_on_density(surface: dapple.Surface, samples: dapple.Samples) -> np.ndarray:
+    """Whether the density is above 0 where each sample (n,) is.
+
+    A point where a face's density falls to exactly 0, such as a corner, does not count: no sample
+    may be there, but for a locked one.
+    """
+    values = surface.density
+    if values is None:
+        return np.ones(len(samples), dtype=bool)
+    if surface.density_at == "faces":
+        return values[samples.faces] > 0
+    values = values / values.max()  # so that nothing underflows
+    corners = values[surface.faces] if surface.density_at == "vertices" else values
+    return (corners[samples.faces] * samples.barycentric).sum(axis=1) > 0
+
+
 def same_bytes(a: dapple.Samples, b: dapple.Samples) -> bool:
     return all(getattr(a, name).tobytes() == getattr(b, name).tobytes() for name in ARRAYS)

@@ -8,7 +8,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
-from checks import check_samples, same_bytes
+from checks import check_samples, is_on_density, same_bytes
 
 pytest.importorskip("hypothesis")
 
@@ -42,19 +42,7 @@ def test_samples_of_any_mesh_are_samples(data):
     assert same_bytes(samples, dapple.sample(surface, count, threads=2, **options))
     energy = dapple.energy(surface, samples.positions, samples.faces)
     assert energy.capacities.min() >= 0
-    assert (densities_at(surface, samples) > 0).all()
-
-
-def densities_at(surface: dapple.Surface, samples: dapple.Samples) -> np.ndarray:
-    """The density of the face that each is on, at most."""
-    if surface.density is None:
-        return np.ones(len(samples))
-    if surface.density_at == "faces":
-        return surface.density[samples.faces]
-    corners = (
-        surface.density[surface.faces] if surface.density_at == "vertices" else surface.density
-    )
-    return corners[samples.faces].max(axis=1)
+    assert is_on_density(surface, samples).all()
 
 
 @given(st.data())

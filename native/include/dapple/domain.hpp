@@ -111,6 +111,8 @@ class SurfaceDomain final : public Domain {
   void check(const Sites& sites) const override;
 
  private:
+  void lead_from_empty_faces(const Surface& ground, std::span<const Vec3> points, Projection& found,
+                             const Context* context) const;
   [[nodiscard]] const Projector& projector(const Context* context) const;
   [[nodiscard]] Surface stepping_surface() const;
 

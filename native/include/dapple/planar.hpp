@@ -110,7 +110,8 @@ class TorusDomain final : public FlatDomain {
   explicit TorusDomain(const Image& density);
 
   [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
-  /// All points are of the torus: finds their faces.
+  /// All points are of the torus: finds their faces. Those where the density is 0 move to where it
+  /// is not.
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] double area() const override { return 1.0; }
@@ -130,12 +131,15 @@ class TorusDomain final : public FlatDomain {
 
  private:
   [[nodiscard]] std::int32_t face_at(const Vec2& wrapped) const;
+  [[nodiscard]] Sites bind(std::span<const Vec3> points) const;
+  void lead_to_density(Sites& sites, const Context* context) const;
 
   Eigen::Array2i pixels_;  // columns and rows; 0 without a density
   Eigen::Array2i before_;  // pixels of the cover left of and below the square's first
   Eigen::Array2i quads_;   // of the cover
   Surface period_;         // once around
   Surface cover_;          // so much of the plane that it holds every cell of a site in the square
+  std::shared_ptr<const Projector> support_;  // of the cover; null where the density is nowhere 0
 };
 
 }  // namespace dapple

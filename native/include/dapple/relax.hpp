@@ -12,17 +12,22 @@ namespace dapple {
 /// samples at the border of that region are left with too much or too little, it grows and they are
 /// made even too. Cells are computed of the region and two rings around it alone.
 ///
+/// Samples where the density is 0 are moved or replaced as if something had changed there. With a
+/// count the region grows until its samples need not come nearer to each other, or farther apart,
+/// by more than 1 % of their number: to all samples, if so many come or go.
+///
 /// Those that stay come first, in their order and with their ids; new ids follow the largest. The
 /// report measures the samples that were free to move and those beside them; its count and spacing
 /// are of all, its slides of those that were free and stay.
 /// \param samples of one class, on a surface of the same faces; they are carried by their faces
 ///                where vertices have moved
 /// \param changed the caller's indices of the faces where something has changed, see
-///                changed_faces(); none: nothing moves
+///                changed_faces(); none: nothing moves unless the count is another, and then
+///                samples may come and go everywhere
 /// \throw ArgumentError if the samples are not of the surface, or of several classes; naming the
-///        first face or locked index out of range; for options out of range, a count that the
-///        region cannot reach, or a surface that has grown so much that it asks for more samples
-///        than there can be; Cancelled
+///        first face or locked index out of range; for options out of range, a count below the
+///        number of locked samples, or a surface that has grown so much that it asks for more
+///        samples than there can be; Cancelled
 [[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,
                             std::span<const std::int32_t> changed, const RelaxOptions& options = {},
                             Context* context = nullptr);

@@ -10,8 +10,8 @@ namespace dapple {
 struct RelaxOptions {
   std::uint64_t seed = 0;
   OptimizerOptions optimizer = {};
-  /// Number of samples wanted; the difference comes and goes where something has changed. None:
-  /// there become as many as have the capacity of the samples around.
+  /// Number of samples wanted; the difference comes and goes where something has changed, and all
+  /// around where it is large. None: chosen so that new samples match their neighbors' capacity.
   std::optional<std::size_t> count = {};
   /// Indices of samples that stay where they are. New ones may come between them.
   std::vector<std::int32_t> locked = {};

@@ -522,6 +522,7 @@ def resample(
     method: Literal["trust_region", "line_search"] = "trust_region",
     cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
+    locked: ArrayLike | None = None,
     context: Context | None = None,
 ) -> Samples: ...
 def relax(

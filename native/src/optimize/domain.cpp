@@ -10,6 +10,7 @@
 #include "base/validate.hpp"
 #include "optimize/cell_builders.hpp"
 #include "surface/local_projection.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
 #include "voronoi/cell_surface.hpp"
@@ -62,8 +63,24 @@ Sites SurfaceDomain::project(std::span<const Vec3> points, std::span<const std::
   const Surface ground = stepping_surface();
   Projection found = walks ? LocalProjection(ground).walk(points, hints, context)
                            : projector(context).project(points, hints, context);
+  if (walks) lead_from_empty_faces(ground, points, found, context);
   if (!hints.empty() && !walks) LocalProjection(ground).mend(points, hints, found, context);
+  move_off_zeros(ground, found.faces, found.barycentric, found.positions);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
+}
+
+/// A walk from a face without density may have met no other: then the nearest of all is taken.
+void SurfaceDomain::lead_from_empty_faces(const Surface& ground, std::span<const Vec3> points,
+                                          Projection& found, const Context* context) const {
+  if (ground.uniform()) return;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (has_density(ground, ground.ordered().ordered_face(found.faces[k]))) continue;
+    const Projection nearest = projector(context).project(points.subspan(k, 1), {}, context);
+    found.positions[k] = nearest.positions[0];
+    found.faces[k] = nearest.faces[0];
+    found.barycentric[k] = nearest.barycentric[0];
+    found.distances[k] = nearest.distances[0];
+  }
 }
 
 /// Where sites may come to be: on a rim no step would take them off again.

@@ -29,11 +29,12 @@ constexpr double kRounding = 1e-9;  // of the energy: a promise that rounding ma
 class Minimizer {
  public:
   Minimizer(const Objective& objective, const OptimizerOptions& options, Context* context,
-            const Restoration* restoration)
+            const Restoration* restoration, const Aim& aim)
       : objective_(objective),
         options_(options),
         context_(context),
         restoration_(options.method == Method::kTrustRegion ? restoration : nullptr),
+        aim_(aim),
         history_(options.history),
         radii_(objective.terms.size()),
         region_(options.max_step, /*exact=*/restoring()),
@@ -51,7 +52,7 @@ class Minimizer {
       forecast_.note(result_.evaluations, decrease_);
     }
     result_.settled = settled();
-    result_.converged = converged();
+    result_.converged = converged() && !has_empty_cell(objective_, state_);
     result_.state = std::move(state_);
     if (context_) context_->advance(1.0);
     return std::move(result_);
@@ -160,7 +161,8 @@ class Minimizer {
 
   /// Whether it is where it should be; a frame that is even enough is not even begun.
   [[nodiscard]] bool reached() const {
-    if (normalized_energy(objective_, state_) <= options_.target_energy) return true;
+    if (normalized_energy(objective_, state_) <= options_.target_energy)
+      return std::isinf(aim_.variation) || capacity_variation(objective_, state_) <= aim_.variation;
     if (!restoring()) return false;
     return result_.iterations > 0 ? restoration_->reached(objective_, state_)
                                   : restoration_->unnecessary(objective_, state_);
@@ -190,6 +192,7 @@ class Minimizer {
   const OptimizerOptions& options_;
   Context* context_;
   const Restoration* restoration_;  // null: minimize on
+  Aim aim_;
   State state_;
   State trial_;  // where a step leads; its memory is that of earlier ones
   LbfgsHistory history_;
@@ -206,10 +209,10 @@ class Minimizer {
 }  // namespace
 
 Minimum minimize(const Objective& objective, const Sites& start, const OptimizerOptions& options,
-                 Context* context, const Tracked& tracked) {
+                 Context* context, const Tracked& tracked, const Aim& aim) {
   check_options(options);
   const StageSpan solving(context, Stage::kSolver);
-  return Minimizer(objective, options, context, tracked.restoration).run(start, tracked.home);
+  return Minimizer(objective, options, context, tracked.restoration, aim).run(start, tracked.home);
 }
 
 }  // namespace dapple

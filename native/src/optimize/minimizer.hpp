@@ -3,6 +3,7 @@
 
 #include <dapple/context.hpp>
 #include <dapple/optimizer_options.hpp>
+#include <limits>
 
 #include "optimize/objective.hpp"
 #include "optimize/restoration.hpp"
@@ -27,10 +28,15 @@ struct Tracked {
   const Restoration* restoration = nullptr;
 };
 
+/// What the target energy alone does not say.
+struct Aim {
+  double variation = std::numeric_limits<double>::infinity();  ///< of the capacities, at most
+};
+
 /// See optimize(); repulsions are the terms' own.
 /// \throw ArgumentError for options out of range; Cancelled
 [[nodiscard]] Minimum minimize(const Objective& objective, const Sites& start,
                                const OptimizerOptions& options, Context* context,
-                               const Tracked& tracked = {});
+                               const Tracked& tracked = {}, const Aim& aim = {});
 
 }  // namespace dapple

@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kEmpty = 1e-6;  // of the mean capacity: a cell that rounding may have left
 
+/// Of a cell of a term that is not empty.
+double least_capacity(const Objective& objective, std::size_t term, std::size_t sites) {
+  return kEmpty * objective.terms[term].domain->mass() / static_cast<double>(sites);
+}
+
 class Reinserter {
  public:
   Reinserter(const Objective& objective, const State& state)
@@ -39,8 +44,7 @@ class Reinserter {
   [[nodiscard]] const Moments& cell(std::size_t site) const { return state_.diagram().cells[site]; }
 
   void split() {
-    const double least =
-        kEmpty * objective_.domain().mass() / static_cast<double>(state_.sites.size());
+    const double least = least_capacity(objective_, 0, state_.sites.size());
     for (std::size_t k = 0; k < state_.sites.size(); ++k) {
       if (cell(k).capacity > least) {
         held_.push_back(k);
@@ -84,6 +88,19 @@ class Reinserter {
 
 Reinsertion find_reinsertion(const Objective& objective, const State& state) {
   return Reinserter(objective, state).run();
+}
+
+bool has_empty_cell(const Objective& objective, const State& state) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
+    const std::vector<std::int32_t>& members = objective.terms[t].members;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const std::size_t site = members.empty() ? k : static_cast<std::size_t>(members[k]);
+      const bool locked = !objective.locked.empty() && objective.locked[site];
+      if (!locked && !(cells[k].capacity > least_capacity(objective, t, cells.size()))) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace dapple

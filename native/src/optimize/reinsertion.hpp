@@ -20,4 +20,7 @@ struct Reinsertion {
 };
 [[nodiscard]] Reinsertion find_reinsertion(const Objective& objective, const State& state);
 
+/// Whether a site that may move has no capacity, of all or of its class.
+[[nodiscard]] bool has_empty_cell(const Objective& objective, const State& state);
+
 }  // namespace dapple

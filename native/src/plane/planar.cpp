@@ -11,6 +11,7 @@
 #include "plane/flat_graph.hpp"
 #include "plane/polygon_mesh.hpp"
 #include "start/class_start.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
 #include "voronoi/cell_surface.hpp"
@@ -203,6 +204,7 @@ double PlanarDomain::density_unit() const { return surface_.ordered().density_un
 Sites PlanarDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                             const Context* context) const {
   Projection found = projector_->project(points, hints, context);
+  move_off_zeros(surface_, found.faces, found.barycentric, found.positions);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
@@ -251,7 +253,10 @@ TorusDomain::TorusDomain(const Image& density)
       before_(pixels_before(pixels_)),
       quads_(last_pixel(pixels_) + before_),
       period_(periodic_surface(density, {0, 0}, pixels_)),
-      cover_(periodic_surface(density, -before_, last_pixel(pixels_))) {}
+      cover_(periodic_surface(density, -before_, last_pixel(pixels_))) {
+  if (std::find(density.values.begin(), density.values.end(), 0.0) != density.values.end())
+    support_ = std::make_shared<const Projector>(cover_, /*support_only=*/true);
+}
 
 std::int32_t TorusDomain::face_at(const Vec2& wrapped) const {
   const Eigen::Array2d at =
@@ -292,6 +297,13 @@ Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::in
                            const Context* context) const {
   check_finite("points", points);
   if (context) context->check();
+  Sites sites = bind(points);
+  if (support_) lead_to_density(sites, context);
+  return sites;
+}
+
+/// The points where they are.
+Sites TorusDomain::bind(std::span<const Vec3> points) const {
   const OrderedSurface& cover = cover_.ordered();
   Sites sites{Vectors(points.size()), std::vector<std::int32_t>(points.size()),
               Vectors(points.size())};
@@ -306,10 +318,26 @@ Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::in
   return sites;
 }
 
+/// Move sites from where the density is 0 to the nearest place that has some.
+void TorusDomain::lead_to_density(Sites& sites, const Context* context) const {
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    if (is_on_density(cover_, sites.faces[k], sites.barycentric[k])) continue;
+    const Vec2 p = canonical(sites.positions[k]);
+    const Vec3 point(p.x(), p.y(), 0.0);
+    Projection found = support_->project({&point, 1}, {}, context);
+    move_off_zeros(cover_, found.faces, found.barycentric, found.positions);
+    const Vec3 moved = sites.positions[k] + (found.positions[0] - point);
+    const Sites there = bind({&moved, 1});
+    sites.positions[k] = there.positions[0];
+    sites.faces[k] = there.faces[0];
+    sites.barycentric[k] = there.barycentric[0];
+  }
+}
+
 void TorusDomain::check(const Sites& sites) const { check_sites(cover_, sites); }
 
 Sites TorusDomain::sites(std::span<const Vec2> points) const {
-  return project(in_space("positions", points), {});
+  return bind(in_space("positions", points));
 }
 
 // Its cells are whole, whatever the rule for parts of them.

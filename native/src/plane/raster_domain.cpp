@@ -71,6 +71,12 @@ void append_boundaries(const FlatPolygon& cell, const PixelIntegrals& integrals,
   }
 }
 
+/// The last coordinate of a pixel: what follows is in the next one.
+double end_of(std::int32_t pixel, std::int32_t count) {
+  const double end = pixel + 1;
+  return pixel + 1 < count ? std::nextafter(end, 0.0) : end;
+}
+
 Vec2 flat(const Vec3& p) { return p.head<2>(); }
 
 /// The cells of some sites, one after another, with their boundaries in that order.
@@ -193,7 +199,7 @@ Vec2 RasterDomain::nearest(const Vec2& point) const {
                         static_cast<std::size_t>(c)] <= 0.0)
       return;
     const Vec2 low(c, r);
-    const Vec2 p = inside.cwiseMax(low).cwiseMin(low + Vec2::Ones());
+    const Vec2 p = inside.cwiseMax(low).cwiseMin(Vec2(end_of(c, columns), end_of(r, rows)));
     if ((p - inside).norm() >= distance) return;
     distance = (p - inside).norm();
     best = p;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <dapple/relax.hpp>
+#include <dapple/resample.hpp>
 #include <map>
+#include <numeric>
 
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
@@ -9,6 +11,7 @@
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
 #include "sample/validate_samples.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
 #include "voronoi/cell_surface.hpp"
@@ -46,11 +49,27 @@ void check(const Surface& surface, const Samples& samples, std::span<const std::
                           std::to_string(samples.classes[0]) +
                           ": samples of one class alone can be relaxed");
   if (options.count) check_count("count", *options.count);
-  if (options.count && *options.count != samples.size() && (changed.empty() || samples.size() == 0))
-    throw ArgumentError("count is " + std::to_string(*options.count) + " and there are " +
-                        std::to_string(samples.size()) +
-                        " samples: they come and go only beside others, where something has "
-                        "changed");
+}
+
+/// The faces where something has changed, and those of samples that are where the density is 0; all
+/// faces where only the count is to be another.
+std::vector<OrderedFace> faces_to_relax(const Surface& surface, const Sites& sites,
+                                        std::span<const std::int32_t> changed,
+                                        const RelaxOptions& options) {
+  const bool resized = options.count && *options.count != sites.size();
+  Indices faces(changed.begin(), changed.end());
+  if (faces.empty() && resized) {
+    faces.resize(surface.face_count());
+    std::iota(faces.begin(), faces.end(), 0);
+  }
+  std::vector<bool> locked(sites.size(), surface.uniform());
+  for (const std::int32_t k : options.locked) locked[at(k)] = true;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    if (!locked[k] && !is_on_density(surface, sites.faces[k], sites.barycentric[k]))
+      faces.push_back(sites.faces[k]);
+  std::vector<OrderedFace> result = ordered_faces(surface, faces);
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 /// The samples on changed faces where these have carried them, all others as they are.
@@ -153,6 +172,13 @@ Samples assemble(const Surface& surface, const Samples& before, const Sites& car
   return result;
 }
 
+Samples from_nothing(const Surface& surface, const Samples& samples, const RelaxOptions& options,
+                     Context* context) {
+  return resample(
+      surface, samples, *options.count,
+      {.seed = options.seed, .optimizer = options.optimizer, .threads = options.threads}, context);
+}
+
 }  // namespace
 
 Samples relax(const Surface& surface, const Samples& samples, std::span<const std::int32_t> changed,
@@ -161,11 +187,15 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
   if (context) context->check();
   check(surface, samples, changed, options);
   const Sites before = carried(surface, samples, changed);
-  if (changed.empty() || samples.size() == 0) return samples;
+  if (samples.size() == 0)
+    return options.count.value_or(0) > 0 ? from_nothing(surface, samples, options, context)
+                                         : samples;
+  const std::vector<OrderedFace> faces = faces_to_relax(surface, before, changed, options);
+  if (faces.empty()) return samples;
   Samples result = with_threads(options.threads, [&] {
-    const std::vector<OrderedFace> faces = ordered_faces(surface, changed);
     Sites sites = before;
-    const CellSurface on = cell_surface(surface, sites.size(), Cells::kConnected);
+    const CellSurface on =
+        cell_surface(surface, options.count.value_or(sites.size()), Cells::kConnected);
     const Surface& sided = on.uncut(surface);
     settle_components(sided, faces, sites);
     std::vector<bool> locked(sites.size(), false);

@@ -4,15 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "relax/part_domain.hpp"
-#include "relax/widest_gaps.hpp"
+#include "sample/among_locked.hpp"
 #include "sample/lead_to_density.hpp"
+#include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
+#include "sample/widest_gaps.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -24,11 +28,25 @@ constexpr double kPushed = 0.01;  // ... unless it hardly was nearer before
 constexpr int kGrowths = 16;
 constexpr std::size_t kHole = 256;  // faces
 constexpr int kHardlyAny = 16;      // sites that tell nothing of the capacity of all
+constexpr double kNear = 0.5;       // spacings: a site so near to where there is density stays
+// Of the sites that give way: so many may be too many or too few for the capacity around, or more
+// of them give way ...
+constexpr double kYield = 0.01;
+constexpr double kRounding = 0.5;  // ... but for a part of a sample ...
+constexpr std::size_t kHalf = 2;   // ... and all of them where that is more than one of so many
+constexpr double kFewMore = 1.25;  // of the sites: so many are put in beside others
 // Of the progress: the region is known, it has its number of sites, it is even for the first time;
 // then half of the rest each.
 constexpr double kFound = 0.1, kBalanced = 0.25, kFirst = 0.7, kGrown = 0.5;
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+std::vector<std::size_t> which_are(const std::vector<bool>& values) {
+  std::vector<std::size_t> result;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (values[k]) result.push_back(k);
+  return result;
+}
 
 /// \param members per cell: a fixed one gets no others beside it
 /// \throw ArgumentError if samples of that capacity are more than there can be
@@ -76,6 +94,9 @@ struct Relaxation::Region {
   [[nodiscard]] std::vector<bool> open() const {
     return which([](const Member& member) { return member.open; });
   }
+  [[nodiscard]] SharedCells shared(const RestrictedVoronoi& diagram) const {
+    return {diagram.cells, open(), fixed()};
+  }
 
  private:
   [[nodiscard]] std::vector<bool> which(const auto& is) const {
@@ -103,8 +124,9 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   changed_ = changed;
   owners_ = region_ = rings_.owners(changed, context);
   for (int k = 0; k < kFreeRings; ++k) region_ = rings_.grown(region_, context);
-  const std::vector<OrderedFace> faces = faces_around(context);
-  if (is_void(faces)) return empty();
+  std::vector<OrderedFace> faces = faces_around(context);
+  if (is_void(faces) && !options_.count) return empty();
+  for (; is_void(faces); faces = faces_around(context)) widen(context);
   Region region = cut_out(faces, finding.context());
   balance(region, balancing.context());
   if (region.members.empty()) return;
@@ -117,13 +139,74 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   }
 }
 
-/// Those of the cells of the region and of two fixed rings around it, the first of which has whole
-/// cells thanks to the second; sorted.
+/// Those that have changed, and those of the cells of the region and of two fixed rings around it,
+/// the first of which has whole cells thanks to the second; sorted.
 std::vector<OrderedFace> Relaxation::faces_around(const Context* context) {
   for (const std::int32_t s : region_) free_[at(s)] = !locked_[at(s)];
+  if (is_everything()) {
+    border_ = region_;
+    return all_faces();
+  }
   border_ = rings_.grown(region_, context);
   const Indices all = rings_.grown(border_, context);
-  return without_holes(surface_, rings_.faces(all, context), kHole);
+  const std::vector<OrderedFace> cells = rings_.faces(all, context);
+  std::vector<OrderedFace> faces;
+  std::set_union(cells.begin(), cells.end(), changed_.begin(), changed_.end(),
+                 std::back_inserter(faces));
+  return without_holes(surface_, std::move(faces), kHole);
+}
+
+/// Also those that no cell of the sites given reaches, which others may.
+std::vector<OrderedFace> Relaxation::all_faces() const {
+  std::vector<OrderedFace> result;
+  for (std::size_t f = 0; f < surface_.face_count(); ++f)
+    if (surface_.ordered().counts(nth_face(f))) result.push_back(nth_face(f));
+  return result;
+}
+
+/// A ring more is part of the region; all sites, if that is not more.
+void Relaxation::widen(const Context* context) {
+  Indices grown = rings_.grown(region_, context);
+  if (grown.size() == region_.size() || kHalf * grown.size() > given_) {
+    grown.resize(given_);
+    std::iota(grown.begin(), grown.end(), 0);
+  }
+  region_ = std::move(grown);
+}
+
+/// Sites of the region that may move.
+std::size_t Relaxation::free_count() const {
+  return static_cast<std::size_t>(std::count_if(
+      region_.begin(), region_.end(), [this](std::int32_t s) { return !locked_[at(s)]; }));
+}
+
+/// How many more or fewer than fit the capacity around the region are to be in it; infinite where
+/// none fit.
+double Relaxation::spare_samples(const Region& region, const RestrictedVoronoi& diagram) const {
+  const SharedCells shared = region.shared(diagram);
+  const double fit = asked_for(shared, capacity_);
+  if (!(fit > 0.0)) return std::numeric_limits<double>::infinity();
+  const auto open = std::count(shared.open.begin(), shared.open.end(), true);
+  return std::abs(static_cast<double>(open + lacking()) - fit);
+}
+
+/// Let more sites give way where those of the region would be crowded, or sparse.
+/// \return whether there are more now
+bool Relaxation::widen_for_count(const Region& region, const RestrictedVoronoi& diagram,
+                                 const Context* context) {
+  if (!options_.count || is_everything()) return false;
+  const auto unlocked = static_cast<std::size_t>(
+      std::count(locked_.begin(), locked_.begin() + static_cast<std::ptrdiff_t>(given_), false));
+  const double spare = spare_samples(region, diagram);
+  const bool nowhere = std::isinf(spare);
+  const auto is_tight = [&] {
+    return free_count() < unlocked &&
+           spare - kRounding > kYield * static_cast<double>(free_count());
+  };
+  if (!nowhere && !is_tight()) return false;
+  do widen(context);
+  while (!is_everything() && !nowhere && is_tight());
+  return true;
 }
 
 bool Relaxation::is_void(const std::vector<OrderedFace>& faces) const {
@@ -152,22 +235,47 @@ Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Co
   return region;
 }
 
-/// Take out and put in sites, so that each has the capacity of those around.
-void Relaxation::balance(Region& region, Context* context) {
+/// Free sites where the density is 0 go to where it is not, if that is near, or are taken out. One
+/// stays if no other would: new ones come beside others.
+void Relaxation::lead_to_density(Region& region, const Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  RestrictedVoronoi diagram =
-      in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
-  ++report_.evaluations;
-  capacity_ = capacity_around(region, diagram);
+  const auto is_open = [&](std::size_t k) {
+    const Region::Member& member = region.members[k];
+    return member.open &&
+           (member.fixed || is_on_density(region.part.surface(), region.sites.faces[k],
+                                          region.sites.barycentric[k]));
+  };
+  bool any_open = false;
+  for (std::size_t k = 0; k < region.members.size(); ++k) any_open = any_open || is_open(k);
+  const std::vector<std::size_t> stay =
+      lead_near_ones(region.part.surface(), domain, region.sites,
+                     {region.fixed(), kNear * surface_.spacing(given_), !any_open}, context);
+  store(region, region.sites);
+  take_out(stay, region);
+}
+
+/// Take out and put in sites, so that each has the capacity of those around.
+void Relaxation::balance(Region& region, Context* context) {
+  lead_to_density(region, context);
+  RestrictedVoronoi diagram = first_cells(region, context);
+  while (widen_for_count(region, diagram, context)) {
+    region = cut_out(faces_around(context), context);
+    lead_to_density(region, context);
+    diagram = first_cells(region, context);
+  }
   for (std::size_t k = 0; k < region.members.size(); ++k)
     first_capacities_[region.members[k].site] = diagram.cells[k].capacity;
-  if (capacity_ == 0.0)
-    capacity_ = capacity_elsewhere() * (domain.density_unit() / surface_.ordered().density_unit());
-  const double wanted = wanted_capacity(region, diagram);
-  if (wanted == 0.0) return;
+  const SharedCells shared = region.shared(diagram);
+  const double wanted = options_.count ? capacity_for_count(region, shared) : capacity_;
+  if (wanted == 0.0) return take_out(which_are(region.fixed()), region);
   check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
-  const std::size_t beside_locked = lacking_beside_locked(region, diagram, wanted);
+  const double most = kFewMore * static_cast<double>(region.members.size());
+  if (options_.count && free_count() == given_ && static_cast<double>(*options_.count) <= most)
+    return rebalance_all(region, context);
+  const std::size_t beside_locked = lacking_beside_locked(shared, wanted);
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
   Thinned found = thin_out(region.part.surface(), domain, region.sites,
                            {region.free(), wanted, std::move(diagram)}, context);
   report_.evaluations += found.evaluations;
@@ -177,14 +285,28 @@ void Relaxation::balance(Region& region, Context* context) {
   if (found.lacking > 0) put_in(found.lacking, wanted, region, context);
 }
 
-/// How many more the cells of locked sites have room for.
-std::size_t Relaxation::lacking_beside_locked(const Region& region,
-                                              const RestrictedVoronoi& diagram, double capacity) {
-  double room = 0.0;
-  for (std::size_t k = 0; k < region.members.size(); ++k)
-    if (region.members[k].open && region.members[k].fixed)
-      room += diagram.cells[k].capacity / capacity - 1.0;
-  return static_cast<std::size_t>(std::llround(std::max(room, 0.0)));
+/// All may move: each neighborhood gets its number, as in resampling.
+void Relaxation::rebalance_all(Region& region, Context* context) {
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const Rebalanced found = rebalance(domain, region.sites, *options_.count, options_.seed, context);
+  report_.evaluations += found.evaluations;
+  take_out(found.stay, region);
+  add(found.fresh, region);
+}
+
+/// The cells before any site comes or goes; notes the capacity that each is to have.
+RestrictedVoronoi Relaxation::first_cells(const Region& region, Context* context) {
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  RestrictedVoronoi diagram =
+      in_stage(context, Stage::kCells, [&] { return domain.cells(region.sites, context); });
+  ++report_.evaluations;
+  capacity_ = capacity_around(region, diagram);
+  if (capacity_ == 0.0)
+    capacity_ = capacity_elsewhere() * (domain.density_unit() / surface_.ordered().density_unit());
+  share_ = capacity_;
+  return diagram;
 }
 
 /// What is thinned out in several rounds can miss the count by the rounding of each: the smallest
@@ -207,17 +329,20 @@ void Relaxation::keep_to_count(std::size_t count, const Region& region, Thinned&
   }
 }
 
-/// The mean of the whole cells where nothing has changed; 0 if there are none.
+/// The mean of the whole cells where nothing has changed, of locked samples only where there are no
+/// others; 0 if there are none.
 double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi& diagram) const {
-  double sum = 0.0, count = 0.0;
+  double sum[2] = {}, count[2] = {};  // unlocked, locked
   for (std::size_t k = 0; k < region.members.size(); ++k) {
     const Region::Member& member = region.members[k];
     if (!member.measured || std::binary_search(owners_.begin(), owners_.end(), member.site))
       continue;
-    sum += diagram.cells[k].capacity;
-    ++count;
+    const std::size_t kind = locked_[at(member.site)] ? 1 : 0;
+    sum[kind] += diagram.cells[k].capacity;
+    ++count[kind];
   }
-  return count > 0.0 ? sum / count : 0.0;
+  const std::size_t kind = sum[0] > 0.0 ? 0 : 1;
+  return count[kind] > 0.0 ? sum[kind] / count[kind] : 0.0;
 }
 
 /// The mean on the faces that have not changed; of all where these hold hardly any sites. In the
@@ -237,38 +362,34 @@ double Relaxation::capacity_elsewhere() const {
                                           : all / static_cast<double>(given_);
 }
 
-/// Of each of the sites where samples come and go, so that there become as many as are wanted; 0:
-/// they are as many.
-double Relaxation::wanted_capacity(const Region& region, const RestrictedVoronoi& diagram) const {
-  if (!options_.count) return capacity_;
+/// Of each of the sites where samples come and go, so that there become as many as are wanted; 0 if
+/// none are.
+double Relaxation::capacity_for_count(const Region& region, const SharedCells& shared) {
   double sum = 0.0;
   std::int64_t open = 0, free = 0;
   for (std::size_t k = 0; k < region.members.size(); ++k) {
     if (!region.members[k].open) continue;
-    sum += diagram.cells[k].capacity;
+    sum += shared.cells[k].capacity;
     ++open;
     free += region.members[k].fixed ? 0 : 1;
   }
   const auto given = static_cast<std::int64_t>(given_);
-  const std::int64_t more = static_cast<std::int64_t>(*options_.count) - given;
-  if (more == 0 && !has_stranded(region)) return 0.0;
+  const std::int64_t more = lacking();
   const auto refuse = [&](std::int64_t some, const char* why) {
     throw ArgumentError("count is " + std::to_string(*options_.count) + " and there are " +
                         std::to_string(given) + " samples, " + std::to_string(some) + why);
   };
-  if (free + more < 0)
-    refuse(given - free, " of which stay: they are locked, or nothing has changed around them");
-  if (open + more < 1 || !(sum > 0.0))
-    refuse(free, " of which are where something has changed and may go: one of these has to stay");
-  return sum / static_cast<double>(open + more);
+  if (free + more < 0) refuse(given - free, " of which stay: they are locked");
+  if (open + more < 1) return 0.0;
+  if (!(sum > 0.0)) refuse(free, " of which may go, and no place for them is known");
+  share_ = sum / static_cast<double>(open + more);
+  return capacity_for(shared, static_cast<std::size_t>(open + more));
 }
 
-/// Whether a site that may go is where there is no density any more: others come elsewhere.
-bool Relaxation::has_stranded(const Region& region) {
-  for (std::size_t k = 0; k < region.members.size(); ++k)
-    if (!region.members[k].fixed && !has_density(region.part.surface(), region.sites.faces[k]))
-      return true;
-  return false;
+/// How many more are wanted than are there now.
+std::int64_t Relaxation::lacking() const {
+  return static_cast<std::int64_t>(*options_.count) -
+         std::count(alive_.begin(), alive_.end(), true);
 }
 
 void Relaxation::take_out(const std::vector<std::size_t>& stay, Region& region) {
@@ -291,6 +412,10 @@ void Relaxation::put_in(std::size_t count, double capacity, Region& region,
     throw ArgumentError("count is " + std::to_string(*options_.count) + ", but where samples may " +
                         "go there are places for " + std::to_string(fresh.size()) + " of " +
                         std::to_string(count) + " new ones only");
+  add(fresh, region);
+}
+
+void Relaxation::add(const Sites& fresh, Region& region) {
   for (std::size_t k = 0; k < fresh.size(); ++k) {
     region.add({static_cast<std::int32_t>(sites_.size()), false, true, true}, fresh, k,
                fresh.faces[k]);
@@ -308,7 +433,7 @@ void Relaxation::put_in(std::size_t count, double capacity, Region& region,
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  const PartDomain share(domain, capacity_, region.members.size());
+  const PartDomain share(domain, share_, region.members.size());
   const OptimizerOptions& optimizer = options_.optimizer;
   const Objective objective{.capacity_weight = optimizer.capacity_weight,
                             .terms = {{.domain = &share,
@@ -316,7 +441,7 @@ Relaxation::Indices Relaxation::even_out(const Region& region, Context* context)
                                        .repulsion_weight = optimizer.repulsion_weight}},
                             .locked = region.fixed()};
   Sites start = region.sites;
-  lead_to_density(region.part.surface(), domain, start, objective.locked);
+  dapple::lead_to_density(region.part.surface(), domain, start, objective.locked);
   const Minimum found = minimize(objective, start, optimizer, context);
   store(region, found.state.sites);
   note(region, found);
@@ -361,6 +486,21 @@ Relaxation::Indices Relaxation::grow_at(const Indices& uneven, Context* context)
   return even_out(cut_out(faces_around(context), finding.context()), evening.context());
 }
 
+/// As analyze() would.
+void Relaxation::measure_all(const Region& region, const Minimum& found) {
+  const Sites& sites = found.state.sites;
+  Indices faces;
+  for (const std::int32_t face : sites.faces) faces.push_back(region.part.outside(face));
+  const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
+                             /*sides=*/nullptr, EmptyFaces::kLeft);
+  const Energy& energy = found.state.parts[0].energy;  // in the unit of the part's share
+  static_cast<Quality&>(report_) =
+      measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
+  report_.energy =
+      static_cast<double>(sites.size()) * energy.total / domain.mass() / domain.mass() -
+      options_.optimizer.capacity_weight;
+}
+
 /// What the last round found; its evaluations and iterations are added to those before.
 void Relaxation::note(const Region& region, const Minimum& found) {
   const RestrictedVoronoi& all = found.state.diagram();
@@ -373,15 +513,19 @@ void Relaxation::note(const Region& region, const Minimum& found) {
     measured.cells.push_back(cell);
     measured.rows.push_back(all.rows[k]);
     normals.push_back(found.state.normals[k]);
-    energy += (cell.second / capacity_ +
-               options_.optimizer.capacity_weight * cell.capacity * (cell.capacity / capacity_)) /
-              capacity_;
+    energy += (cell.second / share_ +
+               options_.optimizer.capacity_weight * cell.capacity * (cell.capacity / share_)) /
+              share_;
   }
   measured.boundaries = all.boundaries;
-  report_.evenness = measure_evenness(measured);
-  report_.bond_order = bond_order(measured, normals);
-  report_.energy =
-      energy / static_cast<double>(normals.size()) - options_.optimizer.capacity_weight;
+  if (is_everything()) {
+    measure_all(region, found);
+  } else {
+    report_.evenness = measure_evenness(measured);
+    report_.bond_order = bond_order(measured, normals);
+    report_.energy =
+        energy / static_cast<double>(normals.size()) - options_.optimizer.capacity_weight;
+  }
   report_.evaluations += found.evaluations;
   report_.iterations += found.iterations;
   report_.converged = found.converged;

@@ -10,6 +10,7 @@
 
 namespace dapple {
 
+struct SharedCells;
 struct Thinned;
 
 /// Makes the sites even around what has changed, on a part of the surface that grows as long as
@@ -38,19 +39,26 @@ class Relaxation {
   struct Region;
 
   [[nodiscard]] std::vector<OrderedFace> faces_around(const Context* context);
+  [[nodiscard]] std::vector<OrderedFace> all_faces() const;
+  [[nodiscard]] bool is_everything() const { return region_.size() == given_; }
+  void widen(const Context* context);
+  [[nodiscard]] std::size_t free_count() const;
+  [[nodiscard]] double spare_samples(const Region& region, const RestrictedVoronoi& diagram) const;
+  [[nodiscard]] bool widen_for_count(const Region& region, const RestrictedVoronoi& diagram,
+                                     const Context* context);
   [[nodiscard]] bool is_void(const std::vector<OrderedFace>& faces) const;
   void empty();
   [[nodiscard]] Region cut_out(const std::vector<OrderedFace>& faces, Context* context);
+  void lead_to_density(Region& region, const Context* context);
   void balance(Region& region, Context* context);
+  void rebalance_all(Region& region, Context* context);
+  void add(const Sites& fresh, Region& region);
+  [[nodiscard]] RestrictedVoronoi first_cells(const Region& region, Context* context);
   [[nodiscard]] double capacity_around(const Region& region,
                                        const RestrictedVoronoi& diagram) const;
   [[nodiscard]] double capacity_elsewhere() const;
-  [[nodiscard]] double wanted_capacity(const Region& region,
-                                       const RestrictedVoronoi& diagram) const;
-  [[nodiscard]] static bool has_stranded(const Region& region);
-  [[nodiscard]] static std::size_t lacking_beside_locked(const Region& region,
-                                                         const RestrictedVoronoi& diagram,
-                                                         double capacity);
+  [[nodiscard]] double capacity_for_count(const Region& region, const SharedCells& shared);
+  [[nodiscard]] std::int64_t lacking() const;
   void keep_to_count(std::size_t count, const Region& region, Thinned& found);
   void take_out(const std::vector<std::size_t>& stay, Region& region);
   void put_in(std::size_t count, double capacity, Region& region, const Context* context);
@@ -58,6 +66,7 @@ class Relaxation {
   void store(const Region& region, const Sites& found);
   [[nodiscard]] Indices uneven(const Region& region, const RestrictedVoronoi& diagram) const;
   [[nodiscard]] Indices grow_at(const Indices& uneven, Context* context);
+  void measure_all(const Region& region, const Minimum& found);
   void note(const Region& region, const Minimum& found);
 
   const Surface& surface_;
@@ -72,7 +81,8 @@ class Relaxation {
   Indices owners_;         // of what has changed; sorted
   Indices region_;         // the given sites that are even again, or gone; sorted
   Indices border_;         // those and the sites beside them; sorted
-  double capacity_ = 0.0;  // of a site, as the domains' integrals
+  double capacity_ = 0.0;  // of a site around the region, as the domains' integrals
+  double share_ = 0.0;     // of one in it: another than around where a count is wanted
   std::unordered_map<std::int32_t, double> first_capacities_;  // before anything has moved
   Report report_;
 };

@@ -2,14 +2,18 @@
 #include <algorithm>
 #include <dapple/poisson_start.hpp>
 #include <dapple/resample.hpp>
+#include <limits>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "optimize/minimizer.hpp"
+#include "sample/among_locked.hpp"
 #include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
 #include "sample/timed_call.hpp"
+#include "sample/widest_gaps.hpp"
 #include "voronoi/cell_surface.hpp"
 
 namespace dapple {
@@ -17,13 +21,18 @@ namespace {
 
 // Of the progress: before the optimization, after a start from nothing ...
 constexpr double kStarted = 0.3;
-constexpr double kEvening = 24.0;  // ... else it takes as long as so many evaluations of each cell
+constexpr double kEvening = 24.0;   // ... else it takes as long as so many evaluations of each cell
+constexpr double kNear = 0.5;       // spacings: a site so near to where there is density stays
+constexpr double kAsVaried = 1.25;  // of the capacity variation before: so much is as even
+constexpr double kSame = 1e-12;     // of the coordinates: a locked sample is where it was
 
 /// Where an optimization begins: those that stay, then the new ones.
 struct Beginning {
   Samples kept;
   Sites sites;
   int evaluations = 0;
+  std::vector<bool> locked = {};       // per site; empty: none
+  std::vector<std::size_t> rows = {};  // that those that stay had; not known where none are locked
 };
 
 Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t seed,
@@ -31,26 +40,96 @@ Beginning begin_anew(const Surface& surface, std::size_t count, std::uint64_t se
   return {bind_samples(surface, {}, {}), poisson_start(surface, count, seed, context)};
 }
 
+void add(const Sites& from, std::size_t k, Sites& sites) {
+  sites.positions.push_back(from.positions[k]);
+  sites.faces.push_back(from.faces[k]);
+  sites.barycentric.push_back(from.barycentric[k]);
+}
+
+/// Those with the smallest cells go, but for locked ones, until no more stay than the count.
+void keep_to_count(std::size_t count, const std::vector<double>& capacities,
+                   const std::vector<bool>& locked, std::vector<std::size_t>& stay) {
+  const auto room = [&](std::size_t k) {
+    return locked[k] ? std::numeric_limits<double>::infinity() : capacities[k];
+  };
+  while (stay.size() > count)
+    stay.erase(std::min_element(stay.begin(), stay.end(),
+                                [&](std::size_t a, std::size_t b) { return room(a) < room(b); }));
+}
+
+std::vector<double> capacities_of(const RestrictedVoronoi& diagram) {
+  std::vector<double> result;
+  for (const Moments& cell : diagram.cells) result.push_back(cell.capacity);
+  return result;
+}
+
+template <typename T>
+std::vector<T> chosen(const std::vector<T>& from, const std::vector<std::size_t>& which) {
+  std::vector<T> result;
+  for (const std::size_t k : which) result.push_back(from[k]);
+  return result;
+}
+
+Sites chosen(const Sites& from, const std::vector<std::size_t>& which) {
+  return {chosen(from.positions, which), chosen(from.faces, which),
+          chosen(from.barycentric, which)};
+}
+
+/// Sites among locked ones: crowded ones are taken out, and new ones put into the widest gaps.
+Beginning begin_among_locked(const Surface& surface, const Domain& domain, const Samples& samples,
+                             std::span<const std::int32_t> which, std::size_t count,
+                             std::uint64_t seed, Context* context) {
+  Sites sites{samples.positions, samples.faces, samples.barycentric};
+  std::vector<bool> locked(sites.size(), false);
+  for (const std::int32_t k : which) locked[static_cast<std::size_t>(k)] = true;
+  std::vector<std::size_t> rows = lead_near_ones(
+      surface, domain, sites, {locked, kNear * surface.spacing(count), false}, context);
+  sites = chosen(sites, rows);
+  locked = chosen(locked, rows);
+  std::vector<bool> free = locked;
+  free.flip();
+  RestrictedVoronoi diagram = domain.cells(sites, context);
+  const std::vector<double> capacities = capacities_of(diagram);
+  const SharedCells shared{diagram.cells, std::vector<bool>(sites.size(), true), locked};
+  const double capacity = capacity_for(shared, count);
+  const Surface sided = domain.sampling_surface(count);
+  Thinned thinned = thin_out(sided, domain, sites, {free, capacity, std::move(diagram)}, context);
+  keep_to_count(count, capacities, locked, thinned.stay);
+  rows = chosen(rows, thinned.stay);
+  Beginning result{bind_samples(surface, chosen(samples.faces, rows),
+                                chosen(samples.barycentric, rows), chosen(samples.ids, rows)),
+                   chosen(sites, thinned.stay), thinned.evaluations + 1,
+                   chosen(locked, thinned.stay), rows};
+  const std::size_t missing = count - result.sites.size();
+  const Sites fresh =
+      widest_gaps(sided, {result.sites, std::vector<bool>(result.sites.size(), true), capacity},
+                  missing, seed, context);
+  for (std::size_t k = 0; k < fresh.size(); ++k) add(fresh, k, result.sites);
+  if (fresh.size() < missing)
+    throw ArgumentError("count is " + std::to_string(count) + ", but there are places for " +
+                        std::to_string(result.sites.size()) + " samples only");
+  result.locked.resize(count, false);
+  return result;
+}
+
 Beginning begin(const Surface& surface, const Domain& domain, const Samples& samples,
-                std::size_t count, std::uint64_t seed, Context* context) {
+                std::span<const std::int32_t> locked, std::size_t count, std::uint64_t seed,
+                Context* context) {
   const Samples all = bind_samples(surface, samples.faces, samples.barycentric, samples.ids);
   if (all.size() == 0 || count == 0) return begin_anew(surface, count, seed, context);
+  if (!locked.empty())
+    return begin_among_locked(surface, domain, all, locked, count, seed, context);
   const Sites there{all.positions, all.faces, all.barycentric};
   const Rebalanced found = rebalance(domain, there, count, seed, context);
   std::vector<std::int32_t> ids;
   Sites sites;
-  const auto add = [&sites](const Sites& from, std::size_t k) {
-    sites.positions.push_back(from.positions[k]);
-    sites.faces.push_back(from.faces[k]);
-    sites.barycentric.push_back(from.barycentric[k]);
-  };
   for (const std::size_t k : found.stay) {
-    add(there, k);
+    add(there, k, sites);
     ids.push_back(all.ids[k]);
   }
   const Samples kept = bind_samples(surface, sites.faces, sites.barycentric, ids);
   lead_to_density(surface, domain, sites);
-  for (std::size_t k = 0; k < found.fresh.size(); ++k) add(found.fresh, k);
+  for (std::size_t k = 0; k < found.fresh.size(); ++k) add(found.fresh, k, sites);
   return {kept, std::move(sites), found.evaluations};
 }
 
@@ -77,30 +156,78 @@ std::vector<std::int32_t> continued(std::vector<std::int32_t> ids, std::int64_t 
   return ids;
 }
 
+void check_locked(std::span<const std::int32_t> locked, const Samples& samples, std::size_t count) {
+  std::vector<bool> is_locked(samples.size(), false);
+  for (std::size_t k = 0; k < locked.size(); ++k) {
+    if (locked[k] < 0 || static_cast<std::size_t>(locked[k]) >= samples.size())
+      throw ArgumentError(entry("locked", k) + " is " + std::to_string(locked[k]) +
+                          ", outside 0.." + std::to_string(samples.size() - 1));
+    is_locked[static_cast<std::size_t>(locked[k])] = true;
+  }
+  const auto stay = static_cast<std::size_t>(std::count(is_locked.begin(), is_locked.end(), true));
+  if (stay > count)
+    throw ArgumentError("count is " + std::to_string(count) + ", and " + std::to_string(stay) +
+                        " samples are locked: the count includes them");
+}
+
+/// As even as the samples were, or as even as locked ones allow.
+OptimizerResult even_out(const Domain& domain, const Beginning& first, const Samples& samples,
+                         OptimizerOptions options, Context* context) {
+  Aim aim;
+  if (samples.report.energy > 0.0 && first.locked.empty()) {
+    options.target_energy = std::max(options.target_energy, samples.report.energy + kAsEven);
+    aim.variation = kAsVaried * samples.report.evenness.capacity_variation;
+  }
+  const Objective objective{.capacity_weight = options.capacity_weight,
+                            .terms = {{.domain = &domain,
+                                       .repulsion_radius = options.repulsion_radius,
+                                       .repulsion_weight = options.repulsion_weight}},
+                            .locked = first.locked};
+  Minimum found = minimize(objective, first.sites, options, context, {}, aim);
+  return {.sites = std::move(found.state.sites),
+          .energy = std::move(found.state.parts[0].energy),
+          .energies = std::move(found.energies),
+          .evaluations = found.evaluations + first.evaluations,
+          .iterations = found.iterations,
+          .converged = found.converged};
+}
+
+/// Locked samples keep their bytes, unless the surface has moved.
+void restore_locked(const Samples& before, const Beginning& first, Samples& after) {
+  for (std::size_t k = 0; k < first.rows.size(); ++k) {
+    const std::size_t row = first.rows[k];
+    const double size = after.positions[k].cwiseAbs().maxCoeff();
+    const double moved = (after.positions[k] - before.positions[row]).cwiseAbs().maxCoeff();
+    if (!first.locked[k] || after.faces[k] != before.faces[row] || !(moved <= kSame * size))
+      continue;
+    after.positions[k] = before.positions[row];
+    after.barycentric[k] = before.barycentric[row];
+  }
+}
+
 }  // namespace
 
 Samples resample(const Surface& surface, const Samples& samples, std::size_t count,
-                 const SampleOptions& options, Context* context) {
+                 const SampleOptions& options, Context* context,
+                 std::span<const std::int32_t> locked) {
   TimedCall call(context);
   if (context) context->check();
   check_count("count", count);
-  check_none_locked("locked", options.locked, "all may move a little here");
+  check_none_locked("options.locked", options.locked, "say which of the samples stay by locked");
+  check_locked(locked, samples, count);
   Samples result = with_threads(options.threads, [&] {
     const SurfaceDomain domain(surface, options.cells, Steps::kAnywhere,
                                sides_for(surface, count, options.cells), EmptyFaces::kLeft);
     const double begun = beginning(samples.size(), count);
     Stretch starting(call.context(), 0.0, begun), evening(call.context(), begun, 1.0);
     const Beginning first = in_stage(call.context(), Stage::kStart, [&] {
-      return begin(surface, domain, samples, count, options.seed, starting.context());
+      return begin(surface, domain, samples, locked, count, options.seed, starting.context());
     });
-    OptimizerOptions optimizer = options.optimizer;
-    if (samples.report.energy > 0.0)
-      optimizer.target_energy = std::max(optimizer.target_energy, samples.report.energy + kAsEven);
     const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
-    OptimizerResult found = optimize(domain, first.sites, optimizer, evening.context());
-    found.evaluations += first.evaluations;
+    OptimizerResult found = even_out(domain, first, samples, options.optimizer, evening.context());
     const StageSpan reporting(call.context(), Stage::kReporting);
     Samples even = to_samples(surface, domain, std::move(found), ids);
+    restore_locked(samples, first, even);
     measure_slide(even.report, even.positions, first.kept.positions);
     return even;
   });

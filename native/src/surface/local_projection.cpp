@@ -8,6 +8,7 @@
 
 #include "base/parallel.hpp"
 #include "base/triangle.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
 namespace dapple {
@@ -27,10 +28,6 @@ constexpr double kDigits = 1e-14;   // ... and of the coordinates that it comes 
 constexpr double kTurned = 0.5;     // cosine: a hit turned further than this is looked at
 constexpr int kStraight = 200;      // faces crossed on the straight way to a hit
 
-bool has_density(const Surface& surface, OrderedFace face) {
-  return surface.ordered().geometry(face).moments.capacity > 0.0;
-}
-
 class Walk {
  public:
   using Hit = LocalProjection::Hit;
@@ -40,6 +37,7 @@ class Walk {
   /// The nearest point among the faces connected to `start` within the ball that touches it.
   Hit from(OrderedFace start) {
     Hit best = closest(start);
+    const bool may_stay = surface_.uniform() || has_density(surface_, start);
     // The ball touches the edge where the nearest point is: rounding must not part them.
     const double radius = std::sqrt(best.squared_distance) * (1.0 + kRounding) +
                           kDigits * point_.cwiseAbs().maxCoeff();
@@ -54,7 +52,8 @@ class Walk {
         for (std::int32_t g = surface_.ordered().next_around(h); g != h;
              g = surface_.ordered().next_around(g))
           if (visit(face_of(g)) && has_density(surface_, face_of(g)))
-            best = better(best, closest(face_of(g)));
+            best = may_stay || has_density(surface_, best.face) ? better(best, closest(face_of(g)))
+                                                                : closest(face_of(g));
       }
     }
     return best;

@@ -7,9 +7,11 @@
 
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
+#include "optimize/reinsertion.hpp"
 #include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
 #include "sample/surface_classes.hpp"
+#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "voronoi/cell_surface.hpp"
 
@@ -66,18 +68,19 @@ Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start,
                      const Sites* home) {
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
+  std::vector<std::int32_t> homeless;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
     const Surface& own = frame.classes[c].surface ? *frame.classes[c].surface : surface;
     std::vector<bool> others(start.size(), false);
-    if (frame.classes.size() > 1)
-      for (std::size_t k = 0; k < start.size(); ++k)
-        others[k] = class_of[k] != static_cast<std::int32_t>(c);
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      others[k] = frame.classes.size() > 1 && class_of[k] != static_cast<std::int32_t>(c);
+      if (others[k] || !home || own.uniform()) continue;
+      if (!is_on_density(own, home->faces[k], home->barycentric[k]))
+        homeless.push_back(static_cast<std::int32_t>(k));
+    }
     lead_to_density(own, *frame.problem.classes[c].domain, result.start, others);
   }
-  std::vector<std::int32_t> led;
-  for (std::size_t k = 0; k < start.size(); ++k)
-    if (result.start.faces[k] != start.faces[k]) led.push_back(static_cast<std::int32_t>(k));
-  if (result.home) put(*result.home, led, select(result.start, led));
+  if (result.home) put(*result.home, homeless, select(result.start, homeless));
   return result;
 }
 
@@ -148,7 +151,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
   memory_ = PatternMemory(state.diagram());
   first.energies = {target_energy_};
-  first.converged = true;  // no frame has to be more even
+  first.converged = !has_empty_cell(frame.objective, state);  // no frame has to be more even
   first_report_ = to_report(frame.objective, first, classes_.size(), samples.normals);
 }
 
@@ -164,7 +167,8 @@ bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const auto c = static_cast<std::size_t>(classes_.size() > 1 ? class_of_[k] : 0);
     const std::optional<Surface>& own = classes_[c].surface;
-    if (!has_density(own ? *own : surface, sites.faces[k])) return true;
+    const Surface& mine = own ? *own : surface;
+    if (!mine.uniform() && !is_on_density(mine, sites.faces[k], sites.barycentric[k])) return true;
   }
   return false;
 }

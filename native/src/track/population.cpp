@@ -4,6 +4,7 @@
 #include <dapple/domain.hpp>
 #include <dapple/population.hpp>
 #include <dapple/resample.hpp>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -120,6 +121,9 @@ Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64
                     : of_class(surface, tracker.samples(), static_cast<std::int32_t>(kind));
   const std::size_t count = wanted(tracker, kind);
   if (count == now.size()) return now;
+  // The energy is enough: the frames that follow bring the samples back to the first one's
+  // evenness.
+  now.report.evenness.capacity_variation = std::numeric_limits<double>::infinity();
   SampleOptions options;
   options.optimizer = options_.tracker.optimizer;
   options.cells = options_.tracker.cells;

@@ -40,8 +40,14 @@ void fuzz_classes(Bytes& bytes) {
   for (std::size_t c = 0; c < classes.size(); ++c)
     EXPECT_EQ(count_of(samples->classes, static_cast<std::int32_t>(c)), classes[c].count)
         << "class " << c;
-  if (classes.size() == 1 && classes[0].locked.size() == 0)
-    expect_where_dense(classes[0].surface.value_or(*surface), *samples);
+  std::size_t first = 0;
+  for (const SampleClass& member : classes) {
+    const Surface& own = member.surface ? *member.surface : *surface;
+    for (std::size_t k = first + member.locked.size(); k < first + member.count; ++k)
+      EXPECT_TRUE(test::is_where_dense(own, samples->faces[k], samples->barycentric[k]))
+          << "sample " << k << " is where its class has no density";
+    first += member.count;
+  }
 }
 
 }  // namespace dapple::fuzz

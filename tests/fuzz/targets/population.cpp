@@ -159,7 +159,19 @@ void expect_an_answer(Bytes& bytes, Population population) {
     (void)answer([&] { return population.advance(next->vertices()); });
 }
 
-std::vector<Samples> run(Population& population, std::span<const Frame> frames, bool resumes) {
+/// All but those that vanish, which stay where they were.
+void expect_where_dense_now(const Surface& surface, const Samples& after, const Samples& before) {
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    const auto there = std::find(before.ids.begin(), before.ids.end(), after.ids[k]);
+    const bool vanishes = there != before.ids.end() && after.fade[k] < 1.0;
+    if (!vanishes) {
+      EXPECT_TRUE(test::is_where_dense(surface, after.faces[k], after.barycentric[k])) << k;
+    }
+  }
+}
+
+std::vector<Samples> run(Population& population, std::span<const Frame> frames, bool resumes,
+                         std::size_t kinds) {
   const Population begun = population;
   std::vector<Samples> result;
   std::set<std::int32_t> gone;
@@ -173,6 +185,7 @@ std::vector<Samples> run(Population& population, std::span<const Frame> frames, 
     if (!after) continue;
     test::check_on_surface(population.surface(), {after->positions, after->faces},
                            after->barycentric);
+    if (kinds == 1) expect_where_dense_now(population.surface(), *after, before);
     expect_fades(*after);
     expect_new_ids(before, *after, gone);
     result.push_back(*after);
@@ -200,7 +213,7 @@ void fuzz_population(Bytes& bytes) {
   (void)answer_of_threads([&](int threads) {
     options.tracker.threads = threads;
     Population population(*surface, *first, options, kinds);
-    auto result = run(population, frames, resumes && threads == 1);
+    auto result = run(population, frames, resumes && threads == 1, kinds.size() + 1);
     if (threads == 1 && !bytes.empty()) expect_an_answer(bytes, population);
     return result;
   });

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <dapple/relax.hpp>
 #include <dapple/sampler.hpp>
+#include <set>
 
 #include "expect.hpp"
 #include "targets.hpp"
@@ -25,7 +26,9 @@ Surface take_changed(Bytes& bytes, const Surface& surface) {
     std::vector<double> values(surface.face_count(), 1.0);
     for (int k = bytes.below(20); k > 0; --k)
       values[bytes.whole() % values.size()] = bytes.between(0.0, 3.0);
-    return surface.with_density({DensityAt::kFaces, values});
+    if (!bytes.one_in(2)) return surface.with_density({DensityAt::kFaces, values});
+    const Values other = take_values(bytes, surface.vertex_count(), surface.face_count());
+    return surface.with_density(other.density());
   });
   const bool grows = changed && changed->mass() > kMostGrowth * surface.mass();
   return changed && !grows ? *changed : surface;
@@ -44,7 +47,6 @@ RelaxOptions take_relax_options(Bytes& bytes, const Samples& samples) {
   RelaxOptions options;
   take_options(bytes, options);
   if (bytes.one_in(3)) {
-    bytes.set_wild();  // the region may not reach it
     options.count = take_count(bytes);
   }
   if (samples.size() > 0 && bytes.one_in(4))
@@ -53,12 +55,16 @@ RelaxOptions take_relax_options(Bytes& bytes, const Samples& samples) {
   return options;
 }
 
+std::vector<std::int32_t> ids_of(const Samples& samples, std::span<const std::int32_t> rows) {
+  std::vector<std::int32_t> result;
+  for (const std::int32_t k : rows) result.push_back(samples.ids[static_cast<std::size_t>(k)]);
+  return result;
+}
+
 void expect_locked(const Samples& before, const Samples& after,
                    std::span<const std::int32_t> locked) {
-  for (const std::int32_t k : locked) {
-    const std::int32_t id = before.ids[static_cast<std::size_t>(k)];
-    EXPECT_EQ(std::count(after.ids.begin(), after.ids.end(), id), 1) << "locked[" << k << "]";
-  }
+  for (const std::int32_t id : ids_of(before, locked))
+    EXPECT_EQ(std::count(after.ids.begin(), after.ids.end(), id), 1) << "locked id " << id;
 }
 
 }  // namespace
@@ -82,6 +88,11 @@ void fuzz_relax(Bytes& bytes) {
     EXPECT_EQ(samples->size(), *options.count);
   }
   expect_locked(*before, *samples, options.locked);
+  const std::vector<std::int32_t> locked = ids_of(*before, options.locked);
+  expect_where_dense(after, *samples, locked);
+  const std::set<std::int32_t> faces(changed.begin(), changed.end());
+  if (faces.size() == after.face_count())  // else samples elsewhere stay as they were
+    expect_filled(after, *samples, Cells::kConnected, locked);
 }
 
 }  // namespace dapple::fuzz

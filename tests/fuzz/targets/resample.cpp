@@ -46,9 +46,15 @@ void fuzz_resample(Bytes& bytes) {
   const std::size_t count = take_count(bytes);
   SampleOptions options;
   take_options(bytes, options);
+  std::vector<std::int32_t> locked, ids;
+  if (before->size() > 0 && bytes.one_in(3))
+    for (int k = bytes.below(8); k > 0; --k)
+      locked.push_back(static_cast<std::int32_t>(bytes.whole() % before->size()));
+  for (const std::int32_t k : locked) ids.push_back(before->ids[static_cast<std::size_t>(k)]);
+  if (locked.size() > count) bytes.set_wild();
   const auto samples = answer_of_threads([&](int threads) {
     options.threads = threads;
-    return resample(changed, *before, count, options);
+    return resample(changed, *before, count, options, nullptr, locked);
   });
   if (!bytes.was_wild()) {
     EXPECT_TRUE(samples) << "what is plain is refused";
@@ -56,9 +62,11 @@ void fuzz_resample(Bytes& bytes) {
   if (!samples) return;
   EXPECT_EQ(samples->size(), count);
   expect_valid(changed, *samples);
-  // A sample that may slide only so far may not reach where the density is.
-  if (std::isinf(options.optimizer.max_slide)) expect_where_dense(changed, *samples);
+  expect_where_dense(changed, *samples, ids);
+  expect_filled(changed, *samples, options.cells, ids);
   expect_ids_kept(*before, *samples);
+  for (const std::int32_t id : ids)
+    EXPECT_EQ(std::count(samples->ids.begin(), samples->ids.end(), id), 1) << "locked id " << id;
 }
 
 }  // namespace dapple::fuzz

@@ -43,7 +43,11 @@ void fuzz_sample(Bytes& bytes) {
   if (!samples) return;
   EXPECT_EQ(samples->size(), count);
   expect_valid(*surface, *samples);
-  if (options.locked.size() == 0) expect_where_dense(*surface, *samples);
+  const std::vector<std::int32_t> locked(
+      samples->ids.begin(),
+      samples->ids.begin() + static_cast<std::ptrdiff_t>(options.locked.size()));
+  expect_where_dense(*surface, *samples, locked);
+  expect_filled(*surface, *samples, options.cells, locked);
   expect_locked(*samples, options.locked);
   expect_descent(samples->report);
   expect_ranks(*samples);

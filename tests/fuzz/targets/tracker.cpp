@@ -33,6 +33,7 @@ std::vector<Samples> tracked(Tracker& tracker, std::span<const std::vector<Vec3>
     }
     if (!after) continue;
     expect_valid(tracker.surface(), *after);
+    expect_where_dense(tracker.surface(), *after);
     EXPECT_EQ(after->ids, before.ids);
     result.push_back(*after);
   }
@@ -47,8 +48,10 @@ void fuzz_window(const Surface& surface, const Samples& first,
   });
   if (!all) return;
   EXPECT_EQ(all->size(), frames.size() + 1);
-  for (std::size_t k = 0; k < frames.size(); ++k)
+  for (std::size_t k = 0; k < frames.size(); ++k) {
     expect_valid(surface.deformed(frames[k]), (*all)[k + 1]);
+    expect_where_dense(surface, (*all)[k + 1]);
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <dapple/sampler.hpp>
 #include <functional>
 #include <iostream>
+#include <numeric>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -203,6 +204,59 @@ TEST(Resample, DoesNotMoveWhatIsWanted) {
   const Surface surface = blob(3).surface();
   const Samples before = sample(surface, 300);
   EXPECT_TRUE(same_bytes(resample(surface, before, 300).positions, before.positions));
+}
+
+/// Those that are locked.
+std::vector<std::int32_t> rows_below(std::int32_t end) {
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(end));
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+TEST(Resample, KeepsLockedSamples) {
+  const Surface surface = blob(4).surface();
+  const Samples before = sample(surface, 300);
+  const std::vector<std::int32_t> locked = rows_below(30);
+  for (const std::size_t count : {30U, 200U, 300U, 900U}) {
+    const Samples after = resample(surface, before, count, {}, nullptr, locked);
+    ASSERT_EQ(after.size(), count);
+    check(surface, after);
+    for (std::size_t k = 0; k < 30; ++k) {
+      EXPECT_EQ(after.ids[k], before.ids[k]);
+      EXPECT_EQ(after.positions[k], before.positions[k]);
+      EXPECT_EQ(after.barycentric[k], before.barycentric[k]);
+    }
+    const Sites stay{{before.positions.begin(), before.positions.begin() + 30},
+                     {before.faces.begin(), before.faces.begin() + 30},
+                     {before.barycentric.begin(), before.barycentric.begin() + 30}};
+    const Samples anew = sample(surface, count, {.locked = stay});
+    EXPECT_LE(after.report.evenness.capacity_variation,
+              1.5 * anew.report.evenness.capacity_variation);
+  }
+}
+
+TEST(Resample, IsAsEvenAsAnewForAnyCount) {
+  const Surface surface = torus(48, 24).surface();
+  for (const auto& [first, count] :
+       {std::pair<std::size_t, std::size_t>{20, 1000}, {500, 1000}, {980, 1000}, {1000, 100}}) {
+    const Samples after = resample(surface, sample(surface, first), count);
+    const Evenness anew = sample(surface, count, {.seed = 1}).report.evenness;
+    EXPECT_LT(after.report.evenness.capacity_variation,
+              1.5 * std::max(anew.capacity_variation, 0.003));
+    EXPECT_GT(after.report.evenness.alpha_min, anew.alpha_min / 1.5);
+  }
+}
+
+TEST(Resample, NamesWhatIsWrongWithLockedRows) {
+  const Surface surface = blob(3).surface();
+  const Samples before = sample(surface, 20);
+  const auto refuses = [&](std::size_t count, const std::vector<std::int32_t>& locked,
+                           std::initializer_list<std::string> parts) {
+    expect_message<ArgumentError>(
+        [&] { (void)resample(surface, before, count, {}, nullptr, locked); }, parts);
+  };
+  refuses(9, {0, 20}, {"locked[1] is 20", "0..19"});
+  refuses(9, rows_below(10), {"count is 9", "10 samples are locked"});
 }
 
 TEST(Resample, NamesSamplesOfAnotherSurface) {

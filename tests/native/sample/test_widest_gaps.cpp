@@ -6,7 +6,7 @@
 #include <dapple/sampler.hpp>
 
 #include "invariants.hpp"
-#include "relax/widest_gaps.hpp"
+#include "sample/widest_gaps.hpp"
 #include "shapes.hpp"
 
 namespace dapple::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "relax/widest_gaps.hpp"
+#include "sample/widest_gaps.hpp"
 
 #include <algorithm>
 #include <cmath>
