@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .binding import samples_of
+from .errors import ScatterError
 from .frames import shaded
 from .native import package
 from .records import Binding, Columns, own_random
@@ -41,7 +42,11 @@ def tiled(
     seed: int,
     context: Any,
 ) -> Tiles:
-    """The cells of bound points on a surface as it stands."""
+    """The cells of bound points on a surface as it stands.
+
+    Raises:
+        ScatterError: nothing is left of any of them.
+    """
     ids, classes = columns["id"], columns["dapple_class"]
     with named(arrays.name):
         surface = package().Surface(arrays.vertices, arrays.faces, **shaded(arrays))
@@ -55,6 +60,11 @@ def tiled(
             thickness=settings.thickness * spacing,
             context=context,
         )
+    if len(ids) and made.empty == len(ids):
+        raise ScatterError(
+            f"Surface '{arrays.name}': all {len(ids)} tiles are empty: the grout and the random "
+            "insets are wider than the cells"
+        )
     owners = np.empty(len(made.vertices), dtype=np.int64)  # points, of the vertices
     owners[made.corners] = np.repeat(made.sites, np.diff(made.starts))
     colors = _colors(settings.color_by, seed, ids, classes)
@@ -65,7 +75,7 @@ def tiled(
         ids[made.sites],
         np.asarray(made.classes),
         colors[owners],
-        int((made.parts == 0).sum()),
+        made.empty,
     )
 
 

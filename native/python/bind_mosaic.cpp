@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <dapple/mosaic.hpp>
 
 #include "arrays.hpp"
@@ -20,6 +21,23 @@ inline auto members(Mosaic& m) {
 namespace dapple::python {
 namespace {
 
+std::ptrdiff_t empty_tiles(const Mosaic& mosaic) {
+  return std::ranges::count(mosaic.tiles, 0, &Tile::parts);
+}
+
+/// \throw what a filter of warnings makes of it
+void warn_of_empty_tiles(const Mosaic& mosaic, const MosaicOptions& options, double spacing) {
+  const auto empty = static_cast<std::size_t>(empty_tiles(mosaic));
+  if (empty == 0 || (options.grout == 0.0 && options.insets.empty())) return;
+  const std::string said =
+      py::str(
+          "{} of {} tiles are empty: nothing is left beside a grout of {:.6g}{}, where "
+          "neighbors are about {:.6g} apart")
+          .format(empty, mosaic.tiles.size(), options.grout,
+                  options.insets.empty() ? "" : " and the insets", spacing);
+  if (PyErr_WarnEx(PyExc_UserWarning, said.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& samples,
                                     const py::kwargs& keywords) {
   const Keywords given(kMosaic, keywords, {"insets", "context"});
@@ -29,9 +47,12 @@ std::shared_ptr<Mosaic> make_mosaic(const Surface& surface, const Samples& sampl
     options.insets.assign(values.data(), values.data() + values.size());
   }
   const ContextPtr context = given.context();
-  return run(context, [&](Context* watched) {
+  const auto made = run(context, [&](Context* watched) {
     return std::make_shared<Mosaic>(mosaic(surface, samples, options, watched));
   });
+  if (!made->tiles.empty())
+    warn_of_empty_tiles(*made, options, surface.spacing(made->tiles.size()));
+  return made;
 }
 
 /// A property that copies one member of every tile into an array.
@@ -83,6 +104,7 @@ void bind_mosaic(py::module_& m) {
       .def_property_readonly(
           "parts", tile_property(&Tile::parts),
           "(n,) int32: pieces of each tile, connected over edges; 0 where the grout takes all.")
+      .def_property_readonly("empty", &empty_tiles, "Number of tiles of which nothing is left.")
       .def_property_readonly(
           "loops", tile_property(&Tile::loops),
           "(n,) int32: closed borders of each tile; a hole adds one, a whole component has none.");
@@ -94,7 +116,9 @@ void bind_mosaic(py::module_& m) {
 The restricted Voronoi cells of samples as tiles (Chen et al. 2012, section 5.3 and Fig. 16a).
 
 A tile follows the surface over faces and creases. It is the part of its cell that is farther than half the grout, and
-its inset, from each plane half-way to a neighbor: straight joints of constant width.
+its inset, from each plane half-way to a neighbor: straight joints of constant width. Without grout and insets neighbors
+have the same points where they touch, so that tiles whose vertices are merged by place are closed where the surface is.
+Where nothing is left of a tile, a warning says of how many.
 
 Args:
     surface: the Surface the samples lie on.

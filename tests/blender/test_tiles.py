@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tiles of a scatter: an object with attributes, on the surface of the frame."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -123,10 +124,30 @@ def test_tiles_follow_the_frame():
     assert not np.allclose(*extents, atol=0.5)
 
 
-def test_a_grout_that_takes_all_is_told():
+def test_a_grout_that_takes_some_tiles_is_told():
     obj = scenes.scattered(scenes.sphere(), count=60)
-    made = tiled(obj, grout=1.0, inset_randomness=0.5)
-    assert len(set(column(made.data, "cell", np.int32))) < 60
+    made = tiled(obj, grout=0.85, inset_randomness=0.1)
+    assert 0 < len(set(column(made.data, "cell", np.int32))) < 60
+
+
+def test_a_grout_that_leaves_nothing_is_refused_and_the_tiles_stay():
+    obj = scenes.scattered(scenes.sphere(), count=60)
+    made = tiled(obj)
+    polygons = len(made.data.polygons)
+    obj.dapple.tiles.grout, obj.dapple.tiles.inset_randomness = 1.0, 0.5
+    with pytest.raises(RuntimeError, match="Sphere': all 60 tiles are empty: the grout and the"):
+        bpy.ops.dapple.tile()
+    assert len(made.data.polygons) == polygons
+
+
+def test_tiles_without_grout_are_closed_once_merged_by_distance():
+    obj = scenes.scattered(scenes.sphere(), count=200)
+    made = tiled(obj, grout=0.0, thickness=0.0)
+    mesh = bmesh.new()
+    mesh.from_mesh(made.data)
+    bmesh.ops.remove_doubles(mesh, verts=mesh.verts, dist=1e-7)
+    assert all(len(edge.link_faces) == 2 for edge in mesh.edges)
+    mesh.free()
 
 
 def test_a_surface_that_lost_its_faces_is_refused_and_the_tiles_stay():

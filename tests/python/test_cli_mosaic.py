@@ -2,6 +2,7 @@
 """dapple mosaic: what it writes, what it says, and what it refuses."""
 
 import json
+import re
 import struct
 
 import dapple3d as dapple
@@ -157,3 +158,25 @@ def test_refuses(tmp_path, monkeypatch, torus, arguments, code, message):
     assert found.exit_code == code, found.output
     assert message in found.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["torus.ply"]
+
+
+def test_tiles_that_are_all_empty_are_not_written(torus, tmp_path):
+    out = tmp_path / "tiles.ply"
+    found = run(torus, out, "-n", 40, "--grout", 9)
+    assert found.exit_code == 1
+    assert "all 40 tiles are empty, so it was not written: the grout of 9 is wider" in found.output
+    assert not out.exists()
+
+
+def test_tiles_that_are_empty_are_counted(torus, tmp_path):
+    found = done(torus, tmp_path / "tiles.ply", "-n", 40, "--grout", 0)
+    assert "are empty" not in found.output
+    places = dapple.read_mesh(torus).vertices[::9]
+    near = places[0] + 1e-3 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -1, 0]])
+    np.savetxt(tmp_path / "points.csv", np.concatenate([near, places[1:31]]), delimiter=",")
+    given = ("--points", tmp_path / "points.csv", "--grout", 0.1)
+    found = done(torus, tmp_path / "tiles.ply", *given)
+    counted = re.search(r"tiles\.ply: (\d+) of 35 tiles are empty: the grout of 0\.1", found.output)
+    assert counted
+    assert int(counted[1]) >= 1
+    assert "Warning" not in found.output

@@ -69,8 +69,9 @@ struct Mosaic {
 /// A tile is the part of its cell that is farther than half the grout (and its inset) from each
 /// plane half-way to a neighbor; straight joints of constant width and exact on flat parts. A
 /// border of a connected cell that lies in no such plane, since the straight way goes through a
-/// wall, stays without grout.
-/// \throw ArgumentError for an option below 0 or not finite, insets of another length than the
+/// wall, stays without grout. Where there is no grout at all, tiles that touch have the same points
+/// where they do, bit by bit: closed, once vertices at the same place are one, where the surface
+/// is. \throw ArgumentError for an option below 0 or not finite, insets of another length than the
 /// samples or the first of them that is negative; Cancelled
 [[nodiscard]] Mosaic mosaic(const Surface& surface, const Samples& samples,
                             const MosaicOptions& options = {}, Context* context = nullptr);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <dapple/mosaic.hpp>
 #include <numeric>
+#include <utility>
 
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
@@ -15,8 +17,9 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 32;  // cells a chunk
-constexpr double kRounding = 1e-9;  // spacings: no tolerance below it means anything
+constexpr std::size_t kGrain = 32;   // cells a chunk
+constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
+constexpr double kSamePlace = 1e-6;  // spacings: what two tiles make of one point is nearer
 // Of the progress: large faces are cut, the cells known and the tiles made.
 constexpr double kCut = 0.15, kCellsShare = 0.4;
 constexpr double kMade = 0.95;
@@ -44,21 +47,50 @@ class Tiler {
         builder_(vertices_, faces_),
         samples_(samples),
         options_(options),
+        rounding_(kSamePlace * surface.spacing(samples.size())),
         tolerance_(std::max(options.tolerance, kRounding) * surface.spacing(samples.size())) {}
 
-  [[nodiscard]] MadeTile make(std::size_t site, std::span<const CellPolygon> cell) const {
+  [[nodiscard]] bool merges() const { return options_.merge; }
+
+  /// Whether tiles do, but for those that draw back by their insets.
+  [[nodiscard]] bool touch() const { return options_.grout == 0.0; }
+
+  /// What the grout leaves of a cell.
+  [[nodiscard]] JoinedPatch join(std::size_t site, std::span<const CellPolygon> cell,
+                                 const EdgePoints& others) const {
+    const double inset = options_.insets.empty() ? 0.0 : options_.insets[site];
+    return builder_.build(without_grout(cell, samples_.positions, 0.5 * options_.grout + inset),
+                          others);
+  }
+
+  /// Of tiles that touch, which can have borders along edges of the mesh; else none.
+  [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const {
+    return touch() ? builder_.edge_points(pieces) : EdgePoints();
+  }
+
+  [[nodiscard]] Patch cleaned(JoinedPatch joined) const {
+    return without_short_edges(std::move(joined), tolerance_);
+  }
+
+  /// The same of all tiles, which touch each other.
+  [[nodiscard]] std::vector<Patch> cleaned(std::vector<JoinedPatch> joined) const {
+    return without_short_edges(std::move(joined), tolerance_, std::min(tolerance_, rounding_));
+  }
+
+  [[nodiscard]] Patch flat(const Patch& patch) const {
+    return options_.merge ? merged(patch) : patch;
+  }
+
+  [[nodiscard]] MadeTile make(std::span<const CellPolygon> cell, const Patch& patch,
+                              const Patch& flat) const {
     MadeTile result;
     for (const CellPolygon& piece : cell) result.tile.cell_area += area_of(piece);
-    const double inset = options_.insets.empty() ? 0.0 : options_.insets[site];
-    const std::vector<CellPolygon> pieces =
-        without_grout(cell, samples_.positions, 0.5 * options_.grout + inset);
-    const Patch patch = apart(builder_.build(pieces, tolerance_));
     for (const PatchPolygon& polygon : patch.polygons)
       result.tile.area += 0.5 * twice_area_vector(patch, polygon).norm();
     const auto [parts, loops] = topology_of(patch);
     result.tile.parts = parts;
     result.tile.loops = loops;
-    result.mesh = raised(options_.merge ? merged(patch) : patch, options_.thickness);
+    result.mesh = raised(flat, options_.thickness);
     return result;
   }
 
@@ -68,7 +100,7 @@ class Tiler {
   PatchBuilder builder_;
   const Samples& samples_;
   const MosaicOptions& options_;
-  double tolerance_;
+  double rounding_, tolerance_;
 };
 
 /// Where the pieces of each site begin, and their number.
@@ -100,6 +132,66 @@ void name_parents(const CutSurface& cut, std::span<MadeTile> tiles) {
     for (PatchPolygon& polygon : made.mesh.patch.polygons) polygon.face = cut.parent(polygon.face);
 }
 
+/// The points that tiles have, for tiles that touch: a corner of one lies on no edge of another.
+class Corners {
+ public:
+  explicit Corners(std::span<const Patch> tiles) {
+    for (const Patch& tile : tiles)
+      for (const PatchPolygon& polygon : tile.polygons)
+        for (const std::int32_t v : polygon.corners)
+          points_.push_back(key(tile.points[static_cast<std::size_t>(v)]));
+    std::ranges::sort(points_);
+    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+  }
+
+  [[nodiscard]] bool has(const Vec3& point) const {
+    return std::ranges::binary_search(points_, key(point));
+  }
+
+ private:
+  using Key = std::array<double, 3>;
+  static Key key(const Vec3& point) { return {point[0], point[1], point[2]}; }
+  std::vector<Key> points_;
+};
+
+/// Tiles that touch have the same points where they do.
+void share_corners(std::span<const Patch> patches, std::span<Patch> flat) {
+  const Corners corners(flat);
+  parallel_chunks(flat.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      flat[k] = merged(patches[k], [&](const Vec3& point) { return corners.has(point); });
+  });
+}
+
+std::vector<MadeTile> made_of(const Tiler& tiler, std::span<const CellPolygon> pieces,
+                              std::span<const std::size_t> rows, Context* context) {
+  const std::size_t count = rows.size() - 1;
+  const auto cell = [&](std::size_t k) { return pieces.subspan(rows[k], rows[k + 1] - rows[k]); };
+  Tally tally(context, 2 * count);
+  const auto for_each = [&](const auto& work) {
+    parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      tally.check();
+      for (std::size_t k = begin; k < end; ++k) work(k);
+      tally.add(end - begin);
+    });
+  };
+  std::vector<JoinedPatch> joined(count);
+  std::vector<Patch> patches(count), flat(count);
+  std::vector<MadeTile> result(count);
+  const EdgePoints others = tiler.edge_points(pieces);
+  for_each([&](std::size_t k) { joined[k] = tiler.join(k, cell(k), others); });
+  if (tiler.touch()) patches = tiler.cleaned(std::move(joined));
+  for_each([&](std::size_t k) {
+    patches[k] = apart(tiler.touch() ? patches[k] : tiler.cleaned(std::move(joined[k])));
+    flat[k] = tiler.flat(patches[k]);
+  });
+  if (tiler.merges() && tiler.touch()) share_corners(patches, flat);
+  parallel_chunks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) result[k] = tiler.make(cell(k), patches[k], flat[k]);
+  });
+  return result;
+}
+
 std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
                                  const MosaicOptions& options, Context* context) {
   Sites sites;
@@ -114,15 +206,8 @@ std::vector<MadeTile> make_tiles(const Surface& surface, const Samples& samples,
       drawn, cut ? cut->on_pieces(sites) : sites, options.cells, dividing.context());
   const std::vector<std::size_t> rows = rows_of(pieces, samples.size());
   const Tiler tiler(drawn, samples, options);
-  std::vector<MadeTile> tiles(samples.size());
   Stretch making(context, kCellsShare, kMade);
-  Tally tally(making.context(), samples.size());
-  parallel_chunks(samples.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    tally.check();
-    for (std::size_t k = begin; k < end; ++k)
-      tiles[k] = tiler.make(k, std::span(pieces).subspan(rows[k], rows[k + 1] - rows[k]));
-    tally.add(end - begin);
-  });
+  std::vector<MadeTile> tiles = made_of(tiler, pieces, rows, making.context());
   if (cut) name_parents(*cut, tiles);
   return tiles;
 }

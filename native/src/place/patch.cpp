@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "surface/places.hpp"
 
 namespace dapple {
 namespace {
-
-/// What a vertex of a patch lies on; of two that become one the stronger stays.
-enum class On { kVertex, kEdge, kFace };
 
 struct MeshEdge {
   std::int32_t low, high;  // vertices of the mesh
@@ -22,12 +24,13 @@ class Joiner {
   Joiner(std::span<const Vec3> vertices, std::span<const Face> faces)
       : vertices_(vertices), faces_(faces) {}
 
-  Patch join(std::span<const CellPolygon> pieces) {
+  Patch join(std::span<const CellPolygon> pieces, const EdgePoints& others) {
     std::vector<std::vector<std::int32_t>> corners;
     for (const CellPolygon& piece : pieces) {
       std::vector<std::int32_t>& row = corners.emplace_back();
       for (std::size_t k = 0; k < piece.points.size(); ++k) row.push_back(corner(piece, k));
     }
+    if (!others.empty()) add_others(pieces, others);
     for (auto& [edge, places] : on_edges_) std::sort(places.begin(), places.end());
     for (std::size_t p = 0; p < pieces.size(); ++p)
       patch_.polygons.push_back({with_points_between(pieces[p], corners[p]), pieces[p].face});
@@ -35,6 +38,19 @@ class Joiner {
   }
 
   [[nodiscard]] const std::vector<On>& kinds() const { return kinds_; }
+
+  [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const {
+    EdgePoints result;
+    for (const CellPolygon& piece : pieces)
+      for (std::size_t k = 0; k < piece.points.size(); ++k) {
+        const std::int32_t into = piece.edges[(k + piece.edges.size() - 1) % piece.edges.size()];
+        const std::int32_t out = piece.edges[k];
+        if ((into < 0) == (out < 0)) continue;
+        const MeshEdge edge = mesh_edge(piece.face, std::min(into, out));
+        result[{edge.low, edge.high}].push_back(piece.points[k]);
+      }
+    return result;
+  }
 
  private:
   struct Place {
@@ -62,6 +78,20 @@ class Joiner {
       return on_vertex(mesh_vertex(piece.face, -1 - out));
     return on_edge(mesh_edge(piece.face, out < 0 ? out : into), std::max(into, out),
                    piece.points[k]);
+  }
+
+  /// What others have on the edges of the mesh that the pieces run along.
+  void add_others(std::span<const CellPolygon> pieces, const EdgePoints& others) {
+    std::set<MeshEdge> done;
+    for (const CellPolygon& piece : pieces)
+      for (const std::int32_t label : piece.edges) {
+        if (label >= 0) continue;
+        const MeshEdge edge = mesh_edge(piece.face, label);
+        const auto found = others.find({edge.low, edge.high});
+        if (found == others.end() || !done.insert(edge).second) continue;
+        for (const Vec3& point : found->second)
+          on_edges_[edge].push_back({along(edge, point), add(point, On::kEdge)});
+      }
   }
 
   std::int32_t on_vertex(std::int32_t v) {
@@ -188,24 +218,164 @@ void keep_simple_loops(Patch& patch) {
   patch.polygons = std::move(polygons);
 }
 
-void remove_short_edges(Patch& patch, std::span<const On> kinds, double tolerance) {
+/// Returns into which point each has gone.
+std::vector<std::int32_t> remove_short_edges(Patch& patch, std::span<const On> kinds,
+                                             double tolerance) {
+  std::vector<std::int32_t> result(patch.points.size());
+  std::iota(result.begin(), result.end(), 0);
   for (std::vector<ShortEdge> edges = short_edges(patch, tolerance); !edges.empty();
        edges = short_edges(patch, tolerance)) {
     const std::vector<std::int32_t> goal = goals(patch, kinds, edges);
-    for (PatchPolygon& polygon : patch.polygons)
-      for (std::int32_t& corner : polygon.corners) corner = goal[static_cast<std::size_t>(corner)];
+    const auto move = [&goal](std::int32_t& k) { k = goal[static_cast<std::size_t>(k)]; };
+    for (PatchPolygon& polygon : patch.polygons) std::ranges::for_each(polygon.corners, move);
+    std::ranges::for_each(result, move);
     keep_simple_loops(patch);
   }
+  return result;
 }
+
+/// All patches as one, in which points at the same place are one.
+class Union {
+ public:
+  Union(std::span<const JoinedPatch> parts, double rounding) {
+    for (const JoinedPatch& part : parts) {
+      starts_.push_back(points_.size());
+      points_.insert(points_.end(), part.patch.points.begin(), part.patch.points.end());
+    }
+    if (points_.empty()) return;
+    add_points(parts, rounding);
+    sort_places();
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      for (const PatchPolygon& polygon : parts[k].patch.polygons) add(k, polygon);
+    keep_simple_loops(whole_);
+  }
+
+  void remove_short_edges(double tolerance) {
+    const std::vector<std::int32_t> gone = dapple::remove_short_edges(whole_, kinds_, tolerance);
+    for (std::int32_t& k : places_) k = gone[static_cast<std::size_t>(k)];
+  }
+
+  /// A part with what has become of its edges: points of it that are at one place now become one
+  /// only if an edge leads from one to the other.
+  [[nodiscard]] Patch part(std::size_t number, Patch patch) const {
+    std::vector<std::int32_t> leader(patch.points.size());
+    std::iota(leader.begin(), leader.end(), 0);
+    for (const PatchPolygon& polygon : patch.polygons)
+      for (std::size_t k = 0; k < polygon.corners.size(); ++k)
+        join(number, leader, polygon.corners[k], polygon.corners[(k + 1) % polygon.corners.size()]);
+    for (PatchPolygon& polygon : patch.polygons)
+      for (std::int32_t& v : polygon.corners) v = leader_of(leader, v);
+    for (std::size_t v = 0; v < patch.points.size(); ++v)
+      patch.points[v] = whole_.points[static_cast<std::size_t>(place(number, v))];
+    keep_simple_loops(patch);
+    return patch;
+  }
+
+ private:
+  void add_points(std::span<const JoinedPatch> parts, double rounding) {
+    Places found(points_, rounding);
+    std::vector<std::int32_t> numbers(points_.size(), -1);  // of what was added first there
+    for (const JoinedPatch& part : parts)
+      for (const On kind : part.kinds) {
+        const std::size_t k = places_.size();
+        const std::int32_t first = found.find(points_[k]);
+        if (first < 0) {
+          found.add(static_cast<std::int32_t>(k));
+          numbers[k] = static_cast<std::int32_t>(whole_.points.size());
+          whole_.points.push_back(points_[k]);
+          kinds_.push_back(kind);
+          places_.push_back(numbers[k]);
+          continue;
+        }
+        places_.push_back(numbers[static_cast<std::size_t>(first)]);
+        settle(static_cast<std::size_t>(places_.back()), kind, points_[k]);
+      }
+  }
+  /// So that which of two points stays does not depend on the order of the parts.
+  void sort_places() {
+    std::vector<std::size_t> order(whole_.points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+      const Vec3 &p = whole_.points[a], &q = whole_.points[b];
+      return std::tuple(p[0], p[1], p[2], a) < std::tuple(q[0], q[1], q[2], b);
+    });
+    std::vector<std::int32_t> number(order.size());
+    std::vector<Vec3> points;
+    std::vector<On> kinds;
+    for (const std::size_t place : order) {
+      number[place] = static_cast<std::int32_t>(points.size());
+      points.push_back(whole_.points[place]);
+      kinds.push_back(kinds_[place]);
+    }
+    for (std::int32_t& place : places_) place = number[static_cast<std::size_t>(place)];
+    whole_.points = std::move(points);
+    kinds_ = std::move(kinds);
+  }
+  /// Where the stronger of two points is.
+  void settle(std::size_t place, On kind, const Vec3& point) {
+    if (kind >= kinds_[place]) return;
+    kinds_[place] = kind;
+    whole_.points[place] = point;
+  }
+
+  void add(std::size_t number, const PatchPolygon& polygon) {
+    PatchPolygon moved{{}, polygon.face};
+    for (const std::int32_t v : polygon.corners)
+      moved.corners.push_back(place(number, static_cast<std::size_t>(v)));
+    whole_.polygons.push_back(std::move(moved));
+  }
+
+  [[nodiscard]] std::int32_t place(std::size_t number, std::size_t v) const {
+    return places_[starts_[number] + v];
+  }
+
+  static std::int32_t leader_of(std::span<std::int32_t> leader, std::int32_t v) {
+    while (leader[static_cast<std::size_t>(v)] != v) v = leader[static_cast<std::size_t>(v)];
+    return v;
+  }
+
+  void join(std::size_t number, std::span<std::int32_t> leader, std::int32_t a,
+            std::int32_t b) const {
+    if (place(number, static_cast<std::size_t>(a)) != place(number, static_cast<std::size_t>(b)))
+      return;
+    const auto [low, high] = std::minmax({leader_of(leader, a), leader_of(leader, b)});
+    leader[static_cast<std::size_t>(high)] = low;
+  }
+
+  std::vector<std::size_t> starts_;   // per part, of its points
+  std::vector<Vec3> points_;          // of all parts
+  std::vector<std::int32_t> places_;  // per such point, the one of the whole
+  Patch whole_;
+  std::vector<On> kinds_;  // per point of the whole
+};
 
 }  // namespace
 
-Patch PatchBuilder::build(std::span<const CellPolygon> pieces, double tolerance) const {
+EdgePoints PatchBuilder::edge_points(std::span<const CellPolygon> pieces) const {
+  return Joiner(vertices_, faces_).edge_points(pieces);
+}
+
+JoinedPatch PatchBuilder::build(std::span<const CellPolygon> pieces,
+                                const EdgePoints& others) const {
   Joiner joiner(vertices_, faces_);
-  Patch patch = joiner.join(pieces);
+  Patch patch = joiner.join(pieces, others);
   keep_simple_loops(patch);  // two crossings of one plane and one edge are one vertex
-  remove_short_edges(patch, joiner.kinds(), tolerance);
-  return patch;
+  return {std::move(patch), joiner.kinds()};
+}
+
+Patch without_short_edges(JoinedPatch joined, double tolerance) {
+  remove_short_edges(joined.patch, joined.kinds, tolerance);
+  return std::move(joined.patch);
+}
+
+std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined, double tolerance,
+                                       double rounding) {
+  Union whole(joined, rounding);
+  whole.remove_short_edges(tolerance);
+  std::vector<Patch> result;
+  for (std::size_t k = 0; k < joined.size(); ++k)
+    result.push_back(whole.part(k, std::move(joined[k].patch)));
+  return result;
 }
 
 }  // namespace dapple

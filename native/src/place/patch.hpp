@@ -2,6 +2,9 @@
 #pragma once
 
 #include <dapple/restricted_voronoi.hpp>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace dapple {
 
@@ -17,6 +20,27 @@ struct Patch {
   std::vector<PatchPolygon> polygons;
 };
 
+/// What a vertex of a patch lies on; of two that become one the stronger stays.
+enum class On : std::uint8_t { kVertex, kEdge, kFace };
+
+/// A patch as its pieces were joined.
+struct JoinedPatch {
+  Patch patch;
+  std::vector<On> kinds;  ///< per point
+};
+
+/// Without edges shorter than `tolerance`; polygons without extent are gone, and no polygon meets
+/// itself.
+[[nodiscard]] Patch without_short_edges(JoinedPatch joined, double tolerance);
+
+/// The same of patches that touch, so that they touch with the same points as before: an edge is
+/// removed from all that have it, to the same place. Points within `rounding` count as one.
+[[nodiscard]] std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined,
+                                                     double tolerance, double rounding);
+
+/// Points on edges of the mesh, by the vertices of these, the lower first.
+using EdgePoints = std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>>;
+
 /// Joins the pieces of a cell where they meet along edges of the mesh.
 class PatchBuilder {
  public:
@@ -26,9 +50,14 @@ class PatchBuilder {
       : vertices_(vertices), faces_(faces) {}
 
   /// Pieces share what lies on the same vertex of the mesh, or on the same edge of it and the same
-  /// plane; a point that rounding put on one side of an edge only is added to the other. No edge
-  /// is shorter than `tolerance`; polygons without extent are gone, and no polygon meets itself.
-  [[nodiscard]] Patch build(std::span<const CellPolygon> pieces, double tolerance) const;
+  /// plane; a point that rounding put on one side of an edge only is added to the other. No polygon
+  /// meets itself.
+  /// \param others  points that become corners too where edges of the pieces run over them
+  [[nodiscard]] JoinedPatch build(std::span<const CellPolygon> pieces,
+                                  const EdgePoints& others = {}) const;
+
+  /// Where corners of pieces lie on edges of the mesh.
+  [[nodiscard]] EdgePoints edge_points(std::span<const CellPolygon> pieces) const;
 
  private:
   std::span<const Vec3> vertices_;

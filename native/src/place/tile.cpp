@@ -270,7 +270,7 @@ Patch apart(const Patch& patch) {
   return result;
 }
 
-Patch merged(const Patch& patch) {
+Patch merged(const Patch& patch, const std::function<bool(const Vec3&)>& stays) {
   const PolygonMesh mesh = half_edge_mesh(patch);
   const FlatSets flat(patch, mesh);
   Patch result{patch.points, {}};
@@ -281,7 +281,11 @@ Patch merged(const Patch& patch) {
     else
       for (const std::size_t p : members) result.polygons.push_back(patch.polygons[p]);
   }
-  drop_vertices(result, in_straight_edges(result));
+  std::vector<bool> dropped = in_straight_edges(result);
+  if (stays)
+    for (std::size_t v = 0; v < dropped.size(); ++v)
+      if (dropped[v]) dropped[v] = !stays(result.points[v]);
+  drop_vertices(result, dropped);
   return apart(result);  // without the vertices that nothing uses any more
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/tiles.hpp>
+#include <functional>
 
 #include "place/patch.hpp"
 
@@ -13,8 +14,11 @@ namespace dapple {
 [[nodiscard]] Patch apart(const Patch& patch);
 
 /// The same with one polygon for each set of polygons in one plane, unless that set has a hole or
-/// touches itself, and without vertices in the middle of straight edges.
-[[nodiscard]] Patch merged(const Patch& patch);
+/// touches itself, and without vertices in the middle of straight edges, but for those that are to
+/// stay.
+/// \param stays  of a point, whether it does; null: none does
+[[nodiscard]] Patch merged(const Patch& patch,
+                           const std::function<bool(const Vec3&)>& stays = nullptr);
 
 /// How a patch, that is apart, hangs together.
 struct PatchTopology {

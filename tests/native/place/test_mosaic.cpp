@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/sampler.hpp>
@@ -168,6 +170,38 @@ TEST_P(MosaicOn, CoversTheSurfaceWithClosedLoops) {
         EXPECT_NEAR(area(found), surface.area(), 1e-6 * surface.area());
         EXPECT_NEAR(tile_area(found), surface.area(), 1e-6 * surface.area());
       }
+}
+
+using Place = std::array<double, 3>;
+
+/// Edges with a polygon on one side only, where vertices at the same place are one.
+std::size_t open_edges(const Mosaic& mosaic) {
+  std::map<std::pair<Place, Place>, int> sides;
+  const auto place = [&](std::int32_t v) {
+    const Vec3& p = vertex(mosaic, v);
+    return Place{p[0], p[1], p[2]};
+  };
+  for (std::size_t k = 0; k < mosaic.size(); ++k) {
+    const auto corners = polygon(mosaic, k);
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const Place a = place(corners[c]), b = place(corners[(c + 1) % corners.size()]);
+      sides[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  return static_cast<std::size_t>(
+      std::ranges::count_if(sides, [](const auto& side) { return side.second != 0; }));
+}
+
+TEST(Mosaic, HasTheSamePointsWhereTilesTouchWithoutGrout) {
+  for (const Shape& shape : {torus(48, 24), box(1), box(5), blob(4)}) {
+    const Surface surface = shape.surface();
+    for (const double tolerance : {0.0, 1e-3, 0.1})
+      for (const bool merge : {false, true}) {
+        const Samples samples = sample(surface, 300, {.optimizer = {.max_evaluations = 8}});
+        const Mosaic tiles = mosaic(surface, samples, {.tolerance = tolerance, .merge = merge});
+        EXPECT_EQ(open_edges(tiles), 0u) << tolerance;
+      }
+  }
 }
 
 TEST_P(MosaicOn, BuildsClosedBodiesWithoutShortEdges) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple mosaic: the cells of points as tiles."""
 
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,15 @@ def command(
         shape.setdefault("grout", GROUT * samples.report.spacing)
         tiling = {name: given[name] for name in ("cells", "threads") if name in given} | shape
         merge = not polygons.needs_convex(out)
-        made = work.run(partial(dapple.mosaic, loaded.surface, samples, merge=merge, **tiling))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of empty tiles, which is said below
+            made = work.run(partial(dapple.mosaic, loaded.surface, samples, merge=merge, **tiling))
+    if made.empty == len(samples):
+        raise click.ClickException(
+            f"{out}: all {len(samples)} tiles are empty, so it was not written: the grout of "
+            f"{shape['grout']:.6g} is wider than the cells, whose sites are about "
+            f"{samples.report.spacing:.6g} apart"
+        )
     polygons.write_tiles(out, made, samples.ids)
     reporter.store(
         "mosaic",
@@ -96,6 +105,11 @@ def command(
         | tiling,
         tiles=summary(made),
     )
+    if made.empty:
+        reporter.say(
+            f"{out}: {made.empty} of {len(samples)} tiles are empty: the grout of "
+            f"{shape['grout']:.6g} takes all of them"
+        )
     left = 100 * made.areas.sum() / made.cell_areas.sum()
     reporter.say(
         f"{out}: {len(samples)} tiles of {len(made)} polygons, {left:.1f} % of the area"
@@ -115,5 +129,5 @@ def summary(made: dapple.Mosaic) -> dict[str, Any]:
         "with_holes": int((made.loops > made.parts).sum()),
         "in_several_parts": int((made.parts > 1).sum()),
         "closed": int(((made.parts > 0) & (made.loops == 0)).sum()),
-        "lost_to_the_grout": int((made.parts == 0).sum()),
+        "lost_to_the_grout": made.empty,
     }
