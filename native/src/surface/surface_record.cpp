@@ -70,8 +70,8 @@ void check_record(const MeshRecord& record) {
 
 MeshRecord record_of(const Connectivity& mesh) {
   MeshRecord record{mesh.weld,          mesh.merge_doubled,   mesh.faces,
-                            mesh.original_face, mesh.original_vertex, mesh.next_around_edge,
-                            mesh.welded_vertex, mesh.component,       {}};
+                    mesh.original_face, mesh.original_vertex, mesh.next_around_edge,
+                    mesh.welded_vertex, mesh.component,       {}};
   for (const DoubledFace& one : mesh.doubled)
     record.doubled.push_back({static_cast<std::int32_t>(one.face),
                               static_cast<std::int32_t>(one.counted), one.corners[0],
