@@ -289,7 +289,8 @@ void Relaxation::balance(Region& region, Context* context) {
 void Relaxation::rebalance_all(Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  const Rebalanced found = rebalance(domain, region.sites, *options_.count, options_.seed, context);
+  const Rebalanced found =
+      rebalance(domain, region.sites, options_.count.value_or(0), options_.seed, context);
   report_.evaluations += found.evaluations;
   take_out(found.stay, region);
   add(found.fresh, region);
@@ -388,7 +389,7 @@ double Relaxation::capacity_for_count(const Region& region, const SharedCells& s
 
 /// How many more are wanted than are there now.
 std::int64_t Relaxation::lacking() const {
-  return static_cast<std::int64_t>(*options_.count) -
+  return static_cast<std::int64_t>(options_.count.value_or(0)) -
          std::count(alive_.begin(), alive_.end(), true);
 }
 

@@ -59,6 +59,7 @@ void keep_to_count(std::size_t count, const std::vector<double>& capacities,
 
 std::vector<double> capacities_of(const RestrictedVoronoi& diagram) {
   std::vector<double> result;
+  result.reserve(diagram.cells.size());
   for (const Moments& cell : diagram.cells) result.push_back(cell.capacity);
   return result;
 }
@@ -66,6 +67,7 @@ std::vector<double> capacities_of(const RestrictedVoronoi& diagram) {
 template <typename T>
 std::vector<T> chosen(const std::vector<T>& from, const std::vector<std::size_t>& which) {
   std::vector<T> result;
+  result.reserve(which.size());
   for (const std::size_t k : which) result.push_back(from[k]);
   return result;
 }

@@ -95,7 +95,7 @@ class Sides {
     label_walls();
     drop_small_and_folded();
     label_rims();
-    std::vector<std::int32_t> result = divided(cells);
+    const std::vector<std::int32_t> result = divided(cells);
     return count_of(result) > mesh_.components() ? result : std::vector<std::int32_t>{};
   }
 

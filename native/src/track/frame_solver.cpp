@@ -70,7 +70,8 @@ Beginning on_density(const Surface& surface, const Frame& frame,
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
   std::vector<std::int32_t> homeless;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
-    const Surface& own = frame.classes[c].surface ? *frame.classes[c].surface : surface;
+    const std::optional<Surface>& mine = frame.classes[c].surface;
+    const Surface& own = mine ? *mine : surface;
     std::vector<bool> others(start.size(), false);
     for (std::size_t k = 0; k < start.size(); ++k) {
       others[k] = frame.classes.size() > 1 && class_of[k] != static_cast<std::int32_t>(c);
@@ -203,8 +204,9 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
   check_extent(surface, start);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   const Beginning first = on_density(surface, frame, class_of_, start, &home);
-  Minimum found = minimize(frame.objective, move(first.start, moves, frame.objective, context),
-                           aims(), context, {.home = &*first.home, .restoration = &restoration_});
+  Minimum found =
+      minimize(frame.objective, move(first.start, moves, frame.objective, context), aims(), context,
+               {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
 

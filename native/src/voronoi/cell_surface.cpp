@@ -17,10 +17,15 @@ typename Map::mapped_type made_once(Map& map, const typename Map::key_type& key,
   return known != map.end() ? known->second : map[key] = make();
 }
 
+std::shared_ptr<const SidedSurface> find_sides(const Surface& surface, std::size_t count,
+                                               Cells cells, Context* context) {
+  return cells == Cells::kConnected ? with_sides(surface, count, context) : nullptr;
+}
+
 }  // namespace
 
 KnownSides sides_for(const Surface& surface, std::size_t count, Cells cells, Context* context) {
-  return cells == Cells::kConnected ? with_sides(surface, count, context) : nullptr;
+  return find_sides(surface, count, cells, context);
 }
 
 CellSurface cell_surface(const Surface& surface, std::size_t count, Cells cells, Context* context) {
@@ -30,7 +35,7 @@ CellSurface cell_surface(const Surface& surface, std::size_t count, Cells cells,
 std::shared_ptr<const SidedSurface> CellSurfaces::sides_of(const Surface& surface,
                                                            std::size_t count,
                                                            Context* context) const {
-  if (!known_) return *sides_for(surface, count, cells_, context);
+  if (!known_) return find_sides(surface, count, cells_, context);
   return *known_ ? with_sides_of(**known_, surface) : nullptr;
 }
 
