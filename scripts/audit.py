@@ -18,7 +18,7 @@ from zipfile import ZipFile
 
 import lief
 
-MOST_BYTES = 5_000_000
+MOST_BYTES = 6_000_000
 ENTRY = "PyInit__native"
 LINUX = re.compile(r"(libc|libm|libpthread|libdl|librt)\.so\.\d+|ld-linux-[\w-]+\.so\.\d+")
 WINDOWS = re.compile(r"(kernel32|ntdll|advapi32|bcrypt|ucrtbase|api-ms-win-[\w-]+)\.dll", re.I)

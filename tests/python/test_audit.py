@@ -116,7 +116,7 @@ def test_a_module_of_windows_is_loaded_anywhere():
 
 
 def test_a_wheel_that_is_too_large_is_refused(tmp_path):
-    with pytest.raises(audit.RefusedError, match="more than 5,000,000"):
+    with pytest.raises(audit.RefusedError, match="more than 6,000,000"):
         audit.audit(wheel(tmp_path, LINUX, bytes(6_000_000)))
 
 

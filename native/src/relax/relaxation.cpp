@@ -34,6 +34,8 @@ constexpr double kNear = 0.5;       // spacings: a site so near to where there i
 constexpr double kYield = 0.01;
 constexpr double kRounding = 0.5;  // ... but for a part of a sample ...
 constexpr std::size_t kHalf = 2;   // ... and all of them where that is more than one of so many
+// Cells in these shares of the capacity even out without samples that come and go.
+constexpr double kSmallest = 0.2, kLargest = 3.0;
 constexpr double kFewMore = 1.25;  // of the sites: so many are put in beside others
 // Of the progress: the region is known, it has its number of sites, it is even for the first time;
 // then half of the rest each.
@@ -270,6 +272,7 @@ void Relaxation::balance(Region& region, Context* context) {
   const double wanted = options_.count ? capacity_for_count(region, shared) : capacity_;
   if (wanted == 0.0) return take_out(which_are(region.fixed()), region);
   check_wanted(std::span<const Region::Member>(region.members), diagram, wanted);
+  if (options_.count && lacking() == 0 && is_spread(region, diagram, wanted)) return;
   const double most = kFewMore * static_cast<double>(region.members.size());
   if (options_.count && free_count() == given_ && static_cast<double>(*options_.count) <= most)
     return rebalance_all(region, context);
@@ -283,6 +286,17 @@ void Relaxation::balance(Region& region, Context* context) {
   if (options_.count) keep_to_count(*options_.count, region, found);
   take_out(found.stay, region);
   if (found.lacking > 0) put_in(found.lacking, wanted, region, context);
+}
+
+/// Whether the cells are near enough to the capacity that sites need only move: who relaxes as many
+/// as there are then finds the same samples in the same order.
+bool Relaxation::is_spread(const Region& region, const RestrictedVoronoi& diagram,
+                           double capacity) {
+  for (std::size_t k = 0; k < region.members.size(); ++k) {
+    const double share = diagram.cells[k].capacity / capacity;
+    if (!region.members[k].fixed && !(share > kSmallest && share < kLargest)) return false;
+  }
+  return true;
 }
 
 /// All may move: each neighborhood gets its number, as in resampling.

@@ -51,6 +51,8 @@ class Relaxation {
   [[nodiscard]] Region cut_out(const std::vector<OrderedFace>& faces, Context* context);
   void lead_to_density(Region& region, const Context* context);
   void balance(Region& region, Context* context);
+  [[nodiscard]] static bool is_spread(const Region& region, const RestrictedVoronoi& diagram,
+                                      double capacity);
   void rebalance_all(Region& region, Context* context);
   void add(const Sites& fresh, Region& region);
   [[nodiscard]] RestrictedVoronoi first_cells(const Region& region, Context* context);
