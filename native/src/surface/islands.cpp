@@ -5,19 +5,18 @@
 
 #include "base/parallel.hpp"
 #include "base/sets.hpp"
+#include "surface/on_density.hpp"
 
 namespace dapple {
 namespace {
 
-bool has_density(const OrderedSurface& mesh, std::size_t f) {
-  return mesh.geometry(nth_face(f)).moments.capacity > 0.0;
-}
-
-bool lacks_density(const OrderedSurface& mesh) {
+bool lacks_density(const Surface& surface) {
+  const OrderedSurface& mesh = surface.ordered();
   std::atomic<bool> found = false;
   parallel_chunks(mesh.face_count(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end && !found; ++f)
-      if (mesh.geometry(nth_face(f)).moments.area > 0.0 && !has_density(mesh, f)) found = true;
+      if (mesh.geometry(nth_face(f)).moments.area > 0.0 && !has_density(surface, nth_face(f)))
+        found = true;
   });
   return found;
 }
@@ -28,24 +27,26 @@ bool has_density_along(const OrderedSurface& mesh, std::int32_t half_edge) {
   return values[half_edge % 3] > 0.0 || values[(half_edge + 1) % 3] > 0.0;
 }
 
-void join_over_edges(const OrderedSurface& mesh, std::size_t f, Sets& sets) {
+void join_over_edges(const Surface& surface, std::size_t f, Sets& sets) {
+  const OrderedSurface& mesh = surface.ordered();
   for (std::int32_t k = 0; k < 3; ++k) {
     const std::int32_t h = half_edge(nth_face(f), k);
     if (!has_density_along(mesh, h)) continue;
     for (std::int32_t g = mesh.next_around(h); g != h; g = mesh.next_around(g))
-      if (g > h && has_density(mesh, as_index(face_of(g))) && has_density_along(mesh, g))
+      if (g > h && has_density(surface, face_of(g)) && has_density_along(mesh, g))
         sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(as_index(face_of(g))));
   }
 }
 
-std::vector<std::int32_t> labels_of(const OrderedSurface& mesh) {
+std::vector<std::int32_t> labels_of(const Surface& surface) {
+  const OrderedSurface& mesh = surface.ordered();
   Sets sets(mesh.face_count());
   for (std::size_t f = 0; f < mesh.face_count(); ++f)
-    if (has_density(mesh, f)) join_over_edges(mesh, f, sets);
+    if (has_density(surface, nth_face(f))) join_over_edges(surface, f, sets);
   std::vector<std::int32_t> labels(mesh.face_count()), numbers(mesh.face_count(), -1);
   std::int32_t count = 1;  // 0: no density
   for (std::size_t f = 0; f < labels.size(); ++f) {
-    if (!has_density(mesh, f)) continue;
+    if (!has_density(surface, nth_face(f))) continue;
     std::int32_t& number =
         numbers[static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(f)))];
     if (number < 0) number = count++;
@@ -58,7 +59,7 @@ std::vector<std::int32_t> labels_of(const OrderedSurface& mesh) {
 
 Islands::Islands(const Surface& surface) : surface_(&surface) {
   const OrderedSurface& mesh = surface.ordered();
-  if (!surface.uniform() && lacks_density(mesh)) labels_ = labels_of(mesh);
+  if (!surface.uniform() && lacks_density(surface)) labels_ = labels_of(surface);
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     const std::size_t island = at(nth_face(f));
     if (island >= masses_.size()) masses_.resize(island + 1, 0.0);

@@ -141,15 +141,24 @@ class Sides {
     }
   }
 
-  /// Parts of walls that hang together, without turning back at a sharp rim.
-  void label_walls() {
+  /// Sets of faces that hang together over edges where `joins(face, neighbor)`.
+  template <typename Joins>
+  [[nodiscard]] Sets joined(const Joins& joins) const {
     Sets sets(behind_.size());
     for (std::size_t f = 0; f < behind_.size(); ++f)
       for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
-        if (g < h || behind_[f] == kNone || behind_[other] == kNone) return;
-        if (mesh_.geometry(nth_face(f)).normal.dot(mesh_.geometry(nth_face(other)).normal) > 0.0)
+        if (g > h && joins(f, other))
           sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
       });
+    return sets;
+  }
+
+  /// Parts of walls that hang together, without turning back at a sharp rim.
+  void label_walls() {
+    Sets sets = joined([this](std::size_t f, std::size_t other) {
+      return behind_[f] != kNone && behind_[other] != kNone &&
+             mesh_.geometry(nth_face(f)).normal.dot(mesh_.geometry(nth_face(other)).normal) > 0.0;
+    });
     label_.assign(behind_.size(), kNone);
     for (std::size_t f = 0; f < behind_.size(); ++f)
       if (behind_[f] != kNone) label_[f] = sets.find(static_cast<std::int32_t>(f));
@@ -195,12 +204,9 @@ class Sides {
 
   /// What is narrow between walls belongs to the nearer one, by faces.
   void label_rims() {
-    Sets sets(label_.size());
-    for (std::size_t f = 0; f < label_.size(); ++f)
-      for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
-        if (g > h && label_[f] == kNone && label_[other] == kNone)
-          sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
-      });
+    Sets sets = joined([this](std::size_t f, std::size_t other) {
+      return label_[f] == kNone && label_[other] == kNone;
+    });
     std::vector<std::int32_t> rest(label_.size(), kNone);
     for (std::size_t f = 0; f < rest.size(); ++f)
       if (label_[f] == kNone && mesh_.counts(nth_face(f)))
@@ -254,12 +260,7 @@ class Sides {
       return label_[f] != kNone && label_[other] != kNone && label_[f] != label_[other] &&
              pairs.contains(std::minmax(label_[f], label_[other]));
     };
-    Sets sets(label_.size());
-    for (std::size_t f = 0; f < label_.size(); ++f)
-      for_each_neighbor(f, [&](std::size_t other, std::int32_t h, std::int32_t g) {
-        if (g > h && !parts(f, other))
-          sets.join(static_cast<std::int32_t>(f), static_cast<std::int32_t>(other));
-      });
+    Sets sets = joined([&](std::size_t f, std::size_t other) { return !parts(f, other); });
     const std::vector<bool> whole = undivided(sets, pairs, cells);
     std::vector<std::int32_t> result(label_.size(), kNone);
     std::vector<std::int32_t> of_body(whole.size(), kNone), of_set(label_.size(), kNone);
