@@ -71,7 +71,8 @@ struct Mosaic {
 /// border of a connected cell that lies in no such plane, since the straight way goes through a
 /// wall, stays without grout. Where there is no grout at all, tiles that touch have the same points
 /// where they do, bit by bit: closed, once vertices at the same place are one, where the surface
-/// is. \throw ArgumentError for an option below 0 or not finite, insets of another length than the
+/// is closed.
+/// \throw ArgumentError for an option below 0 or not finite, insets of another length than the
 /// samples or the first of them that is negative; Cancelled
 [[nodiscard]] Mosaic mosaic(const Surface& surface, const Samples& samples,
                             const MosaicOptions& options = {}, Context* context = nullptr);
