@@ -179,10 +179,13 @@ std::vector<MadeTile> made_of(const Tiler& tiler, std::span<const CellPolygon> p
   std::vector<Patch> patches(count), flat(count);
   std::vector<MadeTile> result(count);
   const EdgePoints others = tiler.edge_points(pieces);
-  for_each([&](std::size_t k) { joined[k] = tiler.join(k, cell(k), others); });
+  for_each([&](std::size_t k) {
+    joined[k] = tiler.join(k, cell(k), others);
+    if (!tiler.touch()) patches[k] = tiler.cleaned(std::move(joined[k]));
+  });
   if (tiler.touch()) patches = tiler.cleaned(std::move(joined));
   for_each([&](std::size_t k) {
-    patches[k] = apart(tiler.touch() ? patches[k] : tiler.cleaned(std::move(joined[k])));
+    patches[k] = apart(patches[k]);
     flat[k] = tiler.flat(patches[k]);
   });
   if (tiler.merges() && tiler.touch()) share_corners(patches, flat);
