@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Auto Update: what is changed is followed, and nothing is done that nobody asked for."""
 
+import time
+
 import addon_host
 import bpy
 import numpy as np
@@ -31,6 +33,15 @@ def grown(surface, name="Grass"):
     group.add(range(len(surface.data.vertices)), 0.2, "REPLACE")
     group.add(upper, 1.0, "REPLACE")
     return group
+
+
+def viewed():
+    """The scene's camera, above all else."""
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 9.0
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    return camera
 
 
 def test_a_setting_is_followed(live, obj):
@@ -141,10 +152,7 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
     other = scenes.sphere(location=(1.0, 0.0, 0.0), scale=(0.3, 0.3, 0.3))
     stones.objects.link(other)
     followed(live, obj)
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.location.z = 9.0
-    bpy.context.scene.collection.objects.link(camera)
-    bpy.context.scene.camera = camera
+    camera = viewed()
     obj.dapple.density.use_camera = True
     followed(live, obj)
     camera.location.x = 0.5
@@ -152,6 +160,32 @@ def test_what_is_avoided_and_the_camera_are_followed(live, obj):
     camera.data.lens = 80.0
     followed(live, obj)
     surface.location.x = 0.1
+    followed(live, obj)
+
+
+def test_what_it_writes_itself_does_not_begin_it_anew_under_a_camera(live, obj, monkeypatch):
+    """A look while the figures are measured finds the points written, and the scene with them."""
+    keep = addon_host.part("core.keep")
+    measured = keep.measured
+    monkeypatch.setattr(keep, "measured", lambda *now: (time.sleep(0.05), measured(*now))[1])
+    camera = viewed()
+    obj.dapple.density.use_camera = True
+    live.settle()
+    for x in (0.5, 0.2, -0.3):
+        camera.location.x = x
+        assert live.settle() == 1
+        assert obj.dapple.report.spacing > 0.0
+
+
+def test_the_width_of_a_render_is_followed_under_a_camera_alone(live, obj):
+    viewed()
+    scene = bpy.context.scene
+    live.settle()
+    scene.render.resolution_x = 900
+    assert live.settle() == 0
+    obj.dapple.density.use_camera = True
+    live.settle()
+    scene.render.resolution_x = 400
     followed(live, obj)
 
 

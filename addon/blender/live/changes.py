@@ -6,7 +6,7 @@ was updated because of another does not have that updated in turn: two that avoi
 never rest. So what an update writes has a cause, the scatters because of which it was.
 """
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 import bpy
@@ -27,7 +27,7 @@ class Changes:
     """What is noted, all of it by session_uid; file data is always looked up anew."""
 
     _touched: set[int] = field(default_factory=set)  # changed data-blocks
-    _depends: dict[int, set[int]] = field(default_factory=dict)  # of a scatter
+    _depends: dict[int, set[Hashable]] = field(default_factory=dict)  # of a scatter
     _images: set[int] = field(default_factory=set)  # those that are watched
     _pictures: Pictures = field(default_factory=Pictures)
     _relinked: bool = True  # whether that is to be looked up again
@@ -123,7 +123,7 @@ class Changes:
         causes |= being_written
         found = []
         for uid, depends in self._looked_up().items():
-            because = {causes.get(block, NOBODY) for block in touched & depends}
+            because = {causes.get(block, NOBODY) for block in touched if block in depends}
             if self._all_doubtful or uid in self._doubtful or uid in touched & self._passed_over:
                 because.add(NOBODY)
             found += [(uid, cause) for cause in because if uid not in cause]
@@ -135,7 +135,7 @@ class Changes:
         """Those of the file."""
         return set(self._looked_up())
 
-    def _looked_up(self) -> dict[int, set[int]]:
+    def _looked_up(self) -> dict[int, set[Hashable]]:
         """What scatters depend on; where that is something else than before, it is a change."""
         if self._relinked:
             self._relinked = False

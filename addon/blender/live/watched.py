@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which scatters follow changes by themselves, and changes of what."""
 
+from collections.abc import Hashable
+
 import bpy
 
 from ...core.native import missing
@@ -8,6 +10,7 @@ from ..data.library import is_in_view_layer, read_only
 from ..data.members import collections_of
 from ..data.scatter import is_automatic, is_scatter
 from ..status.present import AROUND, SURFACE, VALUES, depends_on
+from ..surface.surroundings import picture_of
 
 _READ = {SURFACE, VALUES, AROUND}  # what a scatter is solved from
 
@@ -28,15 +31,19 @@ def scatters() -> list[bpy.types.Object]:
     return [obj for obj in bpy.data.objects if is_scatter(obj)]
 
 
-def dependencies(obj: bpy.types.Object) -> set[int]:
+def dependencies(obj: bpy.types.Object) -> set[Hashable]:
     """What a scatter is solved from, by session_uid; the scatter is not in it.
 
-    Nor are collections, which change with every object in them.
+    Nor are collections, which change with every object in them, and the scene, which changes with
+    every selection and whatever is written: what Camera View reads of it stands there as values.
     """
     scene, density = bpy.context.scene, obj.dapple.density
-    found = {uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)}
-    if not density.use_camera:
-        found.discard(scene.session_uid)  # which changes with every selection
+    found: set[Hashable] = {
+        uid for uid, parts in depends_on(obj, scene).items() if _READ & set(parts)
+    }
+    found.discard(scene.session_uid)
+    if density.use_camera:
+        found.add(picture_of(scene))
     for one in filter(None, (density.obstacles, density.distance_collection)):
         found -= {block.session_uid for block in (one, *one.children_recursive)}
     return found - {one.session_uid for one in collections_of(obj.dapple.surface)}

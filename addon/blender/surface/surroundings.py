@@ -114,17 +114,20 @@ def check_camera(scene: bpy.types.Scene) -> None:
         raise ScatterError(f"Scene '{scene.name}' has no camera, which Camera View needs")
 
 
+def picture_of(scene: bpy.types.Scene) -> tuple[float, ...]:
+    """Width and height of a render, and of its pixels."""
+    render = scene.render
+    size = (render.resolution_x, render.resolution_y)
+    return (*size, render.pixel_aspect_x, render.pixel_aspect_y)
+
+
 def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     """World space to clip space of the scene's camera."""
     scene = depsgraph.scene
     check_camera(scene)
-    render, camera = scene.render, scene.camera.evaluated_get(depsgraph)
+    camera, (x, y, scale_x, scale_y) = scene.camera.evaluated_get(depsgraph), picture_of(scene)
     frame = camera.calc_matrix_camera(
-        depsgraph,
-        x=render.resolution_x,
-        y=render.resolution_y,
-        scale_x=render.pixel_aspect_x,
-        scale_y=render.pixel_aspect_y,
+        depsgraph, x=int(x), y=int(y), scale_x=scale_x, scale_y=scale_y
     )
     there = np.array(camera.matrix_world, dtype=np.float64)
     there[:3, :3] /= np.linalg.norm(there[:3, :3], axis=0)  # renders ignore a camera's scale
