@@ -29,7 +29,9 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 
+#include "base/parallel.hpp"
 #include "changing_bodies.hpp"
 #include "invariants.hpp"
 #include "shapes.hpp"
@@ -61,6 +63,8 @@ class Watch {
 };
 
 Watch watch;
+/// What this thread does at its next check.
+thread_local std::function<void()> at_next_check;
 
 }  // namespace
 
@@ -71,6 +75,7 @@ void __wrap__ZNK6dapple7Context5checkEv(const dapple::Context* context);
 void __wrap__ZNK6dapple7Context5checkEv(const dapple::Context* context) {
   watch.note();
   if (++checks == cancel_at) const_cast<dapple::Context*>(context)->cancel();
+  if (at_next_check) std::exchange(at_next_check, {})();
   __real__ZNK6dapple7Context5checkEv(context);
 }
 }
@@ -213,6 +218,57 @@ TEST(Cancel, EverywhereInAPoissonStart) {
   }();
   cancel_everywhere([&](Context* context) { (void)sample(surface, 2000, options, context); },
                     [] {});
+}
+
+// ---- a check that works itself, as a signal's handler in Python may ----
+
+/// Begin `work` once for each of its checks, and there do all of it on the same object.
+/// \param make makes a fresh object
+template <typename Make, typename Use>
+void work_at_each_check(const Make& make, const Use& use) {
+  const int total = count_checks([&](Context* context) { use(*make(), context); });
+  ASSERT_GT(total, 1);
+  for (int k = 1; k <= total; ++k) {
+    const auto object = make();
+    Context context, another;
+    int left = k;
+    std::function<void()> at_check = [&] {
+      if (--left == 0)
+        use(*object, &another);
+      else
+        at_next_check = at_check;
+    };
+    at_next_check = at_check;
+    use(*object, &context);
+    at_next_check = {};
+    EXPECT_LE(left, 0) << "check " << k << " of " << total;
+  }
+}
+
+TEST(ACheckThatWorks, MayCutTheDomainThatIsBeingCut) {
+  const std::vector<Vec2> outline = {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}};
+  const PlanarDomain first = PlanarDomain::polygon(outline);
+  const Sites sites = first.start(Start::kRandom, 400, 0, nullptr);
+  const double expected = first.cells(sites, nullptr).cells[7].area;
+  work_at_each_check(
+      [&] { return std::make_unique<PlanarDomain>(PlanarDomain::polygon(outline)); },
+      [&](const PlanarDomain& domain, Context* context) {
+        with_threads(1, [&] { EXPECT_EQ(domain.cells(sites, context).cells[7].area, expected); });
+      });
+}
+
+TEST(ACheckThatWorks, MayUseTheSurfaceDomainThatIsBeingMade) {
+  const Surface surface = grid(1).surface();
+  const Sites sites = sites_of(sample(surface, 300, {.optimizer = {.max_evaluations = 1}}));
+  const double expected = SurfaceDomain(surface).cells(sites, nullptr).cells[7].area;
+  const std::vector<Vec3> points(3, Vec3(2.0, 1.0, 0.5));
+  work_at_each_check([&] { return std::make_unique<SurfaceDomain>(surface); },
+                     [&](const SurfaceDomain& domain, Context* context) {
+                       with_threads(1, [&] {
+                         EXPECT_EQ(domain.cells(sites, context).cells[7].area, expected);
+                         EXPECT_EQ(domain.project(points, {}, context).size(), points.size());
+                       });
+                     });
 }
 
 // ---- every verb: cancelled at each check, and its progress ----

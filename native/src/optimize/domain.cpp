@@ -90,14 +90,17 @@ Surface SurfaceDomain::stepping_surface() const {
 }
 
 const Projector& SurfaceDomain::projector(const Context* context) const {
-  // While Embree waits for its own tasks, this thread must not begin another that waits for it.
-  // Cancelled, it is made by the next who asks.
+  {
+    const std::scoped_lock lock(making_);
+    if (projector_) return *projector_;
+  }
+  // Without the lock: a Poll that is asked meanwhile may itself come here. Isolated: while Embree
+  // waits for its own tasks, this thread begins no other of ours.
+  auto made = tbb::this_task_arena::isolate([&] {
+    return std::make_unique<const Projector>(stepping_surface(), /*support_only=*/true, context);
+  });
   const std::scoped_lock lock(making_);
-  if (!projector_)
-    tbb::this_task_arena::isolate([&] {
-      projector_ =
-          std::make_unique<const Projector>(stepping_surface(), /*support_only=*/true, context);
-    });
+  if (!projector_) projector_ = std::move(made);
   return *projector_;
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voronoi/cell_surface.hpp"
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <bit>
 
@@ -10,11 +8,18 @@ namespace dapple {
 
 namespace {
 
-/// What a map has at a key, made if need be.
+/// What a map has at a key, made if need be. The mutex guards the map and is free meanwhile: a Poll
+/// that is asked while it is made may itself ask for the same. What was stored first is used.
 template <typename Map, typename Make>
-typename Map::mapped_type made_once(Map& map, const typename Map::key_type& key, const Make& make) {
-  const auto known = map.find(key);
-  return known != map.end() ? known->second : map[key] = make();
+typename Map::mapped_type made_once(std::mutex& mutex, Map& map,
+                                    const typename Map::key_type& key, const Make& make) {
+  {
+    const std::scoped_lock lock(mutex);
+    if (const auto known = map.find(key); known != map.end()) return known->second;
+  }
+  typename Map::mapped_type made = make();
+  const std::scoped_lock lock(mutex);
+  return map.try_emplace(key, std::move(made)).first->second;
 }
 
 std::shared_ptr<const SidedSurface> find_sides(const Surface& surface, std::size_t count,
@@ -41,23 +46,18 @@ std::shared_ptr<const SidedSurface> CellSurfaces::sides_of(const Surface& surfac
 
 std::shared_ptr<const SidedSurface> CellSurfaces::known(const Surface& surface) {
   if (!known_ || !*known_) return nullptr;
-  const std::scoped_lock lock(mutex_);
-  return made_once(sided_, 0, [&] { return sides_of(surface, 0, nullptr); });
+  return made_once(mutex_, sided_, 0, [&] { return sides_of(surface, 0, nullptr); });
 }
 
 CellSurface CellSurfaces::at(const Surface& surface, std::size_t count, Context* context) {
   const auto order = static_cast<int>(std::bit_width(std::max<std::size_t>(count, 1)));
-  const std::scoped_lock lock(mutex_);
-  // Isolated: no other task that comes here may run on this thread while it holds the lock.
-  return tbb::this_task_arena::isolate([&] {
-    CellSurface result;
-    // Those that are known do not depend on the count.
-    result.sided =
-        made_once(sided_, known_ ? 0 : count, [&] { return sides_of(surface, count, nullptr); });
-    result.cut = made_once(cut_, {order, result.sided.get()},
-                           [&] { return cut_for(result.uncut(surface), count, context); });
-    return result;
-  });
+  CellSurface result;
+  // Those that are known do not depend on the count.
+  result.sided = made_once(mutex_, sided_, known_ ? 0 : count,
+                           [&] { return sides_of(surface, count, nullptr); });
+  result.cut = made_once(mutex_, cut_, {order, result.sided.get()},
+                         [&] { return cut_for(result.uncut(surface), count, context); });
+  return result;
 }
 
 }  // namespace dapple
