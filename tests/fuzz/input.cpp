@@ -377,6 +377,10 @@ std::optional<Samples> take_samples(Bytes& bytes, const Surface& surface, int mo
   return std::nullopt;
 }
 
+void take_zeros(Bytes& bytes, Image& image) {
+  if (bytes.one_in(2)) take_zeros(bytes, image.values, 1);
+}
+
 Image take_image(Bytes& bytes, double most) {
   Image image;
   image.rows = static_cast<std::size_t>(bytes.between(1, 12));
@@ -385,6 +389,7 @@ Image take_image(Bytes& bytes, double most) {
   const double largest = *std::max_element(image.values.begin(), image.values.end());
   if (most > 0.0 && largest > most)
     for (double& value : image.values) value = std::min(most, value / largest * most);
+  take_zeros(bytes, image);
   if (bytes.one_in(32)) {
     bytes.set_wild();
     image.rows = bytes.one_in(2) ? bytes.whole() : image.rows - 1;

@@ -43,8 +43,11 @@ struct Values {
 [[nodiscard]] std::optional<Samples> take_samples(Bytes& bytes, const Surface& surface,
                                                   int most = 40);
 
-/// A picture of at most 12 x 12 pixels.
+/// A picture of at most 12 x 12 pixels, in half of the cases with parts that are 0.
 [[nodiscard]] Image take_image(Bytes& bytes, double most = 1.0);
+
+/// In half of the cases, parts of a picture become 0.
+void take_zeros(Bytes& bytes, Image& image);
 
 /// A number of samples; rarely none.
 [[nodiscard]] std::size_t take_count(Bytes& bytes, int most = 60);

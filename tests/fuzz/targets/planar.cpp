@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
 #include <dapple/planar_sampler.hpp>
 
 #include "expect.hpp"
@@ -35,24 +37,72 @@ std::unique_ptr<FlatDomain> take_polygon(Bytes& bytes) {
   return std::make_unique<PlanarDomain>(PlanarDomain::polygon(outline, holes));
 }
 
-std::unique_ptr<FlatDomain> take_domain(Bytes& bytes) {
+/// A domain and what its image's values lie on.
+struct Ground {
+  std::unique_ptr<FlatDomain> domain;
+  Vec2 size = Vec2::Ones();  // of the image
+  bool periodic = false;
+};
+
+Ground take_rectangle(Bytes& bytes, const Image* image) {
+  const double width = take_length(bytes);
+  const Vec2 size(width, take_length(bytes));
+  PlanarDomain domain = image ? PlanarDomain::image(size.x(), size.y(), *image)
+                              : PlanarDomain::rectangle(size.x(), size.y());
+  return {std::make_unique<PlanarDomain>(std::move(domain)), size};
+}
+
+Ground take_ground(Bytes& bytes) {
   switch (bytes.below(5)) {
-    case 0: {
-      const double width = take_length(bytes);
-      return std::make_unique<PlanarDomain>(PlanarDomain::rectangle(width, take_length(bytes)));
-    }
+    case 0:
+      return take_rectangle(bytes, nullptr);
     case 1: {
       const Image image = take_image(bytes, 0.0);
-      const double width = take_length(bytes);
-      return std::make_unique<PlanarDomain>(PlanarDomain::image(width, take_length(bytes), image));
+      return take_rectangle(bytes, &image);
     }
     case 2:
-      return take_polygon(bytes);
+      return {take_polygon(bytes)};
     case 3:
-      return std::make_unique<TorusDomain>();
+      return {std::make_unique<TorusDomain>(), Vec2::Ones(), true};
     default:
-      return std::make_unique<TorusDomain>(take_image(bytes, 0.0));
+      return {std::make_unique<TorusDomain>(take_image(bytes, 0.0)), Vec2::Ones(), true};
   }
+}
+
+/// Between which two pixels a coordinate lies, in pixels, and how far from the first.
+struct Between {
+  std::size_t first, second;
+  double share;
+};
+
+Between between(double x, std::size_t count, bool periodic) {
+  const double low = std::floor(x - 0.5), last = static_cast<double>(count) - 1.0;
+  const auto pixel = [&](double k) {
+    return static_cast<std::size_t>(periodic ? (k < 0.0    ? last
+                                                : k > last ? 0.0
+                                                           : k)
+                                             : std::clamp(k, 0.0, last));
+  };
+  return {pixel(low), pixel(low + 1.0), x - 0.5 - low};
+}
+
+/// Whether an image that is linear on triangles between the centers of its pixels is above 0.
+bool is_dense(const Ground& ground, const Image& image, const Vec2& p) {
+  const auto columns = static_cast<double>(image.columns), rows = static_cast<double>(image.rows);
+  const Between x = between(p.x() / ground.size.x() * columns, image.columns, ground.periodic);
+  const Between y = between(p.y() / ground.size.y() * rows, image.rows, ground.periodic);
+  const auto dense = [&](std::size_t column, std::size_t row, double weight) {
+    return weight > 0.0 && image.values[row * image.columns + column] > 0.0;
+  };
+  if (dense(x.first, y.first, 1.0 - std::max(x.share, y.share))) return true;
+  if (dense(x.second, y.second, std::min(x.share, y.share))) return true;
+  return x.share > y.share ? dense(x.second, y.first, x.share - y.share)
+                           : dense(x.first, y.second, y.share - x.share);
+}
+
+void expect_dense(const Ground& ground, const Image* image, const Vec2& p) {
+  EXPECT_TRUE(!image || is_dense(ground, *image, p))
+      << "a sample at (" << p.x() << ", " << p.y() << ") is where the density is 0";
 }
 
 void expect_points(const FlatDomain& domain, const PlanarSamples& samples) {
@@ -62,13 +112,15 @@ void expect_points(const FlatDomain& domain, const PlanarSamples& samples) {
   expect_measured(samples.report);
 }
 
-void fuzz_planar_classes(Bytes& bytes, const FlatDomain& domain) {
+void fuzz_planar_classes(Bytes& bytes, const Ground& ground) {
+  const FlatDomain& domain = *ground.domain;
   std::vector<PlanarClass> classes(static_cast<std::size_t>(bytes.between(1, 3)));
   for (PlanarClass& one : classes) {
     one.count = take_count(bytes, 20);
     if (domain.density() && bytes.one_in(3)) {
       one.density = *domain.density();
       for (double& value : one.density->values) value = bytes.byte() / 32.0;
+      take_zeros(bytes, *one.density);
     }
     if (bytes.one_in(4)) one.radius = take_option(bytes, {}, 0.1 * domain.spacing(40));
   }
@@ -80,6 +132,10 @@ void fuzz_planar_classes(Bytes& bytes, const FlatDomain& domain) {
   });
   if (!samples) return;
   expect_points(domain, *samples);
+  for (std::size_t k = 0; k < samples->positions.size(); ++k) {
+    const PlanarClass& own = classes[static_cast<std::size_t>(samples->classes[k])];
+    expect_dense(ground, own.density ? &*own.density : domain.density(), samples->positions[k]);
+  }
   for (std::size_t c = 0; c < classes.size(); ++c)
     EXPECT_EQ(count_of(samples->classes, static_cast<std::int32_t>(c)), classes[c].count);
 }
@@ -87,10 +143,10 @@ void fuzz_planar_classes(Bytes& bytes, const FlatDomain& domain) {
 }  // namespace
 
 void fuzz_planar(Bytes& bytes) {
-  const auto found = answer([&] { return take_domain(bytes); });
-  if (!found) return;
-  const FlatDomain& domain = **found;
-  if (bytes.one_in(3)) return fuzz_planar_classes(bytes, domain);
+  const auto ground = answer([&] { return take_ground(bytes); });
+  if (!ground) return;
+  const FlatDomain& domain = *ground->domain;
+  if (bytes.one_in(3)) return fuzz_planar_classes(bytes, *ground);
   const std::size_t count = take_count(bytes);
   SampleOptions options;
   take_options(bytes, options);
@@ -104,6 +160,7 @@ void fuzz_planar(Bytes& bytes) {
   if (!samples) return;
   EXPECT_EQ(samples->positions.size(), count);
   expect_points(domain, *samples);
+  for (const Vec2& p : samples->positions) expect_dense(*ground, domain.density(), p);
 }
 
 }  // namespace dapple::fuzz
