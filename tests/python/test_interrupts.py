@@ -205,6 +205,28 @@ def test_a_handler_may_call_what_it_interrupted(bodies):
     assert len(bodies.tracker.samples) == len(bodies.few)
 
 
+def test_a_handler_may_sample_the_polygon_that_is_being_cut():
+    """A polygon is cut for its samples when it is first used."""
+    outline = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
+    expected = dapple.sample_planar(dapple.Plane.polygon(outline), 40, max_evaluations=1)
+    heard = []
+    for k in range(8):
+        plane = dapple.Plane.polygon(outline)
+
+        def handler(*_, plane=plane):
+            heard.append(dapple.sample_planar(plane, 40, max_evaluations=1))
+
+        signal.signal(signal.SIGINT, handler)
+        threading.Timer(0.03 * k, os.kill, (os.getpid(), signal.SIGINT)).start()
+        found = dapple.sample_planar(plane, 30_000, max_evaluations=2)
+        assert len(found) == 30_000
+        deadline = time.monotonic() + 10
+        while len(heard) <= k and time.monotonic() < deadline:
+            time.sleep(0.01)
+    assert len(heard) == 8
+    assert all(one.positions.tobytes() == expected.positions.tobytes() for one in heard)
+
+
 def test_other_threads_do_not_hear_ctrl_c(bodies):
     """As Python has it: the main thread alone does."""
     found = []

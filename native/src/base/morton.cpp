@@ -43,9 +43,10 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> points, Context* co
   if (points.empty()) return {};
   Vec3 low = points[0];
   Vec3 high = points[0];
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    check_at(k, 65536);
+    low = low.cwiseMin(points[k]);
+    high = high.cwiseMax(points[k]);
   }
   const double extent = std::max((high - low).maxCoeff(), 1e-300);
   std::vector<Key> keys(points.size());
@@ -59,8 +60,9 @@ std::vector<std::int32_t> morton_order(std::span<const Vec3> points, Context* co
   });
   sort(keys, sorting.context());
   std::vector<std::int32_t> order(points.size());
-  std::transform(keys.begin(), keys.end(), order.begin(),
-                 [](const auto& key) { return key.second; });
+  parallel_chunks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) order[k] = keys[k].second;
+  });
   return order;
 }
 

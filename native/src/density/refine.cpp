@@ -18,7 +18,25 @@ constexpr std::int32_t kNone = -1;
 constexpr double kCut = 0.5;
 constexpr double kRound = 0.25;
 
+constexpr std::size_t kMoved = 4096;  // values between two checks
+
 std::int32_t as_int(std::size_t k) { return static_cast<std::int32_t>(k); }
+
+/// Make room for so many values, moving a few of those that are there at a time: a vector that
+/// grows by itself moves gigabytes at once.
+template <typename T>
+void reserve_watched(std::vector<T>& values, std::size_t count, const Context* context) {
+  if (count <= values.capacity()) return;
+  std::vector<T> roomy;
+  roomy.reserve(count);
+  for (std::size_t k = 0; k < values.size(); k += kMoved) {
+    check_context(context);
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(k);
+    const std::size_t moved = std::min(kMoved, values.size() - k);
+    roomy.insert(roomy.end(), first, first + static_cast<std::ptrdiff_t>(moved));
+  }
+  values = std::move(roomy);
+}
 
 struct Edge {
   std::array<std::int32_t, 2> ends;
@@ -107,23 +125,32 @@ class CutMesh {
 
   [[nodiscard]] std::size_t size_after_cut() const {
     std::size_t size = triangles_.size();
-    if (context_) context_->check();
-    for (const Triangle& triangle : triangles_) size += marked_edges(triangle);
+    for (const Triangle& triangle : triangles_) {
+      check_at(context_, static_cast<std::size_t>(&triangle - triangles_.data()));
+      size += marked_edges(triangle);
+    }
     return size;
   }
 
   /// Halve the marked edges and cut the triangles at them.
-  void cut() {
+  /// \param size size_after_cut()
+  void cut(std::size_t size) {
     std::vector<std::size_t> halved;
-    for (std::size_t e = 0, count = edges_.size(); e < count; ++e) {
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
       check_at(context_, e);
-      if (!edges_[e].marked || edges_[e].midpoint != kNone) continue;
-      halve(e);
-      halved.push_back(e);
+      if (edges_[e].marked && edges_[e].midpoint == kNone) halved.push_back(e);
     }
-    for (const std::size_t e : halved) link_halves(edges_[e]);
+    make_room(halved.size(), size - triangles_.size());
+    for (std::size_t k = 0; k < halved.size(); ++k) {
+      check_at(context_, k);
+      halve(halved[k]);
+    }
+    for (std::size_t k = 0; k < halved.size(); ++k) {
+      check_at(context_, k);
+      link_halves(edges_[halved[k]]);
+    }
     std::vector<Triangle> cut;
-    cut.reserve(2 * triangles_.size());
+    cut.reserve(size);
     for (const Triangle& triangle : triangles_) {
       check_at(context_, static_cast<std::size_t>(&triangle - triangles_.data()));
       cut_at_longest(triangle, cut);
@@ -134,6 +161,13 @@ class CutMesh {
   [[nodiscard]] Refined result(bool resolved, Context* context) &&;
 
  private:
+  /// For the halves of edges, and an edge in each triangle that is cut off.
+  void make_room(std::size_t halved, std::size_t triangles) {
+    reserve_watched(edges_, edges_.size() + 2 * halved + triangles, context_);
+    reserve_watched(vertices_, vertices_.size() + halved, context_);
+    reserve_watched(ends_, ends_.size() + halved, context_);
+  }
+
   [[nodiscard]] Edge& edge(std::int32_t e) { return edges_[static_cast<std::size_t>(e)]; }
   [[nodiscard]] const Edge& edge(std::int32_t e) const {
     return edges_[static_cast<std::size_t>(e)];
@@ -268,6 +302,7 @@ class CutMesh {
   /// Per half-edge, the lowest of the edges at its place.
   [[nodiscard]] std::vector<std::int32_t> joined_edges() const {
     std::vector<std::int32_t> result;
+    result.reserve(3 * triangles_.size());
     for (const Triangle& triangle : triangles_) {
       check_at(context_, result.size(), std::size_t{3} * 4096);
       for (const std::int32_t e : triangle.edges) {
@@ -321,20 +356,28 @@ std::vector<double> carried_density(const Surface& surface, const Refined& refin
 }
 
 /// The normals of the surface at the corners of pieces of its faces.
-std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined) {
+std::vector<Vec3> carried_normals(const Surface& surface, const Refined& refined,
+                                  const Context* context) {
   std::vector<std::int32_t> faces;
   std::vector<Vec3> weights;
-  for (std::size_t f = 0; f < refined.parents.size(); ++f)
+  faces.reserve(3 * refined.parents.size());
+  weights.reserve(faces.capacity());
+  for (std::size_t f = 0; f < refined.parents.size(); ++f) {
+    check_at(context, f);
     for (const Vec3& corner : refined.barycentric[f]) {
       faces.push_back(refined.parents[f]);
       weights.push_back(corner);
     }
+  }
   return surface.normals(faces, weights);
 }
 
 Refined CutMesh::result(bool resolved, Context* context) && {
   Refined refined{*surface_, *surface_, {}, {}, std::move(ends_), resolved};
   std::vector<Face> faces;
+  faces.reserve(triangles_.size());
+  refined.parents.reserve(triangles_.size());
+  refined.barycentric.reserve(triangles_.size());
   for (const Triangle& triangle : triangles_) {
     check_at(context, faces.size());
     faces.push_back(triangle.corners);
@@ -346,7 +389,7 @@ Refined CutMesh::result(bool resolved, Context* context) && {
                             Joints{joined_edges(), places()}, surface_->sharp_angle(),
                             /*merge_doubled=*/false, context);
   if (surface_->has_normals())
-    refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined));
+    refined.surface = refined.surface.with_normals(carried_normals(*surface_, refined, context));
   return refined;
 }
 
@@ -362,8 +405,9 @@ Refined cut(const Surface& surface, const Criterion& criterion, bool all, std::s
     if (context) context->check();
     resolved = !mesh.mark(criterion, all);
     mesh.close();
-    full = mesh.size_after_cut() > max_faces;
-    if (!resolved && !full) mesh.cut();
+    const std::size_t size = mesh.size_after_cut();
+    full = size > max_faces;
+    if (!resolved && !full) mesh.cut(size);
     done += kRound * (kCut - done);
     if (context) context->advance(done);
   }

@@ -43,6 +43,8 @@ Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
   check_grid(x.size(), y.size());
   std::vector<Vec3> vertices;
   std::vector<double> density;
+  vertices.reserve(x.size() * y.size());
+  density.reserve(vertices.capacity());
   for (std::size_t row = 0; row < y.size(); ++row) {
     check_context(nullptr);
     for (std::size_t column = 0; column < x.size(); ++column) {
@@ -51,6 +53,7 @@ Surface grid_surface(const std::vector<double>& x, const std::vector<double>& y,
     }
   }
   std::vector<Face> faces;
+  faces.reserve(2 * (x.size() - 1) * (y.size() - 1));
   const auto vertex = [&](std::size_t column, std::size_t row) {
     return static_cast<std::int32_t>(row * x.size() + column);
   };

@@ -16,7 +16,8 @@ namespace {
 // Of the progress: what is done after each step.
 constexpr double kVerticesOrdered = 0.12, kFacesOrdered = 0.35, kEdgesLinked = 0.65, kWelded = 0.94;
 
-constexpr double kFarthest = 1e300;  // a coordinate to which the size of a cell can be added
+constexpr std::size_t kLookups = 65536;  // between two checks
+constexpr double kFarthest = 1e300;      // a coordinate to which the size of a cell can be added
 constexpr double kNoTolerance = -1.0;
 constexpr double kAll = 2.0;  // of the diagonal: no vertices are farther apart
 
@@ -96,10 +97,12 @@ void find_components(Connectivity& mesh, const Context* context) {
     mesh.component[as_index(doubled.face)] = mesh.component[as_index(doubled.counted)];
 }
 
-std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
+std::vector<std::int32_t> invert(std::span<const std::int32_t> order, const Context* context) {
   std::vector<std::int32_t> inverse(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    check_at(context, k, kLookups);
     inverse[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+  }
   return inverse;
 }
 
@@ -107,9 +110,10 @@ std::vector<std::int32_t> invert(std::span<const std::int32_t> order) {
 /// numbers: the area of faces of such vertices is 0 or not finite either.
 double tolerance_of(std::span<const Vec3> vertices, double weld) {
   Vec3 low = vertices[0], high = vertices[0];
-  for (const Vec3& v : vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    check_at(v, kLookups);
+    low = low.cwiseMin(vertices[v]);
+    high = high.cwiseMax(vertices[v]);
   }
   if (low.minCoeff() < -kFarthest || high.maxCoeff() > kFarthest) return kNoTolerance;
   return std::min(weld, kAll) * (high - low).stableNorm();
@@ -145,7 +149,9 @@ void link(std::span<const std::int32_t> edges, std::span<const std::int32_t> pla
     mesh.doubled = find_doubled(mesh.faces, mesh.original_face, place_of, context);
   const std::vector<bool> left_out = left_out_faces(mesh.doubled, mesh.faces.size());
   std::vector<HalfEdgeKey> keys;
+  keys.reserve(edges.size());
   for (std::size_t h = 0; h < edges.size(); ++h) {
+    check_at(h, kLookups);
     if (!left_out.empty() && left_out[h / 3]) continue;
     const auto face = static_cast<std::size_t>(mesh.original_face[h / 3]);
     const std::int32_t edge = edges[3 * face + h % 3];
@@ -166,7 +172,7 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
   Connectivity result;
   Stretch first(context, 0.0, kVerticesOrdered), second(context, kVerticesOrdered, kFacesOrdered);
   result.original_vertex = morton_order(vertices, first.context());
-  const std::vector<std::int32_t> ordered_vertex = invert(result.original_vertex);
+  const std::vector<std::int32_t> ordered_vertex = invert(result.original_vertex, context);
   std::vector<Vec3> centroids(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(context, f);
@@ -176,8 +182,11 @@ Connectivity ordered_faces(std::span<const Vec3> vertices, std::span<const Face>
     centroids[f] = (corner(0) + corner(1) + corner(2)) / 3.0;
   }
   result.original_face = morton_order(centroids, second.context());
-  for (const std::int32_t face : invert(result.original_face))
+  result.ordered_face.reserve(faces.size());
+  for (const std::int32_t face : invert(result.original_face, context)) {
+    check_at(context, result.ordered_face.size(), kLookups);
     result.ordered_face.push_back(OrderedFace{face});
+  }
   result.faces.reserve(faces.size());
   for (const std::int32_t f : result.original_face) {
     check_at(context, result.faces.size());

@@ -85,7 +85,10 @@ std::vector<DoubledFace> find_doubled(std::span<const Face> faces,
                                       const Context* context) {
   std::vector<Face> at;
   at.reserve(faces.size());
-  for (const Face& face : faces) at.push_back(sorted(at_places(face, places)));
+  for (const Face& face : faces) {
+    check_at(context, at.size());
+    at.push_back(sorted(at_places(face, places)));
+  }
   const std::vector<std::int32_t> first = first_equals(at, context);
   std::map<std::int32_t, std::vector<std::int32_t>> sets;  // of equal faces, by the first
   for (std::size_t f = 0; f < first.size(); ++f)

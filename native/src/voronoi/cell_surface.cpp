@@ -11,8 +11,8 @@ namespace {
 /// What a map has at a key, made if need be. The mutex guards the map and is free meanwhile: a Poll
 /// that is asked while it is made may itself ask for the same. What was stored first is used.
 template <typename Map, typename Make>
-typename Map::mapped_type made_once(std::mutex& mutex, Map& map,
-                                    const typename Map::key_type& key, const Make& make) {
+typename Map::mapped_type made_once(std::mutex& mutex, Map& map, const typename Map::key_type& key,
+                                    const Make& make) {
   {
     const std::scoped_lock lock(mutex);
     if (const auto known = map.find(key); known != map.end()) return known->second;
