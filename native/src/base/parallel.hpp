@@ -42,8 +42,8 @@ void parallel_chunks(std::size_t count, std::size_t grain, const Body& body) {
   // to work, and Embree flushes denormal numbers to zero there.
   using Group = tbb::task_group_context;
   Group group(Group::bound, Group::default_traits | Group::fp_settings);
-  HandOver all;
   Poll* const poll = Poll::current();
+  HandOver all;  // last: what is written after it is not handed over
   const auto visit = [&](const auto& range) {
     const HandOver::Part part(all);
     const Poll::Share share(poll);
