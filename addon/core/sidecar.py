@@ -4,8 +4,8 @@
 Frames that are solved in pieces have a second file each where they are ahead: together.py.
 A file is an npz of plain arrays (docs/bake.md lists them). It is written under another name,
 flushed to the disk and renamed, so a frame is there as a whole or not at all. Its fingerprint
-covers all that the frame was solved from; a file that is torn, foreign or of other input is as
-good as none.
+covers all that the frame was solved from, its digest what it holds and of which frame; a file that
+is torn, changed, exchanged, foreign or of other input is as good as none.
 """
 
 import hashlib
@@ -114,7 +114,10 @@ class Sidecar:
             with np.load(self.path(frame, ahead=ahead), allow_pickle=False) as stored:
                 if str(stored["fingerprint"]) != fingerprint:
                     return None
-                return _checked({name: stored[name] for name in stored.files}, points, surface)
+                arrays = {name: stored[name] for name in stored.files}
+            if str(arrays.pop("digest")) != _digest(self.path(frame, ahead=ahead), arrays):
+                return None
+            return _checked(arrays, points, surface)
         except Exception:  # whatever broken bytes make numpy and zipfile raise
             return None
 
@@ -132,19 +135,18 @@ class Sidecar:
         path = self.path(frame, ahead=ahead)
         part = path.with_suffix(f".{os.getpid()}.part")
         lean = solved.placed.lean
-        some: dict[str, Any] = {} if lean is None else {"lean": lean}
-        some |= {_MORE + name: np.asarray(values) for name, values in solved.more.items()}
+        arrays: dict[str, Any] = {
+            "fingerprint": np.array(fingerprint),
+            "faces": solved.placed.faces,
+            "barycentric": solved.placed.binding.barycentric,
+            "carry": solved.placed.binding.carry,
+            "report": np.array(json.dumps(asdict(solved.report))),
+            "settled": np.array(solved.settled),
+        }
+        arrays |= {} if lean is None else {"lean": lean}
+        arrays |= {_MORE + name: np.asarray(values) for name, values in solved.more.items()}
         packed = io.BytesIO()  # numpy leaves an archive on the disk open when a write fails
-        np.savez(
-            packed,
-            fingerprint=np.array(fingerprint),
-            faces=solved.placed.faces,
-            barycentric=solved.placed.binding.barycentric,
-            carry=solved.placed.binding.carry,
-            report=np.array(json.dumps(asdict(solved.report))),
-            settled=np.array(solved.settled),
-            **some,
-        )
+        np.savez(packed, digest=np.array(_digest(path, arrays)), **arrays)
         with replacing(path, part):
             part.write_bytes(packed.getbuffer())
 
@@ -170,6 +172,16 @@ class Sidecar:
                 folder.rmdir()
             except OSError:  # not there, or not empty
                 return
+
+
+def _digest(path: Path, arrays: dict[str, Any]) -> str:
+    """Of the arrays of a file, which belong to the frame that it is named by."""
+    digest = hashlib.blake2b(path.stem.encode(), digest_size=16)
+    for name, array in sorted(arrays.items()):
+        values = np.ascontiguousarray(array)
+        digest.update(f"{name} {values.dtype.str}{values.shape}".encode())
+        digest.update(values.tobytes())
+    return digest.hexdigest()
 
 
 def _checked(stored: dict[str, Any], points: int | None, surface: SurfaceArrays) -> Solved:

@@ -82,6 +82,51 @@ def test_a_file_with_any_byte_turned_is_not_taken_as_other_values(sidecar, tmp_p
             assert (found.placed.binding.carry == expected.carry).all()
 
 
+def rewritten(path, **changed):
+    """A file with other arrays, as whole as before."""
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    for name, change in changed.items():
+        arrays[name] = change(arrays[name])
+    np.savez(path, **arrays)
+
+
+def test_a_file_of_another_frame_is_not_taken(sidecar, tmp_path):
+    """All frames of a piece are solved from the same input."""
+    files = sidecar.Sidecar(tmp_path)
+    files.store(1, "abc", solved(sidecar))
+    files.store(2, "abc", solved(sidecar), ahead=True)
+    for path, other in ((1, {"frame": 2}), (1, {"frame": 1, "ahead": True})):
+        shutil.copy(files.path(path), files.path(**other))
+        assert (
+            files.load(other["frame"], "abc", 5, triangles(), ahead=other.get("ahead", False))
+            is None
+        )
+    shutil.copy(files.path(2, ahead=True), files.path(2))
+    assert files.load(2, "abc", 5, triangles()) is None
+    assert files.load(1, "abc", 5, triangles()) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("faces", lambda faces: (faces + 1) % len(FACES)),
+        ("barycentric", lambda weights: weights[:, ::-1]),
+        ("barycentric", lambda weights: weights * 2),
+        ("carry", lambda carry: carry + 1e-9),
+        ("settled", np.logical_not),
+        ("report", lambda text: np.array(str(text).replace("0.25", "0.26"))),
+    ],
+)
+def test_a_whole_file_of_other_values_is_not_taken(sidecar, tmp_path, name, change):
+    files = sidecar.Sidecar(tmp_path)
+    files.store(1, "abc", solved(sidecar))
+    rewritten(files.path(1))
+    assert files.load(1, "abc", 5, triangles()) is not None
+    rewritten(files.path(1), **{name: change})
+    assert files.load(1, "abc", 5, triangles()) is None
+
+
 @pytest.mark.parametrize("foreign", [b"", b"hello", b"PK\x05\x06" + bytes(18)])
 def test_a_foreign_file_is_not_taken(sidecar, tmp_path, foreign):
     files = sidecar.Sidecar(tmp_path)
@@ -248,6 +293,48 @@ def test_a_canceled_bake_in_pieces_goes_on_from_the_last_whole_piece(tmp_path, m
     assert taken() == 2
     bpy.ops.wm.save_mainfile()
     assert not list(tmp_path.rglob("*.npz"))
+
+
+def exchanged(one, other):
+    first, second = one.read_bytes(), other.read_bytes()
+    one.write_bytes(second)
+    other.write_bytes(first)
+
+
+DAMAGES = {
+    "exchanged": lambda one, other: exchanged(one, other),
+    "truncated": lambda one, _: one.write_bytes(one.read_bytes()[:-200]),
+    "other places": lambda one, _: rewritten(one, barycentric=lambda weights: weights[:, ::-1]),
+    "gone": lambda one, _: one.unlink(),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_frames_are_solved_again_to_the_same_bytes(tmp_path, damage):
+    obj = saved_scatter(tmp_path / "damaged.blend")
+    stop_after(4)
+    files = files_of(obj)
+    DAMAGES[damage](files.path(2), files.path(3))
+    assert 1 <= taken() < 4
+    resumed = packed(obj)
+    files.clear()
+    assert taken() == 0
+    assert packed(obj) == resumed
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("ahead", [False, True])
+def test_damaged_pieces_are_solved_again_to_the_same_bytes(tmp_path, monkeypatch, damage, ahead):
+    obj = saved_in_pieces(tmp_path / "damaged.blend", monkeypatch)
+    stop_after(1)
+    files = files_of(obj)
+    one = files.path(3, ahead=True) if ahead else files.path(1)
+    DAMAGES[damage](one, files.path(2))
+    assert taken() == 0
+    resumed = packed(obj)
+    files.clear()
+    assert taken() == 0
+    assert packed(obj) == resumed
 
 
 def test_frames_ahead_follow_when_the_file_is_saved_under_another_name(tmp_path, monkeypatch):
