@@ -180,9 +180,11 @@ class PopulationBaker(Baker):
             self._population = self._new_population()
         if self._stands < self.done:
             ground = self._ground_then or self._new_ground_then()
-            points = _samples(ground, self._there_then)
+            there = ground.there(_samples(ground, self._there_then))
             surface = ground.surface.deformed(ground.vertices(self._vertices))
-            self._population.resume(surface, ground.there(points), self._state)
+            who = {"ids": there.ids, "classes": there.classes}
+            points = package().Samples(surface, there.faces, there.barycentric, **who)
+            self._population.resume(surface, points, self._state)
             self._stands = self.done
         return self._population
 

@@ -120,6 +120,7 @@ py::dict state_of(const SharedPopulation& population) {
   result["densities"] = give(std::move(state.densities));
   result["next_id"] = state.next_id;
   result["settled"] = state.settled;
+  result["faces_digest"] = state.faces_digest;
   return result;
 }
 
@@ -143,7 +144,10 @@ PopulationState state_from(const py::dict& given) {
           .neighbors = all(integers("state.neighbors", of("neighbors"), 0)),
           .densities = all(doubles("state.densities", of("densities"), 0)),
           .next_id = of("next_id").cast<std::int64_t>(),
-          .settled = of("settled").cast<bool>()};
+          .settled = of("settled").cast<bool>(),
+          .faces_digest = given.contains("faces_digest")  // not in states of before
+                              ? of("faces_digest").cast<std::int64_t>()
+                              : 0};
 }
 
 void resume_population(SharedPopulation& shared, const Surface& surface, const Samples& samples,
@@ -256,12 +260,13 @@ Raises:
 
 Args:
     vertices: (v, 3) float64, of that frame.
-    samples: Samples with its faces and barycentric coordinates, as many as the tracker has; ids and classes stay.
+    samples: Samples with its faces and barycentric coordinates, as many as the tracker has, made on that frame's
+        surface, the present one or the first; ids and classes stay.
     settled: what the property said then.
 
 Raises:
     SurfaceError: vertices of another number or not finite.
-    ValueError: samples of another number, or not of the surface.)")
+    ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
       .def_property_readonly(
           "settled", [](const SharedTracker& t) { return t.read().settled(); },
           "Whether nothing was left to be caught up when the last frame was done.")
@@ -350,7 +355,7 @@ The population is one that began as that which solved the frame; it is unchanged
 Args:
     surface: the Surface of that frame. To the last byte: where its faces are those of a frame before, that one's,
         deformed.
-    samples: Samples with its faces, barycentric coordinates, ids and classes.
+    samples: Samples with its faces, barycentric coordinates, ids and classes, made on that surface.
     state: what the property said then.
 
 Raises:
@@ -361,7 +366,8 @@ Raises:
 
 fades (n,) float64 per sample; first_faces (m,) int32 and first_barycentric (m, 3) float64, where each of the m samples
 that stay was on the first frame, on the current faces; starts (m + 1,) int64 and neighbors (k,) int32, rows of their
-neighbors there; densities (c,) float64, samples per capacity of each class; next_id, above all ids so far; settled.)")
+neighbors there; densities (c,) float64, samples per capacity of each class; next_id, above all ids so far; settled; faces_digest, by
+which resume() tells a surface of other faces.)")
       .def_property_readonly(
           "surface",
           [](const SharedPopulation& p) { return std::make_shared<Surface>(p.read().surface()); },
@@ -451,12 +457,13 @@ Raises:
 
 Args:
     vertices: (v, 3) float64, of the present frame.
-    samples: Samples with its faces and barycentric coordinates, as many as the tracker has; ids and classes stay.
+    samples: Samples with its faces and barycentric coordinates, as many as the tracker has, made on that frame's
+        surface, the present one or the first; ids and classes stay.
     ahead: list of Samples with those of the frames ahead.
 
 Raises:
     SurfaceError: vertices of another number or not finite.
-    ValueError: samples of another number, or not of the surface.)")
+    ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
       .def_property_readonly(
           "surface",
           [](const SharedWindowTracker& t) {

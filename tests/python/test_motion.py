@@ -35,6 +35,40 @@ def test_refuses_to_go_on_from_another_number(surface, samples):
         tracker.resume(surface.vertices, dapple.sample(surface, len(samples) + 1))
 
 
+def test_refuses_to_go_on_from_another_surface(mesh, surface, samples, tmp_path):
+    """Also where its faces happen to have numbers that this surface has."""
+    small = dapple.Surface(*torus(12, 8))
+    large = dapple.Surface(*torus(90, 60))
+    elsewhere = r"samples.positions\[0\] is .* away from .*: it is of another surface"
+    outside = r"samples.faces\[\d+\] is \d+, outside the surface's faces"
+    for other, said in ((small, elsewhere), (large, outside)):
+        there = dapple.sample(other, len(samples))
+        for kind in (dapple.Tracker, dapple.WindowTracker, dapple.Population):
+            with pytest.raises(ValueError, match=said):
+                kind(surface, there)
+        tracker, window = dapple.Tracker(surface, samples), dapple.WindowTracker(surface, samples)
+        with pytest.raises(ValueError, match=said):
+            tracker.resume(mesh[0], there)
+        with pytest.raises(ValueError, match=said):
+            window.resume(mesh[0], there, [])
+        population, begun = dapple.Population(surface, samples), dapple.Population(other, there)
+        state = "state is of a frame with other faces"
+        for frame, points in ((surface, samples), (surface, there)):
+            with pytest.raises(ValueError, match=state):
+                population.resume(frame, points, kept(begun, tmp_path / "other.npz")[1])
+        with pytest.raises(ValueError, match=state):
+            population.resume(other, there, population.state)
+        with pytest.raises(ValueError, match=said):
+            population.resume(surface, there, population.state)
+        assert same_bytes(population.samples, samples)
+        assert same_bytes(tracker.samples, samples)
+    ahead = r"ahead\[1\].faces\[\d+\] is \d+, outside the surface's faces"
+    with pytest.raises(ValueError, match=ahead):
+        dapple.WindowTracker(surface, samples).resume(
+            mesh[0], samples, [samples, dapple.sample(large, len(samples))]
+        )
+
+
 def test_says_into_how_many_parts_a_frame_was_split(mesh, surface, samples):
     far = mesh[0] * [1.3, 1, 1]
     assert dapple.Tracker(surface, samples, longest_motion=0).advance(far).report.parts == 1

@@ -43,6 +43,7 @@ struct PopulationState {
   std::vector<double> densities = {};        ///< per class (one without classes): as wanted now
   std::int64_t next_id = 0;                  ///< above all that were ever used
   bool settled = true;                       ///< see Tracker::settled()
+  std::int64_t faces_digest = 0;  ///< of the present frame's faces; 0: they are not compared
 };
 
 /// Samples on a deforming surface at a constant density per area: where it grows samples appear,
@@ -84,7 +85,8 @@ class Population {
   /// Go on from a frame that was solved before, as if this population had solved it.
   /// \param frame the surface of that frame: where its faces are those of a frame before, that
   ///        one's, deformed
-  /// \param samples, state of a population that began as this one did
+  /// \param samples, state of a population that began as this one did; positions on that frame,
+  ///        or on the present one if it has the same faces
   /// \throw ArgumentError naming what does not fit; the population is then unchanged
   void resume(const Surface& frame, const Samples& samples, const PopulationState& state);
 

@@ -36,7 +36,8 @@ class Tracker {
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
   /// Go on from a frame that was solved before, as if this tracker had solved it.
-  /// \param samples the frame's faces and barycentric coordinates, as many as the tracker has
+  /// \param samples the frame's faces and barycentric coordinates, as many as the tracker has;
+  ///                positions on that frame, the present one or the first
   /// \param settled what settled() said then
   /// \throw SurfaceError, ArgumentError
   void resume(std::span<const Vec3> vertices, const Samples& samples, bool settled);
@@ -55,6 +56,7 @@ class Tracker {
                bool settled);
   [[nodiscard]] bool rests_at(std::span<const Vec3> vertices) const;
 
+  Surface first_surface_;
   Surface surface_;
   Samples samples_;
   std::shared_ptr<const FrameSolver> solver_;

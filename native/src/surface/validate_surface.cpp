@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/validate_surface.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/validate.hpp"
 
@@ -25,18 +28,22 @@ void check_barycentric(const std::string& name, std::span<const Vec3> rows) {
   }
 }
 
+/// A site that is not where its barycentric coordinates say.
+struct Elsewhere {
+  std::size_t site;
+  double distance;
+};
+
 /// \pre the rows belong to faces of the surface
-void check_places(const std::string& owner, const Surface& surface, const Sites& sites) {
+std::optional<Elsewhere> first_elsewhere(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const Vec3& x = sites.positions[k];
     const double distance = (x - surface.point(sites.faces[k], sites.barycentric[k])).norm();
     const double rounding =
         kElsewhere * std::sqrt(surface.area()) + kCoordinates * x.cwiseAbs().maxCoeff();
-    if (!(distance <= rounding))
-      throw ArgumentError(entry((owner + ".positions").c_str(), k) + " is " + number(distance) +
-                          " away from where its face and barycentric coordinates are: it is of "
-                          "another surface");
+    if (!(distance <= rounding)) return Elsewhere{k, distance};
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -59,12 +66,22 @@ void check_binding(const std::string& owner, const Surface& surface,
 }
 
 void check_bound_sites(const std::string& owner, const Surface& surface, const Sites& sites) {
+  check_bound_sites(owner, std::array{&surface}, sites);
+}
+
+void check_bound_sites(const std::string& owner, std::span<const Surface* const> frames,
+                       const Sites& sites) {
   const std::string positions = owner + ".positions";
   check_same_length((owner + ".faces").c_str(), sites.faces.size(), positions.c_str(),
                     sites.size());
-  check_binding(owner, surface, sites.faces, sites.barycentric);
+  check_binding(owner, *frames.front(), sites.faces, sites.barycentric);
   check_finite(positions.c_str(), sites.positions);
-  check_places(owner, surface, sites);
+  const std::optional<Elsewhere> found = first_elsewhere(*frames.front(), sites);
+  const auto fits = [&](const Surface* frame) { return !first_elsewhere(*frame, sites); };
+  if (found && std::ranges::none_of(frames.subspan(1), fits))
+    throw ArgumentError(entry(positions.c_str(), found->site) + " is " + number(found->distance) +
+                        " away from where its face and barycentric coordinates are: it is of "
+                        "another surface");
 }
 
 void check_hints(const Surface& surface, std::span<const Vec3> points,

@@ -26,6 +26,10 @@ void check_binding(const std::string& owner, const Surface& surface,
 /// elsewhere, as those of another surface are
 void check_bound_sites(const std::string& owner, const Surface& surface, const Sites& sites);
 
+/// The same where the positions may be those of any of several frames of one body.
+void check_bound_sites(const std::string& owner, std::span<const Surface* const> frames,
+                       const Sites& sites);
+
 /// \param hints a face near each of the points, or none
 /// \throw ArgumentError naming the first point that is not finite or hint that is out of range
 void check_hints(const Surface& surface, std::span<const Vec3> points,

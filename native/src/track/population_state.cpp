@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <dapple/population.hpp>
 #include <string>
 
+#include "base/progress.hpp"
 #include "base/validate.hpp"
+#include "sample/validate_samples.hpp"
+#include "surface/validate_surface.hpp"
 #include "track/frame_solver.hpp"
 
 namespace dapple {
@@ -39,6 +43,25 @@ void check_ids(const Samples& samples, std::int64_t next_id) {
                         std::to_string(kAboveAllIds));
 }
 
+/// Of which vertices the faces are.
+std::int64_t faces_digest(const Surface& surface) {
+  std::uint64_t digest = 0xcbf29ce484222325u;  // FNV-1a, by whole numbers
+  const auto add = [&](std::uint64_t value) { digest = (digest ^ value) * 0x100000001b3u; };
+  add(surface.vertex_count());
+  const std::vector<Face> faces = surface.faces();
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    check_at(f);
+    for (const std::int32_t corner : faces[f]) add(static_cast<std::uint64_t>(corner));
+  }
+  return static_cast<std::int64_t>(digest >> 1) | 1;  // no 0
+}
+
+void check_faces(const Surface& surface, std::int64_t digest) {
+  if (digest != 0 && digest != faces_digest(surface))
+    throw ArgumentError("state is of a frame with other faces than the surface's " +
+                        std::to_string(surface.face_count()));
+}
+
 /// Where samples of a surface were on the first frame.
 Sites first_sites(const Surface& surface, const PopulationState& state) {
   try {
@@ -66,7 +89,8 @@ PopulationState Population::state() const {
                         .starts = memory.starts(),
                         .neighbors = memory.neighbors(),
                         .next_id = next_id_,
-                        .settled = tracker_.settled()};
+                        .settled = tracker_.settled(),
+                        .faces_digest = faces_digest(surface())};
   for (const Kind& kind : kinds_) state.densities.push_back(kind.density);
   return state;
 }
@@ -89,7 +113,13 @@ void Population::resume(const Surface& frame, const Samples& samples,
   check_ids(samples, state.next_id);
   check_same_length("state.densities", state.densities.size(), "the classes", kinds_.size());
   for (const double density : state.densities) check_at_least("state.densities", density, 0.0);
+  check_faces(frame, state.faces_digest);
   const Surface there = with_kinds(frame);
+  check_lengths(samples);
+  check_bound_sites(
+      "samples",
+      std::array<const Surface*, 2>{&there, is_of_this_body(there) ? &surface() : &there},
+      sites_of(samples));
   const Samples all =
       bind_samples(there, samples.faces, samples.barycentric, samples.ids, samples.classes);
   Population next = *this;

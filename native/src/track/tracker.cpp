@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <dapple/tracker.hpp>
 #include <map>
@@ -9,6 +10,8 @@
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
+#include "sample/validate_samples.hpp"
+#include "surface/validate_surface.hpp"
 #include "track/frame_solver.hpp"
 #include "track/motion.hpp"
 #include "track/transfer.hpp"
@@ -21,6 +24,12 @@ constexpr double kStill = 1e-9;     // motion that rounding alone makes, relativ
 constexpr double kBound = 0.2;      // of the progress of a new tracker: the samples are bound ...
 constexpr double kEvaluated = 0.9;  // ... and evaluated
 constexpr double kHeld = 0.9;       // of the longest slide: a sample so far was held back by it
+
+/// The samples, which must be of the surface.
+Samples bound(const Surface& surface, const Samples& samples) {
+  check_samples(surface, samples);
+  return bind_samples(surface, samples.faces, samples.barycentric, samples.ids, samples.classes);
+}
 
 int part_count(const Motion& motion, double longest) {
   if (longest == 0.0 || !(motion.extent > longest)) return 1;
@@ -57,9 +66,7 @@ Report resting(Report report) {
 
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
                  std::vector<SampleClass> classes, Context* context)
-    : surface_(std::move(surface)),
-      samples_(bind_samples(surface_, samples.faces, samples.barycentric, samples.ids,
-                            samples.classes)) {
+    : first_surface_(surface), surface_(std::move(surface)), samples_(bound(surface_, samples)) {
   samples_.report = samples.report;
   if (context) {
     context->check();
@@ -125,6 +132,9 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
 void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, bool settled) {
   check_same_length("samples", samples.size(), "the tracker's samples", samples_.size());
   Surface surface = surface_.deformed(vertices);
+  check_lengths(samples);
+  check_bound_sites("samples", std::array<const Surface*, 3>{&surface, &surface_, &first_surface_},
+                    sites_of(samples));
   samples_ =
       bind_samples(surface, samples.faces, samples.barycentric, samples_.ids, samples_.classes);
   surface_ = std::move(surface);
@@ -155,7 +165,7 @@ void Tracker::replace(const Surface& frame, Samples samples, Sites first, Patter
                       bool settled) {
   solver_ = std::make_shared<const FrameSolver>(
       solver_->replaced(samples, std::move(first), std::move(memory)));
-  surface_ = frame;
+  first_surface_ = surface_ = frame;
   samples_ = std::move(samples);
   measured_.reset();
   settled_ = settled;
@@ -181,7 +191,7 @@ void Tracker::cross(const Surface& next, const Transfer& transfer,
   auto [samples, settled] = solver_->restore(next, home, moves, &home, false, context);
   measure_slide(samples.report, samples.positions, stayed);
   settled_ = settled && samples.report.slide_max < kHeld * solver_->options().optimizer.max_slide;
-  surface_ = next;
+  first_surface_ = surface_ = next;
   samples_ = std::move(samples);
   measured_ = samples_.report;
 }

@@ -3,6 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
+#include "sample/validate_samples.hpp"
+#include "surface/validate_surface.hpp"
 #include "track/solve_window.hpp"
 
 namespace dapple {
@@ -53,8 +55,13 @@ std::vector<Samples> WindowTracker::advance(std::span<const std::vector<Vec3>> f
 
 void WindowTracker::resume(std::span<const Vec3> vertices, const Samples& samples,
                            std::vector<Samples> ahead) {
-  for (const Samples& one : ahead)
-    check_same_length("ahead", one.size(), "the tracker's samples", this->samples().size());
+  for (std::size_t k = 0; k < ahead.size(); ++k) {
+    const std::string owner = entry("ahead", k);
+    check_same_length(owner.c_str(), ahead[k].size(), "the tracker's samples",
+                      this->samples().size());
+    check_lengths(ahead[k], owner);
+    check_binding(owner, surface(), ahead[k].faces, ahead[k].barycentric);
+  }
   present_.resume(vertices, samples, false);
   ahead_ = std::move(ahead);
 }

@@ -433,6 +433,38 @@ TEST(Tracker, RefusesToResumeFromAnotherNumber) {
                                 {"samples", "10", "400"});
 }
 
+TEST(Tracker, RefusesToResumeFromAnotherSurface) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const std::vector<Vec3> next = deformed(shape.vertices, 0.3);
+  tracker.advance(next);
+  const Samples before = tracker.samples();
+  const Surface large = icosphere(5).surface(), small = icosphere(2).surface();
+  expect_message<ArgumentError>(
+      [&] { tracker.resume(shape.vertices, sample(large, before.size()), true); },
+      {"samples.faces[", "outside the surface's faces"});
+  expect_message<ArgumentError>(
+      [&] { tracker.resume(shape.vertices, sample(small, before.size()), true); },
+      {"samples.positions[0] is ", "away from", "of another surface"});
+  EXPECT_TRUE(same_bytes(tracker.samples(), before));
+  EXPECT_THROW(Tracker(shape.surface(), sample(small, 40)), ArgumentError);
+}
+
+TEST(Tracker, ResumesFromPlacesOnAnyFrameItKnows) {
+  const Shape shape = body();
+  Tracker tracker = tracker_of(shape);
+  const Surface first = tracker.surface();
+  const std::vector<Vec3> one = deformed(shape.vertices, 0.3), two = deformed(shape.vertices, 0.6);
+  tracker.advance(one);
+  const Samples kept = tracker.samples();
+  tracker.advance(two);
+  for (const Surface& frame : {first, first.deformed(one), first.deformed(two)}) {
+    Tracker again = tracker;
+    again.resume(one, bind_samples(frame, kept.faces, kept.barycentric), true);
+    EXPECT_TRUE(same_bytes(again.samples().positions, kept.positions));
+  }
+}
+
 // ---- refusals ----
 
 TEST(Tracker, RefusesBadFramesAndIsUnchanged) {

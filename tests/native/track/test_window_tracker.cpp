@@ -213,6 +213,11 @@ TEST(WindowTracker, NamesWhatDoesNotFit) {
   (void)tracker.advance(frames, 1);
   expect_message<ArgumentError>([&] { (void)tracker.advance(std::span(frames).first(4), 4); },
                                 {"frames", "5"});
+  expect_message<ArgumentError>(
+      [&] {
+        tracker.resume(frames[0], start, {start, sample(icosphere(5).surface(), start.size())});
+      },
+      {"ahead[1].faces[", "outside the surface's faces"});
   expect_message<ArgumentError>([&] { tracker.resume(frames[0], start, {sample(surface, 49)}); },
                                 {"ahead", "49"});
   expect_message<ArgumentError>([&] { (void)WindowTracker(surface, start, {.sweeps = -1}); },
