@@ -7,6 +7,7 @@
 #include <chrono>
 #include <dapple/classes.hpp>
 #include <dapple/curvature.hpp>
+#include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
@@ -16,13 +17,19 @@
 #include <dapple/progressive.hpp>
 #include <dapple/projector.hpp>
 #include <dapple/refine.hpp>
+#include <dapple/refine_image.hpp>
+#include <dapple/refine_obstacles.hpp>
 #include <dapple/relax.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
+#include <dapple/spectrum.hpp>
+#include <dapple/stipple.hpp>
 #include <dapple/surface_record.hpp>
+#include <dapple/texture.hpp>
 #include <dapple/topology.hpp>
 #include <dapple/window_tracker.hpp>
 #include <functional>
+#include <memory>
 #include <numeric>
 #include <thread>
 
@@ -47,7 +54,25 @@ struct Shared {
     return few;
   }();
   Samples samples = sample(surface, 80, options);
-  PlanarDomain polygon = PlanarDomain::polygon({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}});
+  std::unique_ptr<const PlanarDomain> shared_polygon = polygon();  // cut when it is first used
+  std::vector<FaceUv> uv = charts(surface.face_count());
+  Image image = [] {
+    Image picture{8, 8, {}};
+    for (int k = 0; k < 64; ++k) picture.values.push_back(k % 7 / 6.0);
+    return picture;
+  }();
+
+  static std::unique_ptr<const PlanarDomain> polygon() {
+    return std::make_unique<const PlanarDomain>(
+        PlanarDomain::polygon({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}));
+  }
+  static std::vector<FaceUv> charts(std::size_t faces) {
+    Random random(1);
+    std::vector<FaceUv> uv(faces);
+    for (FaceUv& row : uv)
+      for (Vec2& corner : row) corner = {random.uniform(), random.uniform()};
+    return uv;
+  }
 };
 
 /// Numbers that say what came out.
@@ -57,6 +82,12 @@ using Work = std::function<Outcome(const Shared&, Context*)>;
 Outcome of(const std::vector<Vec3>& points) {
   Outcome result;
   for (const Vec3& p : points) result.insert(result.end(), {p.x(), p.y(), p.z()});
+  return result;
+}
+
+Outcome flat(const std::vector<Vec2>& points) {
+  Outcome result;
+  for (const Vec2& p : points) result.insert(result.end(), {p.x(), p.y()});
   return result;
 }
 
@@ -102,10 +133,7 @@ const std::vector<Work>& works() {
       },
       windowed,
       [](const Shared& s, Context* c) {
-        Outcome result;
-        for (const Vec2& p : sample_planar(s.polygon, 40, s.options, c).positions)
-          result.insert(result.end(), {p.x(), p.y()});
-        return result;
+        return flat(sample_planar(*s.shared_polygon, 40, s.options, c).positions);
       },
       [](const Shared& s, Context* c) {
         return of(mosaic(s.surface, s.samples, MosaicOptions{.grout = 0.01}, c).vertices);
@@ -131,6 +159,41 @@ const std::vector<Work>& works() {
         return Outcome{double(found.genus), double(found.components)};
       },
       [](const Shared& s, Context* c) {
+        const Energy energy = evaluate_energy(s.surface, sites_of(s.samples), 30.0, c);
+        return of(energy.gradient);
+      },
+      [](const Shared& s, Context* c) {
+        const Sites sites = s.shared_polygon->start(Start::kRandom, 60, 0, c);
+        return of(evaluate_energy(*s.shared_polygon, sites, 30.0, c).gradient);
+      },
+      [](const Shared& s, Context* c) {
+        const Samples* const runs[] = {&s.samples, &s.samples};
+        return surface_spectrum(s.surface, runs, {.radius = 3.0, .bins = 32}, c).power;
+      },
+      [](const Shared& s, Context* c) {
+        const Texels found = texels(s.surface, s.uv, 24, 24, 2, c);
+        const std::vector<double> radii(s.samples.size(), 0.2);
+        const std::vector<Vec3> tangents(s.samples.size(), Vec3(1.0, 0.1, 0.2));
+        const auto covered = cover(s.surface, s.samples, radii, tangents, found, c).samples;
+        return Outcome(covered.begin(), covered.end());
+      },
+      [](const Shared& s, Context* c) {
+        return of(
+            refine_image(s.surface, s.uv, s.image, {.max_faces = 4000}, c).surface.vertices());
+      },
+      [](const Shared& s, Context* c) {
+        const std::vector<double> radii(s.samples.size(), 0.1);
+        const Obstacles obstacles{.points = s.samples.positions, .radii = radii};
+        return of(
+            refine_obstacles(s.surface, obstacles, {.max_faces = 4000}, c).surface.vertices());
+      },
+      [](const Shared& s, Context* c) {
+        StippleOptions options;
+        options.optimizer = s.options.optimizer;
+        const std::vector<Image> inks = {s.image};
+        return flat(stipple(inks, 50, options, c).positions);
+      },
+      [](const Shared& s, Context* c) {
         const Report report = analyze(s.surface, s.samples, 30.0, Cells::kConnected, c);
         return Outcome{report.energy, report.bond_order, report.evenness.alpha_min};
       }};
@@ -153,9 +216,10 @@ void cancel(const Shared& shared, const Work& work, int turn) {
 }
 
 TEST(Stress, EightThreadsDoEverythingAtOnce) {
-  const Shared shared;
+  Shared shared;
   std::vector<Outcome> expected;
   for (const Work& work : works()) expected.push_back(work(shared, nullptr));
+  shared.shared_polygon = Shared::polygon();
   std::atomic<int> turn = 0, different = 0;
   const int turns = kRounds * static_cast<int>(works().size());
   std::vector<std::thread> threads;
