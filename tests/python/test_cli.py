@@ -21,7 +21,7 @@ from dapple3d.cli import commands, points, work
 from dapple3d.cli.app import main
 from dapple3d.cli.options import library_defaults
 
-COMMANDS = ["analyze", "classes", "mosaic", "sample", "stipple", "track"]
+COMMANDS = ["analyze", "classes", "mosaic", "relax", "resample", "sample", "stipple", "track"]
 FORMATS = [".ply", ".csv", ".npz", ".obj", ".off"]
 
 
@@ -133,6 +133,8 @@ def test_helps_with_an_example_and_the_librarys_defaults(name):
     [
         ("analyze", "analyze", set()),
         ("classes", "sample_classes", set()),
+        ("relax", "relax", set()),
+        ("resample", "resample", set()),
         ("sample", "sample", set()),
         ("track", "Tracker", {"union_weight"}),
     ],

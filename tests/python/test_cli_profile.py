@@ -23,7 +23,11 @@ def inputs(tmp_path, mesh, torus) -> dict[str, list[object]]:
     picture = tmp_path / "picture.png"
     pillow = pytest.importorskip("PIL.Image")
     pillow.fromarray(np.arange(0, 240, dtype=np.uint8).reshape(12, 20)).save(picture)
+    points = tmp_path / "old.npz"
+    done("sample", torus, points, "-n", 60, "--quiet")
     return {
+        "relax": [torus, points, tmp_path / "new.npz", "--changed", "0-99"],
+        "resample": [torus, points, tmp_path / "new.npz", "-n", 70],
         "sample": [torus, tmp_path / "points.ply", "-n", 60],
         "classes": [torus, tmp_path / "points.ply", "--class", 40, "--class", 20],
         "track": [motion, tmp_path / "points.npz", "-n", 60],
@@ -36,7 +40,9 @@ def rows(table: str) -> dict[str, list[str]]:
     return {line.split()[0]: line.split()[1:] for line in table.splitlines()}
 
 
-@pytest.mark.parametrize("name", ["sample", "classes", "track", "stipple", "mosaic"])
+@pytest.mark.parametrize(
+    "name", ["sample", "classes", "relax", "resample", "track", "stipple", "mosaic"]
+)
 def test_prints_seconds_and_shares(inputs, name):
     table = rows(done(name, *inputs[name], "--profile", "--quiet").stderr)
     assert list(table) == ["stage", *STAGES, "all"]

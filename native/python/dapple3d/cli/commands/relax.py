@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""dapple relax: points made even again where something has changed."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+import dapple3d as dapple
+from dapple3d.cli import indices, meshes, options, points
+from dapple3d.cli.attributes import with_attributes
+from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.report import Reporter, figures
+from dapple3d.cli.work import Work
+
+
+@click.command("relax", short_help="Points made even again where something has changed.")
+@click.argument("mesh", type=options.INPUT)
+@click.argument("source", metavar="POINTS", type=options.INPUT)
+@click.argument("out", type=options.OUTPUT)
+@click.option(
+    "--before",
+    type=options.INPUT,
+    help="MESH as it was when POINTS were made: what differs has changed.",
+)
+@click.option(
+    "--density-before",
+    metavar="FILE.npy|NAME",
+    help="The density then, as --density.  [default: as --density of the mesh then]",
+)
+@click.option(
+    "--changed",
+    type=indices.IndicesType(),
+    metavar=indices.METAVAR,
+    help=f"Faces of MESH where something has changed. {indices.HELP}",
+)
+@click.option(
+    "-n",
+    "--count",
+    type=options.COUNT,
+    help="Number of points wanted: the difference comes and goes where something has changed.  "
+    "[default: as the points around ask for]",
+)
+@click.option(
+    "--locked",
+    type=indices.IndicesType(),
+    metavar=indices.METAVAR,
+    help=f"Points that stay where they are. {indices.HELP}",
+)
+@options.density_options
+@options.attributes_option
+@options.library_options("relax")
+@options.surface_options
+@options.profile_option
+@options.report_options
+def command(
+    mesh: Path,
+    source: Path,
+    out: Path,
+    before: Path | None,
+    density_before: str | None,
+    changed: NDArray[np.int64] | Path | None,
+    count: int | None,
+    locked: NDArray[np.int64] | Path | None,
+    density: str | None,
+    density_at: meshes.Place | None,
+    attributes: bool,
+    surface_options: meshes.SurfaceOptions,
+    profile: bool,
+    json_out: str | None,
+    quiet: bool,
+    **solver: Any,
+) -> None:
+    """Make POINTS on MESH even again where something has changed, into OUT.
+
+    Only points near the change move, come or go; all others stay where they are. What has changed,
+    vertices or density, is told by the mesh as it was, --before, or its density, --density-before;
+    or by the faces, --changed. MESH, POINTS and OUT are as for 'sample' and 'analyze'.
+
+    \b
+    Examples:
+      dapple relax hills.npz points.npz new.npz --density road --density-before plain
+      dapple relax dented.ply points.npz new.npz --before round.ply
+    """
+    reporter = Reporter(json_out, quiet)
+    points.check_extension(out)
+    if (changed is None) == (before is None and density_before is None):
+        raise click.UsageError("give either --changed, or --before and --density-before")
+    files = [mesh, source, before, options.density_file(density)]
+    files += [options.density_file(density_before), indices.file_of(changed)]
+    check_outputs([*files, indices.file_of(locked)], [out, reporter.file])
+    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
+    surface = loaded.surface
+    if changed is None:
+        then = surface_before(loaded, before, density_before or density, density_at)
+        where = dapple.changed_faces(then, surface)
+    else:
+        then, found = surface, indices.indices("--changed", changed, len(surface.faces), "faces")
+        assert found is not None
+        where = found
+    old = points.bound(then, source)
+    old = dapple.Samples(surface, old.faces, old.barycentric, ids=old.ids, classes=old.classes)
+    stay = indices.indices("--locked", locked, len(old), "points")
+    chosen = options.given(solver)
+    solving = partial(dapple.relax, surface, old, where, count=count, locked=stay, **chosen)
+    with Work("relaxing", quiet=quiet) as work:
+        samples = work.run(solving)
+    made = points.points_of(samples)
+    points.write_points(out, with_attributes(loaded.mesh, samples, made) if attributes else made)
+    settings = {
+        "count": count,
+        "locked": 0 if stay is None else len(stay),
+        **options.library_defaults("relax"),
+    }
+    reporter.store(
+        "relax",
+        input={**loaded.describe(), "points": str(source), "before": str(before or mesh)},
+        output=str(out),
+        settings=settings | chosen,
+        changed_faces=len(where),
+        report=samples.report.to_dict(),
+    )
+    reporter.say(
+        f"{out}: {len(samples)} points of {len(old)}, {len(where)} faces changed, "
+        f"{figures(samples.report)} there{loaded.doubled()}"
+    )
+    if profile:
+        reporter.show_profile([samples.report])
+
+
+def surface_before(
+    loaded: meshes.Loaded, path: Path | None, density: str | None, at: meshes.Place | None
+) -> dapple.Surface:
+    """The surface as it was, of the same faces.
+
+    Raises:
+        ClickException: its faces are others, or what load() raises.
+    """
+    mesh = loaded.mesh if path is None else meshes.read_mesh(path)
+    with about(mesh.path):
+        if not np.array_equal(mesh.faces, loaded.mesh.faces):
+            raise ValueError(f"its faces are not those of {loaded.mesh.path}")
+        moved = loaded.surface.deformed(mesh.vertices)
+    found = meshes.read_density(mesh, density, at)
+    if found.values is None:
+        return moved.with_density(None)
+    return meshes.with_density(moved, found)
