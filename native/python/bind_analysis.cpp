@@ -143,6 +143,7 @@ std::shared_ptr<SurfaceSpectrum> differential_spectrum(const Surface& surface,
     Context binding(*watched, 0.0, 0.0);  // no part of the progress: they are samples as a rule
     std::vector<SamplesPtr> own;
     std::vector<const Samples*> pointers;
+    pointers.reserve(sets.size());
     for (const SamplesArgument& set : sets)
       pointers.push_back(own.emplace_back(bound(surface, set, &binding)).get());
     return std::make_shared<SurfaceSpectrum>(surface_spectrum(surface, pointers, options, watched));

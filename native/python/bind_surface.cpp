@@ -195,7 +195,7 @@ std::shared_ptr<SharedConnectivity> shared_object(std::shared_ptr<const Connecti
 }
 
 py::object packed_surface(const Surface& surface) {
-  SurfaceRecord record = run([&] { return record_of(surface); });
+  const SurfaceRecord record = run([&] { return record_of(surface); });
   return py::make_tuple(shared_object(record.connectivity), packed(record.vertices),
                         packed(record.density_at), packed(record.density), record.sharp_angle,
                         packed(record.hard_edges), packed(record.normals));

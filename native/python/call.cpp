@@ -40,9 +40,9 @@ void take_gil(PyThreadState* state) {
 }
 
 bool in_main_thread() {
-  static const py::handle main_thread =
+  static const py::handle kMainThread =
       py::object(py::module_::import("threading").attr("main_thread")).release();
-  return main_thread().attr("ident").cast<unsigned long>() == PyThread_get_thread_ident();
+  return kMainThread().attr("ident").cast<unsigned long>() == PyThread_get_thread_ident();
 }
 
 void stop_calls() {

@@ -51,7 +51,7 @@ class Guarded {
   [[noreturn]] void refuse() const {
     const auto name = py::type::of<Guarded>().attr("__name__").template cast<std::string>();
     throw std::runtime_error("the " + name + " is in use by " +
-                             (*user_ == PyThread_get_thread_ident()
+                             (user_ == PyThread_get_thread_ident()
                                   ? "a call of this thread that has not ended"
                                   : "another thread, whose call has not ended"));
   }
