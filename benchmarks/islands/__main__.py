@@ -20,7 +20,7 @@ from PIL import Image, ImageDraw
 from benchmarks.compare.tables import say, table
 
 Array = NDArray[np.float64]
-SIDE, CELLS, COUNT = 72.0, 500, 20_000  # a spacing of 0.55
+SIDE, CELLS, COUNT = 100.0, 500, 20_000  # a spacing of 0.55 where half of it is masked
 VARIATION, FINE, ALPHA, RATIO = 0.008, 0.012, 0.6, 2.2  # the goals; FINE for the finest masks
 EDGE = 0.1  # of the range of the noise, over which a soft mask falls to 0
 

@@ -71,6 +71,7 @@ class Minimizer {
       evaluate(limit_.project(state_, state_.sites.positions, state_.sites.faces, context_),
                state_);
     check_finite_energy(objective_, state_);
+    give_room(objective_, state_);
     shrink_radii(objective_, state_, radii_);
     if (options_.stickiness > 0.0)
       stick(objective_, state_, limit_.home().positions, options_.stickiness);

@@ -13,6 +13,9 @@
 namespace dapple {
 namespace {
 
+constexpr double kHexagon = 3.4641016151377544;  // area around a circle of radius 1: 2 sqrt 3
+constexpr double kMostRoom = 0.5;                // of what the other sites had, for large discs
+
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {
   const double share = term.domain->mass() / static_cast<double>(std::max<std::size_t>(count, 1));
@@ -31,6 +34,25 @@ void add(const Objective& objective, std::size_t term, const Part& part, State& 
   });
 }
 
+/// Of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n): the part that the capacities wanted change.
+void add_wanted(const Objective& objective, std::size_t term, const Part& part, State& state) {
+  const Term& of = objective.terms[term];
+  if (of.wanted.empty()) return;
+  const RestrictedVoronoi& diagram = part.energy.diagram;
+  const double weight = objective.scale(term, diagram.cells.size()) * objective.capacity_weight;
+  const double mass = of.domain->mass();
+  double sum = mass * mass / static_cast<double>(diagram.cells.size());
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
+    sum += of.wanted[i] * (of.wanted[i] - 2.0 * diagram.cells[i].capacity);
+    Vec3 more = Vec3::Zero();
+    for (const CellBoundary& side : diagram.boundary(i))
+      more += (of.wanted[i] - of.wanted[static_cast<std::size_t>(side.neighbor)]) * side.flux;
+    state.gradient[of.members.empty() ? i : static_cast<std::size_t>(of.members[i])] -=
+        2.0 * weight * more;
+  }
+  state.total += weight * sum;
+}
+
 void add_stickiness(const Objective& objective, State& state) {
   for (std::size_t k = 0; k < objective.anchors.size(); ++k) {
     const Vec3 way = state.sites.positions[k] - objective.anchors[k];
@@ -43,7 +65,10 @@ void add_up(const Objective& objective, State& state) {
   state.total = state.discs.energy;
   state.gradient.resize(state.sites.size());
   for_each_vector(state.gradient.size(), [&](std::size_t k) { state.gradient[k].setZero(); });
-  for (std::size_t t = 0; t < state.parts.size(); ++t) add(objective, t, state.parts[t], state);
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    add(objective, t, state.parts[t], state);
+    add_wanted(objective, t, state.parts[t], state);
+  }
   if (!state.discs.pairs.empty()) add_scaled(state.gradient, 1.0, state.discs.gradient);
   add_stickiness(objective, state);
   objective.restrict(state.gradient, state.normals);
@@ -127,10 +152,7 @@ void update(State& state, const Objective& objective, Sites sites,
             const std::vector<std::vector<double>>& radii, Context* context) {
   state.sites = std::move(sites);
   objective.domain().check(state.sites);
-  state.normals.resize(state.sites.size());
-  for_each_vector(state.normals.size(), [&](std::size_t k) {
-    state.normals[k] = objective.domain().normal(state.sites.faces[k]);
-  });
+  update_normals(state, objective);
   state.parts.resize(objective.terms.size());
   for (std::size_t t = 0; t < objective.terms.size(); ++t) {
     const Term& term = objective.terms[t];
@@ -142,9 +164,19 @@ void update(State& state, const Objective& objective, Sites sites,
   }
   state.discs = {};
   if (!objective.discs.empty())
-    state.discs = evaluate_disc_repulsion(state.sites, state.normals, objective.discs,
-                                          objective.domain().period(), objective.discs_weight);
+    state.discs = evaluate_disc_repulsion(discs_of(objective, state), objective.discs_weight);
   set_radii(objective, state, radii);
+}
+
+void update_normals(State& state, const Objective& objective) {
+  state.normals.resize(state.sites.size());
+  for_each_vector(state.normals.size(), [&](std::size_t k) {
+    state.normals[k] = objective.domain().normal(state.sites.faces[k]);
+  });
+}
+
+Discs discs_of(const Objective& objective, const State& state) {
+  return {state.sites, state.normals, objective.discs, objective.domain().period()};
 }
 
 void check_finite_energy(const Objective& objective, const State& state) {
@@ -202,7 +234,8 @@ std::vector<double> energy_shares(const Objective& objective, const State& state
     const double scale = objective.scale(t, cells.size());
     const double mean = objective.terms[t].domain->mass() / static_cast<double>(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      const double excess = cells[k].capacity - mean;
+      const std::vector<double>& wanted = objective.terms[t].wanted;
+      const double excess = cells[k].capacity - (wanted.empty() ? mean : wanted[k]);
       shares[site(static_cast<std::int32_t>(k))] +=
           scale *
           (objective.cvt_weight * cells[k].second + objective.capacity_weight * excess * excess);
@@ -243,6 +276,30 @@ void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
   objective.stickiness.clear();
   for (const Moments& cell : cells)
     objective.stickiness.push_back(gamma * objective.scale(0, cells.size()) * cell.mass);
+  add_up(objective, state);
+}
+
+// Where all have discs, nothing is nearer to a site than the sum of its own and the smallest: its
+// cell holds the hexagon around half of that. Sites without a disc may be anywhere.
+void give_room(Objective& objective, State& state) {
+  if (objective.discs.empty()) return;
+  const double least = *std::min_element(objective.discs.begin(), objective.discs.end());
+  if (least == 0.0) return;
+  const std::vector<Moments>& cells = state.diagram().cells;
+  const double mean = objective.domain().mass() / static_cast<double>(cells.size());
+  std::vector<double> wanted(cells.size(), mean);
+  double more = 0.0, others = 0.0;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const double inside = 0.5 * (objective.discs[k] + least);
+    const double density = cells[k].area > 0.0 ? cells[k].capacity / cells[k].area : 0.0;
+    wanted[k] = std::max(mean, kHexagon * inside * inside * density);
+    more += wanted[k] - mean;
+    others += wanted[k] > mean ? 0.0 : 1.0;
+  }
+  if (more == 0.0 || more > kMostRoom * others * mean) return;
+  for (double& capacity : wanted)
+    if (capacity == mean) capacity -= more / others;
+  objective.terms[0].wanted = std::move(wanted);
   add_up(objective, state);
 }
 

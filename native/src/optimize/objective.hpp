@@ -3,7 +3,7 @@
 
 #include <dapple/energy.hpp>
 
-#include "optimize/repulsion.hpp"
+#include "optimize/discs.hpp"
 
 namespace dapple {
 
@@ -12,8 +12,9 @@ struct Term {
   const Domain* domain;                    ///< with the density of the set
   std::vector<std::int32_t> members = {};  ///< of all sites; empty: every site
   double weight = 1.0;                     ///< of its normalized energy in the sum
-  double repulsion_radius = 0.0;  ///< distance below which its repulsion acts, in local spacings
-  double repulsion_weight = 0.0;  ///< kappa
+  double repulsion_radius = 0.0;    ///< distance below which its repulsion acts, in local spacings
+  double repulsion_weight = 0.0;    ///< kappa
+  std::vector<double> wanted = {};  ///< capacity of each member's cell; empty: as much for all
 };
 
 /// What is minimized: sum over the terms of weight * n / |S|_phi^2 * (E + E_rep), each over its own
@@ -27,7 +28,8 @@ struct Objective {
   std::vector<std::int32_t> classes = {};  ///< per site; empty if there is one home
   std::vector<double> discs = {};          ///< radius of each site's disc; empty if none has one
   double discs_weight = 0.0;
-  Vectors anchors = {};                 ///< where stickiness holds the sites; empty without it
+  bool holds_discs = false;  ///< whether no step may bring two discs nearer than they may be
+  Vectors anchors = {};      ///< where stickiness holds the sites; empty without it
   std::vector<double> stickiness = {};  ///< of each: adds its product with |x_k - anchor_k|^2
   std::vector<bool> locked = {};        ///< per site, whether it stays where it is; empty: none
 
@@ -82,6 +84,12 @@ struct State {
 void update(State& state, const Objective& objective, Sites sites,
             const std::vector<std::vector<double>>& radii, Context* context);
 
+/// The normals where the sites are.
+void update_normals(State& state, const Objective& objective);
+
+/// The discs around the sites; they must not outlive the two.
+[[nodiscard]] Discs discs_of(const Objective& objective, const State& state);
+
 /// \throw SurfaceError naming the first site whose cell reaches so far that the energy is not
 /// finite
 void check_finite_energy(const Objective& objective, const State& state);
@@ -116,6 +124,11 @@ void shrink_radii(const Objective& objective, State& state,
 
 /// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
 void stick(Objective& objective, State& state, Vectors anchors, double gamma);
+
+/// Where a disc takes more room than the cells of all together have, have its site want as much,
+/// and the others share the rest; add up again. Else the cells around large discs would be crushed,
+/// for an evenness that nothing can reach.
+void give_room(Objective& objective, State& state);
 
 /// Add up again with another weight of E_cvt.
 void weigh_cvt(Objective& objective, State& state, double weight);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dapple/restricted_voronoi.hpp>
+#include <optional>
 
 #include "base/vectors.hpp"
 
@@ -24,6 +25,19 @@ struct Repulsion {
   std::vector<ClosePair> pairs;
 };
 
+/// A pair and what drives its two sites apart.
+struct Push {
+  ClosePair pair;
+  Vec3 force;
+};
+
+/// None if the two are not near enough to repel each other.
+/// \param d from j to i
+[[nodiscard]] std::optional<Push> push_between(std::size_t i, std::size_t j, const Vec3& d,
+                                               double radius, double weight);
+
+void add(Repulsion& repulsion, const Push& push);
+
 /// The repulsion between sites whose cells touch, in the memory that `repulsion` has.
 /// \param radii  r_i per site; r_ij is the mean of the two; empty for no repulsion
 /// \param weight kappa (|S|_phi / n)^2
@@ -35,14 +49,6 @@ void update_repulsion(Repulsion& repulsion, const RestrictedVoronoi& diagram,
 /// \return how many sites that were
 std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vector<double>& radii,
                                Vectors& moves);
-
-/// The repulsion between discs: r_ij is the sum of their radii, and all count that are on the same
-/// side of a wall, whether their cells touch or not.
-/// \param normals of the surface, per site
-/// \param period of the torus; 0 elsewhere
-[[nodiscard]] Repulsion evaluate_disc_repulsion(const Sites& sites, const Vectors& normals,
-                                                const std::vector<double>& radii, double period,
-                                                double weight);
 
 /// The closest of the pairs; null if there is none.
 [[nodiscard]] const ClosePair* worst_pair(const Repulsion& repulsion);

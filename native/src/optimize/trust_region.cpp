@@ -18,9 +18,12 @@ constexpr double kFailed = 4.0;
 constexpr double kMost = 1e12;
 constexpr int kSolves = 6;  // before the stored pairs are blamed for a step that stays too long
 constexpr int kSteps = 15;  // of conjugate gradients: steps are shortened and corrected anyway ...
-constexpr int kExactSteps = 60;     // ... but the long waves that a deformation makes take more
-constexpr int kPasses = 3;          // over the pairs that a step brings too near
-constexpr double kMostHeld = 0.25;  // share of the sites that may be held back for it
+constexpr int kExactSteps = 60;      // ... but the long waves that a deformation makes take more
+constexpr int kPasses = 3;           // over the pairs that a step brings too near
+constexpr double kMostHeld = 0.25;   // share of the sites that may be held back for it
+constexpr double kRounding = 1e-12;  // of a move that was cut
+constexpr double kRare = 0.25;       // share of all sites: classes with fewer are rare ...
+constexpr double kFewTooFar = 0.02;  // ... and of as few sites the moves alone are cut
 
 /// Not where many moves would be shortened: in white noise, or where the repulsions of classes and
 /// of all together contradict each other, that costs more than it gives.
@@ -37,6 +40,31 @@ Vectors keep_apart(const State& state, const std::vector<std::vector<double>>& r
   return direction;
 }
 
+/// Per site, whether it is of a class that is rare among all.
+std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites) {
+  std::vector<bool> rare(sites, false);
+  for (const Term& term : objective.terms)
+    if (static_cast<double>(term.members.size()) < kRare * static_cast<double>(sites))
+      for (const std::int32_t k : term.members) rare[static_cast<std::size_t>(k)] = true;
+  return rare;
+}
+
+/// The cells of a rare class are large beside the spacing of all together, by which a step is
+/// limited: what a few such sites want must not shorten the moves of all.
+void cut_few(const Objective& objective, const State& state, double max_step, Vectors& direction) {
+  if (state.parts.size() < 2) return;
+  const std::vector<bool> rare = of_rare_classes(objective, direction.size());
+  std::vector<std::size_t> far;
+  for (std::size_t k = 0; k < direction.size(); ++k)
+    if (direction[k].norm() > longest_step(objective, state, max_step, k)) {
+      if (!rare[k]) return;
+      far.push_back(k);
+    }
+  if (static_cast<double>(far.size()) > kFewTooFar * static_cast<double>(direction.size())) return;
+  for (const std::size_t k : far)
+    direction[k] *= longest_step(objective, state, max_step, k) / direction[k].norm();
+}
+
 }  // namespace
 
 // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
@@ -50,10 +78,15 @@ Vectors TrustRegion::step(const Objective& objective, const State& state,
   for (int solves = 1;; ++solves) {
     const auto solve = [&](const Vectors& v) { return model_.solve(v, delta_); };
     Vectors direction = history.direction(state.gradient, restrict, solve);
+    cut_few(objective, state, max_step_, direction);
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
-    if ((excess <= 1.0 && descends) || delta_ > kMost)
-      return keep_apart(state, radii, std::move(direction));
+    if ((excess <= 1.0 + kRounding && descends) || delta_ > kMost) {
+      direction = keep_apart(state, radii, std::move(direction));
+      if (objective.holds_discs)
+        keep_discs_apart(discs_of(objective, state), objective.locked, direction);
+      return direction;
+    }
     delta_ *= excess > kFarOff ? kFar : kTooLong;
     if ((descends && solves < kSolves) || history.empty()) continue;
     history.forget();

@@ -3,8 +3,8 @@
 
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
-#include "sample/class_problem.hpp"
 #include "sample/outcome.hpp"
+#include "sample/solve_classes.hpp"
 #include "sample/timed_call.hpp"
 
 namespace dapple {

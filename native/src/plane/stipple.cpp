@@ -11,8 +11,8 @@
 #include "base/validate.hpp"
 #include "plane/error_diffusion.hpp"
 #include "plane/raster_domain.hpp"
-#include "sample/class_problem.hpp"
 #include "sample/outcome.hpp"
+#include "sample/solve_classes.hpp"
 #include "sample/timed_call.hpp"
 
 namespace dapple {

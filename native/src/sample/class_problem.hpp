@@ -4,7 +4,7 @@
 #include <dapple/class_options.hpp>
 #include <dapple/domain.hpp>
 
-#include "optimize/minimizer.hpp"
+#include "optimize/objective.hpp"
 
 namespace dapple {
 
@@ -19,6 +19,14 @@ struct ClassProblem {
   std::shared_ptr<const Domain> all;  ///< with the density of the union
   std::vector<Member> classes;
 };
+
+[[nodiscard]] bool any_radius(const ClassProblem& problem);
+
+/// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
+void check(const ClassProblem& problem, const ClassOptions& options);
+
+/// Per site, class by class, whether it is locked; empty: none is.
+[[nodiscard]] std::vector<bool> locked_sites(const ClassProblem& problem);
 
 /// The classes' relative weights in the density of the union: n_c / |S|_phi_c.
 [[nodiscard]] std::vector<double> union_weights(const ClassProblem& problem);
@@ -36,25 +44,5 @@ struct ClassProblem {
 /// \param along see poisson_start()
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,
                                Context* context, std::size_t* along = nullptr);
-
-/// Make each class even by itself, from its part of the start: the first of two stages.
-/// \param sum its evaluations and iterations are added to these
-void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
-                  Minimum& sum, Context* context);
-
-/// The end of a solution, and what it was measured by.
-struct ClassMinimum {
-  Objective objective;
-  Minimum minimum;
-};
-
-/// Minimize from the start; where discs still overlap, ever harder against that.
-[[nodiscard]] ClassMinimum solve(Objective objective, const Sites& start,
-                                 const OptimizerOptions& options, Context* context);
-
-/// Start and minimize, in one stage or two.
-/// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
-[[nodiscard]] ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options,
-                                 Context* context);
 
 }  // namespace dapple

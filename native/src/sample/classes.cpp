@@ -4,6 +4,7 @@
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
 #include "sample/outcome.hpp"
+#include "sample/solve_classes.hpp"
 #include "sample/surface_classes.hpp"
 #include "sample/timed_call.hpp"
 

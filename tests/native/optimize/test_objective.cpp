@@ -4,6 +4,7 @@
 #include <dapple/classes.hpp>
 #include <dapple/planar.hpp>
 #include <dapple/poisson_start.hpp>
+#include <numeric>
 
 #include "optimize/objective.hpp"
 #include "sample/class_problem.hpp"
@@ -101,9 +102,62 @@ TEST(Objective, StickinessHasAnExactGradient) {
   }
 }
 
-TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {
+/// Five of sixty sites with discs that are larger than the cells of all.
+struct FixtureWithLargeDiscs : Fixture {
+  FixtureWithLargeDiscs() {
+    objective.discs.assign(start.size(), 0.02);
+    for (std::size_t k = 0; k < 5; ++k) objective.discs[12 * k] = 0.2;
+    state = evaluate(objective, start, radii, nullptr);
+    give_room(objective, state);
+  }
+  State state;
+};
+
+TEST(Objective, GivesLargeDiscsTheirRoomAndTheOthersTheRest) {
+  const FixtureWithLargeDiscs f;
+  const std::vector<double>& wanted = f.objective.terms[0].wanted;
+  ASSERT_EQ(wanted.size(), f.start.size());
+  const double mass = f.problem.all->mass(), mean = mass / static_cast<double>(wanted.size());
+  EXPECT_NEAR(std::accumulate(wanted.begin(), wanted.end(), 0.0), mass, 1e-12 * mass);
+  // the hexagon around a circle of half the sum of the radii
+  EXPECT_NEAR(wanted[12], 2.0 * std::sqrt(3.0) * 0.11 * 0.11 * mass / f.problem.all->area(), 1e-12);
+  EXPECT_LT(wanted[1], mean);
+  EXPECT_EQ(wanted[1], wanted[2]);
+}
+
+TEST(Objective, LeavesCapacitiesEqualWhereDiscsFit) {
   Fixture f;
-  const State one = evaluate(f.objective, f.start, f.radii, nullptr);
+  for (const double large : {0.01, 0.2}) {  // small ones; a large one among sites without discs
+    f.objective.discs.assign(f.start.size(), large == 0.01 ? 0.01 : 0.0);
+    f.objective.discs[0] = large;
+    State state = evaluate(f.objective, f.start, f.radii, nullptr);
+    const double before = state.total;
+    give_room(f.objective, state);
+    EXPECT_TRUE(f.objective.terms[0].wanted.empty());
+    EXPECT_EQ(state.total, before);
+  }
+}
+
+TEST(Objective, WithRoomForDiscsHasAnExactGradient) {
+  const FixtureWithLargeDiscs f;
+  constexpr double kStep = 1e-7;
+  for (std::size_t k = 0; k < f.start.size(); k += 6) {
+    const auto total = [&](double step) {
+      Sites moved = f.start;
+      moved.positions[k].x() += step;
+      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
+                      nullptr)
+          .total;
+    };
+    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), f.state.gradient[k].x(),
+                1e-5 * (1.0 + std::abs(f.state.gradient[k].x())))
+        << "site " << k;
+  }
+}
+
+TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {
+  const FixtureWithLargeDiscs f;
+  const State& one = f.state;
   Sites moved = f.start;
   for (Vec3& p : moved.positions) p.x() += 0.02 * std::sin(40.0 * p.y());
   const State two =
@@ -122,33 +176,6 @@ TEST(Objective, LockedSitesHaveNoGradient) {
   const State state = evaluate(f.objective, f.start, f.radii, nullptr);
   EXPECT_EQ(state.gradient[4], Vec3::Zero());
   EXPECT_NE(state.gradient[5], Vec3::Zero());
-}
-
-/// Two things at 0.9 of the sum of their radii.
-TEST(Things, OfDifferentSizePushEachOtherApart) {
-  const Sites sites{{{0, 0, 0}, {0.9, 0, 0}, {5, 0, 0}}, {0, 0, 0}, {}};
-  const Vectors normals(3, Vec3::UnitZ());
-  const Repulsion repulsion = evaluate_disc_repulsion(sites, normals, {0.7, 0.3, 0.1}, 0.0, 2.0);
-  ASSERT_EQ(repulsion.pairs.size(), 1u);
-  EXPECT_NEAR(repulsion.energy, 2.0 * 0.01, 1e-12);
-  EXPECT_NEAR(worst_pair(repulsion)->overlap, 0.1, 1e-12);
-  EXPECT_LT(repulsion.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
-}
-
-TEST(Things, OnTheTwoSidesOfAWallDoNotMeet) {
-  const Sites sites{{{0, 0, 0}, {0, 0, 0.1}}, {0, 0}, {}};
-  EXPECT_TRUE(evaluate_disc_repulsion(sites, {Vec3::UnitZ(), -Vec3::UnitZ()}, {1.0, 1.0}, 0.0, 1.0)
-                  .pairs.empty());
-}
-
-TEST(Things, MeetAcrossTheSeamOfTheTorus) {
-  const Sites sites{{{0.02, 0.5, 0}, {2.97, 0.5, 0}}, {0, 0}, {}};
-  const Vectors normals(2, Vec3::UnitZ());
-  const Repulsion repulsion = evaluate_disc_repulsion(sites, normals, {0.05, 0.05}, 1.0, 1.0);
-  ASSERT_EQ(repulsion.pairs.size(), 1u);
-  EXPECT_NEAR(repulsion.pairs[0].overlap, 0.5, 1e-9);
-  EXPECT_NEAR(repulsion.pairs[0].direction.x() * (repulsion.pairs[0].i == 0 ? 1.0 : -1.0), 1.0,
-              1e-9);
 }
 
 }  // namespace

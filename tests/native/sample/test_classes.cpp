@@ -73,6 +73,36 @@ TEST(Classes, AreEvenEachAndTogether) {
   }
 }
 
+/// Large discs, smaller ones and samples between them, as of trees, bushes and grass.
+TEST(Classes, OfWhichSomeAreRareAreEvenInFewEvaluationsWithoutOverlap) {
+  const Surface surface = grid(40).surface();
+  const double spacing = surface.spacing(1'230);
+  const std::vector<SampleClass> classes = {{.count = 1'000},
+                                            {.count = 30, .radius = 1.1 * spacing},
+                                            {.count = 200, .radius = 0.45 * spacing}};
+  const Report report = sample_classes(surface, classes).report;
+  EXPECT_TRUE(report.converged);
+  EXPECT_LT(report.evaluations, 60);
+  EXPECT_LE(report.worst_overlap, 1e-3);
+  EXPECT_LT(report.classes[1].evenness.capacity_variation, 0.02);
+  EXPECT_LT(report.classes[2].evenness.capacity_variation, 0.04);
+  EXPECT_LT(report.classes[0].evenness.capacity_variation, 0.06);
+  EXPECT_GT(report.evenness.alpha_min, 0.45);
+}
+
+TEST(Classes, OfWhichSomeAreRareKeepLockedSamplesAndTheLimitOfEvaluations) {
+  const Surface surface = grid(20).surface();
+  const Samples there = sample(surface, 5);
+  const Sites locked{there.positions, there.faces, there.barycentric};
+  const std::vector<SampleClass> classes = {{.count = 300}, {.count = 12, .locked = locked}};
+  ClassOptions options;
+  options.sample.optimizer.max_evaluations = 7;
+  const Samples samples = sample_classes(surface, classes, options);
+  EXPECT_LE(samples.report.evaluations, 7);
+  for (std::size_t k = 0; k < 5; ++k)
+    EXPECT_EQ(samples.positions[300 + k], there.positions[k]) << k;
+}
+
 /// Class 0 grows to the right, class 1 to the left.
 TEST(Classes, FollowTheirOwnDensities) {
   const Surface surface = grid(12).surface();

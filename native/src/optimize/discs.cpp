@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "optimize/discs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <dapple/neighbors.hpp>
+#include <map>
+#include <memory>
+#include <utility>
+
+namespace dapple {
+namespace {
+
+constexpr int kSweeps = 20;         // over the pairs that moves bring too near
+constexpr double kNearly = 1e-4;    // of R: as much may be left
+constexpr double kSameSide = -0.5;  // cosine between normals: 120 degrees
+
+/// Things of one radius, with their images around the torus.
+class Crowd {
+ public:
+  Crowd(const Sites& sites, std::vector<std::int32_t> members, double period)
+      : members_(std::move(members)), images_(period > 0.0 ? 1 : 0), period_(period) {
+    for (const std::int32_t k : members_)
+      for (int dx = -images_; dx <= images_; ++dx)
+        for (int dy = -images_; dy <= images_; ++dy)
+          points_.push_back(canonical(sites.positions[static_cast<std::size_t>(k)]) +
+                            period_ * Vec3(dx, dy, 0.0));
+    tree_ = std::make_unique<Neighbors>(points_);
+  }
+
+  /// Call visit(site, offset from it to the point) for all within the distance.
+  template <typename Visit>
+  void for_each_within(const Vec3& point, double distance, std::vector<Neighbor>& found,
+                       const Visit& visit) const {
+    const Vec3 from = canonical(point);
+    tree_->within(from, distance, found);
+    const int along = 2 * images_ + 1;
+    const std::size_t copies = static_cast<std::size_t>(along) * static_cast<std::size_t>(along);
+    for (const Neighbor& n : found) {
+      const auto k = static_cast<std::size_t>(n.index);
+      visit(members_[k / copies], from - points_[k]);
+    }
+  }
+
+  [[nodiscard]] const std::vector<std::int32_t>& members() const { return members_; }
+
+ private:
+  [[nodiscard]] Vec3 canonical(const Vec3& p) const {
+    if (period_ == 0.0) return p;
+    return {p.x() - period_ * std::floor(p.x() / period_),
+            p.y() - period_ * std::floor(p.y() / period_), p.z()};
+  }
+
+  std::vector<std::int32_t> members_;
+  int images_;  // to each side
+  double period_;
+  std::vector<Vec3> points_;
+  std::unique_ptr<Neighbors> tree_;
+};
+
+/// Call visit(i, j, offset from j to i, R) once for every two discs on the same side that are
+/// nearer than R + beyond.
+template <typename Visit>
+void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
+  std::map<double, std::vector<std::int32_t>> by_radius;
+  for (std::size_t k = 0; k < discs.radii.size(); ++k)
+    if (discs.radii[k] > 0.0) by_radius[discs.radii[k]].push_back(static_cast<std::int32_t>(k));
+  std::map<double, Crowd> crowds;
+  for (auto& [radius, members] : by_radius)
+    crowds.try_emplace(radius, discs.sites, std::move(members), discs.period);
+  std::vector<Neighbor> found;
+  for (const auto& [large, from] : crowds)
+    for (const auto& [small, to] : crowds) {
+      if (small > large) break;
+      for (const std::int32_t member : from.members()) {
+        const auto i = static_cast<std::size_t>(member);
+        const double apart = large + small;
+        to.for_each_within(discs.sites.positions[i], apart + beyond, found,
+                           [&, same = small == large](std::int32_t other, const Vec3& d) {
+                             const auto j = static_cast<std::size_t>(other);
+                             if (j == i || (same && j < i)) return;
+                             if (discs.normals[i].dot(discs.normals[j]) > kSameSide)
+                               visit(i, j, d, apart);
+                           });
+      }
+    }
+}
+
+/// Two discs that moves may bring together. The way between them is tangential at either end: a
+/// site does not leave its plane.
+struct Contact {
+  std::size_t i, j;
+  double gap;       ///< distance - R
+  Vec3 at_i, at_j;  ///< the direction from j to i, in the plane of each; zero where it is locked
+  double room;      ///< gap that each unit along at_i and -at_j gives
+  double nearly;    ///< as much may be left
+
+  /// By how much too near the moves bring them.
+  [[nodiscard]] double excess(const Vectors& moves) const {
+    return -(gap + at_i.dot(moves[i]) - at_j.dot(moves[j]));
+  }
+};
+
+double longest(const Vectors& moves) {
+  double most = 0.0;
+  for (const Vec3& move : moves) most = std::max(most, move.squaredNorm());
+  return std::sqrt(most);
+}
+
+std::vector<Contact> contacts_of(const Discs& discs, const std::vector<bool>& locked,
+                                 double beyond) {
+  std::vector<Contact> found;
+  const auto in_plane = [&](std::size_t k, const Vec3& direction) -> Vec3 {
+    if (!locked.empty() && locked[k]) return Vec3::Zero();
+    return direction - discs.normals[k].dot(direction) * discs.normals[k];
+  };
+  for_each_pair(discs, beyond, [&](std::size_t i, std::size_t j, const Vec3& d, double apart) {
+    const double distance = d.norm();
+    if (distance <= 0.0) return;
+    const Vec3 at_i = in_plane(i, d / distance), at_j = in_plane(j, d / distance);
+    const double room = at_i.squaredNorm() + at_j.squaredNorm();
+    if (room > 0.0) found.push_back({i, j, distance - apart, at_i, at_j, room, kNearly * apart});
+  });
+  return found;
+}
+
+double largest_excess(const std::vector<Contact>& contacts, const Vectors& moves) {
+  double most = 0.0;
+  for (const Contact& contact : contacts) most = std::max(most, contact.excess(moves));
+  return most;
+}
+
+}  // namespace
+
+Repulsion evaluate_disc_repulsion(const Discs& discs, double weight) {
+  Repulsion repulsion;
+  repulsion.gradient.assign(discs.sites.size(), Vec3::Zero());
+  for_each_pair(discs, 0.0, [&](std::size_t i, std::size_t j, const Vec3& d, double apart) {
+    if (const auto push = push_between(i, j, d, apart, weight)) add(repulsion, *push);
+  });
+  return repulsion;
+}
+
+// Each contact is a half-space of moves; they are projected onto one after another (Gauss-Seidel),
+// so that what presses against others yields where it has room, along them too.
+void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves) {
+  const double reach = 2.0 * longest(moves);
+  std::vector<Contact> contacts = contacts_of(discs, locked, reach);
+  const double push = largest_excess(contacts, moves);
+  if (!(push > 0.0)) return;
+  contacts = contacts_of(discs, locked, reach + 2.0 * push);  // what is pushed may meet others
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool any = false;
+    for (const Contact& contact : contacts) {
+      const double excess = contact.excess(moves);
+      if (excess <= contact.nearly) continue;
+      moves[contact.i] += excess / contact.room * contact.at_i;
+      moves[contact.j] -= excess / contact.room * contact.at_j;
+      any = true;
+    }
+    if (!any) return;
+  }
+}
+
+}  // namespace dapple

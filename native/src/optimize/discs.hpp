@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "optimize/repulsion.hpp"
+
+namespace dapple {
+
+/// Discs around sites, in the surface: two overlap where their sites are nearer than the sum R of
+/// their radii and on the same side of a wall.
+struct Discs {
+  const Sites& sites;
+  const Vectors& normals;            ///< of the surface, per site
+  const std::vector<double>& radii;  ///< per site; 0: it has none
+  double period = 0.0;               ///< of the torus; 0 elsewhere
+};
+
+/// The repulsion between discs: r_ij is R, and all pairs count, whether their cells touch or not.
+[[nodiscard]] Repulsion evaluate_disc_repulsion(const Discs& discs, double weight);
+
+/// Change moves so that no two discs come nearer than R, and those that overlap come apart. To
+/// first order only: what a step along a curved surface leaves is for the next one. \param locked
+/// per site, whether it stays; empty: none
+void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves);
+
+}  // namespace dapple

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/solve_classes.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "base/progress.hpp"
+#include "optimize/discs.hpp"
+#include "optimize/forecast.hpp"
+#include "sample/rebalance.hpp"
+#include "surface/islands.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
+constexpr int kRounds = 4;
+constexpr int kPushes = 20;        // of discs that overlap, along the surface
+constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough ...
+constexpr double kApart = 2e-4;    // ... and this is where pushing ends
+constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
+constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
+constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
+constexpr int kMore = 15;          // ... so many evaluations more
+constexpr int kSettling = 2;       // times that the numbers of neighborhoods are looked at
+constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
+constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
+constexpr double kRarer = 3.0;  // times as many samples: rarer classes come first
+constexpr double kRough = 5e-4;  // tolerance before all classes move together
+constexpr double kPolish = 2.0;  // times the tolerance, where they are nearly even when they meet
+constexpr double kInTurn = 0.6;  // of the progress after the start
+
+/// At least one: where the sites are is known only then.
+int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
+  return std::max(options.max_evaluations - sum.evaluations, 1);
+}
+
+/// Where no two discs overlap, as far as the surface has room for that.
+Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
+  State state;
+  state.sites = std::move(sites);
+  for (int push = 0; push < kPushes; ++push) {
+    update_normals(state, objective);
+    const Discs discs = discs_of(objective, state);
+    const Repulsion close = evaluate_disc_repulsion(discs, 1.0);
+    const ClosePair* worst = worst_pair(close);
+    if (!worst || worst->overlap <= kApart) break;
+    Vectors moves(state.sites.size(), Vec3::Zero());
+    keep_discs_apart(discs, objective.locked, moves);
+    std::vector<std::int32_t> pushed;
+    for (std::size_t k = 0; k < moves.size(); ++k)
+      if (moves[k].squaredNorm() > 0.0) pushed.push_back(static_cast<std::int32_t>(k));
+    Sites moved = select(state.sites, pushed);
+    for (std::size_t k = 0; k < pushed.size(); ++k)
+      moved.positions[k] += moves[static_cast<std::size_t>(pushed[k])];
+    put(state.sites, pushed, objective.project(moved.positions, moved.faces, pushed, context));
+  }
+  return std::move(state.sites);
+}
+
+}  // namespace
+
+void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
+                  Minimum& sum, Context* context) {
+  std::int32_t first = 0;
+  const auto done = [&] { return static_cast<double>(first) / static_cast<double>(sites.size()); };
+  for (const ClassProblem::Member& member : problem.classes) {
+    std::vector<std::int32_t> members(member.count);
+    std::iota(members.begin(), members.end(), first);
+    const double from = members.empty() ? 0.0 : done();
+    first += static_cast<std::int32_t>(member.count);
+    if (members.empty()) continue;
+    Stretch step(context, from, done());
+    const ClassProblem alone{member.domain, {member}};
+    const Minimum found =
+        minimize(make_objective(alone, class_of_sites(alone), options, locked_sites(alone)),
+                 select(sites, members), options.sample.optimizer, step.context());
+    put(sites, members, found.state.sites);
+    sum.evaluations += found.evaluations;
+    sum.iterations += found.iterations;
+  }
+}
+
+namespace {
+
+/// The same number of sites, as many in each neighborhood as its share of the density asks for.
+/// Those that stay keep their places in the order.
+Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Context* context,
+             int& evaluations) {
+  const Rebalanced found = rebalance(domain, sites, sites.size(), seed, context);
+  evaluations += found.evaluations;
+  std::vector<bool> stays(sites.size(), false);
+  for (const std::size_t k : found.stay) stays[k] = true;
+  std::vector<std::int32_t> gone;
+  for (std::size_t k = 0; k < stays.size(); ++k)
+    if (!stays[k]) gone.push_back(static_cast<std::int32_t>(k));
+  Sites result = sites;
+  put(result, gone, found.fresh);
+  return result;
+}
+
+/// Darts keep apart, but how many are here or there is left to chance. Where there are gaps without
+/// density no step takes one across, and few get around them. Locked sites stay where they are, and
+/// the others of their class.
+int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites,
+                   Context* context) {
+  int evaluations = 0;
+  if (problem.all->period() > 0.0) return evaluations;
+  std::int32_t first = 0;
+  for (const ClassProblem::Member& member : problem.classes) {
+    std::vector<std::int32_t> members(member.count);
+    std::iota(members.begin(), members.end(), first);
+    first += static_cast<std::int32_t>(member.count);
+    if (members.empty() || member.locked.size() > 0 ||
+        !Islands(member.domain->sampling_surface(member.count)).has_gaps())
+      continue;
+    Sites own = select(sites, members);
+    for (int round = 0; round < kSettling; ++round)
+      own = evened(*member.domain, own, seed, context, evaluations);
+    put(sites, members, own);
+  }
+  return evaluations;
+}
+
+/// The share of the time that the start takes; several classes are evaluated twice.
+double share_of_start(const ClassProblem& problem, const ClassOptions& options) {
+  if (options.sample.start == Start::kRandom) return 0.0;
+  const double evaluations = expected_evaluations(options.sample.optimizer);
+  return kStarting / (kStarting + evaluations * (problem.classes.size() > 1 ? 2.0 : 1.0));
+}
+
+/// On thin parts the start is nearly even: the first steps gain little, but more follow.
+void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context) {
+  options.max_evaluations = std::min(kMore, options.max_evaluations - found.minimum.evaluations);
+  if (options.max_evaluations < 1 ||
+      capacity_variation(found.objective, found.minimum.state) <= kEven) {
+    if (context) context->advance(1.0);
+    return;
+  }
+  options.tolerance *= kThin;
+  Minimum next = minimize(found.objective, found.minimum.state.sites, options, context);
+  next.evaluations += found.minimum.evaluations;
+  next.iterations += found.minimum.iterations;
+  next.converged = next.converged || found.minimum.converged;
+  found.minimum = std::move(next);
+}
+
+/// Whether all classes have one density: then so has their union.
+bool alike(const ClassProblem& problem) {
+  return std::all_of(problem.classes.begin(), problem.classes.end(), [&](const auto& member) {
+    return member.domain == problem.classes[0].domain;
+  });
+}
+
+/// Classes by how rare they are. A group begins with a class that has several times as many samples
+/// as the rarest of the group before. Empty classes are in none.
+std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& problem) {
+  std::vector<std::size_t> order;
+  for (std::size_t c = 0; c < problem.classes.size(); ++c)
+    if (problem.classes[c].count > 0) order.push_back(c);
+  const auto count = [&](std::size_t c) { return static_cast<double>(problem.classes[c].count); };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return count(a) < count(b); });
+  std::vector<std::vector<std::size_t>> groups;
+  for (const std::size_t c : order) {
+    if (groups.empty() || count(c) >= kRarer * count(groups.back()[0])) groups.emplace_back();
+    groups.back().push_back(c);
+  }
+  return groups;
+}
+
+/// Without the classes whose sites are all locked: nothing that moves is of them.
+void leave_out_locked(Objective& objective) {
+  std::vector<Term> left;
+  for (Term& term : objective.terms)
+    if (term.members.empty() || std::any_of(term.members.begin(), term.members.end(), [&](auto k) {
+          return !objective.locked[static_cast<std::size_t>(k)];
+        }))
+      left.push_back(std::move(term));
+  objective.terms = std::move(left);
+}
+
+void append(Sites& sites, const Sites& more) {
+  sites.positions.insert(sites.positions.end(), more.positions.begin(), more.positions.end());
+  sites.faces.insert(sites.faces.end(), more.faces.begin(), more.faces.end());
+  sites.barycentric.insert(sites.barycentric.end(), more.barycentric.begin(),
+                           more.barycentric.end());
+}
+
+/// Places classes one group after another, each around those that are there already.
+class InTurn {
+ public:
+  InTurn(const ClassProblem& problem, const ClassOptions& options)
+      : options_(options),
+        around_{problem.classes[0].domain, {}},
+        placed_(problem.classes.size()) {}
+
+  void place(const ClassProblem& problem, const std::vector<std::size_t>& group, Context* context) {
+    ClassProblem now = around_;
+    for (const std::size_t c : group) now.classes.push_back(problem.classes[c]);
+    const double started = share_of_start(now, options_);
+    Stretch starting(context, 0.0, started), solving(context, started, 1.0);
+    std::size_t along = 0;
+    Sites sites =
+        make_start(now, options_.sample.start, options_.sample.seed, starting.context(), &along);
+    along_ += along;
+    sum_.evaluations += settle_islands(now, options_.sample.seed, sites, nullptr);
+    Objective objective = make_objective(now, class_of_sites(now), options_, locked_sites(now));
+    if (!around_.classes.empty()) leave_out_locked(objective);
+    OptimizerOptions rough = options_.sample.optimizer;
+    rough.tolerance = std::max(kRough, rough.tolerance);
+    rough.max_evaluations = (evaluations_left(rough, sum_) + 1) / 2;
+    const ClassMinimum found = solve(std::move(objective), sites, rough, solving.context());
+    sum_.evaluations += found.minimum.evaluations;
+    sum_.iterations += found.minimum.iterations;
+    keep(now, group, found.minimum.state.sites);
+  }
+
+  [[nodiscard]] const Minimum& sum() const { return sum_; }
+
+  /// Whether most sites are on thin parts.
+  [[nodiscard]] bool thin() const { return 2 * along_ > sites().size(); }
+
+  /// All sites, class by class.
+  [[nodiscard]] Sites sites() const {
+    Sites all;
+    for (const Sites& own : placed_) append(all, own);
+    return all;
+  }
+
+ private:
+  void keep(ClassProblem& now, const std::vector<std::size_t>& group, const Sites& sites) {
+    std::int32_t first = 0;
+    for (std::size_t k = 0; k < now.classes.size(); ++k) {
+      std::vector<std::int32_t> members(now.classes[k].count);
+      std::iota(members.begin(), members.end(), first);
+      first += static_cast<std::int32_t>(members.size());
+      if (k < around_.classes.size()) continue;
+      now.classes[k].locked = select(sites, members);
+      placed_[group[k - around_.classes.size()]] = now.classes[k].locked;
+    }
+    around_ = std::move(now);
+  }
+
+  ClassOptions options_;
+  ClassProblem around_;
+  std::vector<Sites> placed_;
+  Minimum sum_;
+  std::size_t along_ = 0;
+};
+
+bool goes_in_turn(const ClassProblem& problem, const ClassOptions& options) {
+  return !options.two_stages && options.sample.start == Start::kPoisson &&
+         options.sample.optimizer.method == Method::kTrustRegion && alike(problem);
+}
+
+/// Rare classes first, then the others around them, then all together: from one start for all, a
+/// few large cells would be crowded by many small ones that have to make room first.
+ClassMinimum solve_in_turn(const ClassProblem& problem,
+                           const std::vector<std::vector<std::size_t>>& groups,
+                           const ClassOptions& options, Context* context) {
+  InTurn turn(problem, options);
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const auto share = [&](std::size_t j) {
+      return kInTurn * static_cast<double>(j) / static_cast<double>(groups.size());
+    };
+    Stretch placing(context, share(k), share(k + 1));
+    turn.place(problem, groups[k], placing.context());
+  }
+  const double first = turn.thin() ? kInTurn + kRound * (1.0 - kInTurn) : 1.0;
+  Stretch together(context, kInTurn, first), going_on(context, first, 1.0);
+  Objective objective =
+      make_objective(problem, class_of_sites(problem), options, locked_sites(problem));
+  objective.holds_discs = !objective.discs.empty();
+  OptimizerOptions rest = options.sample.optimizer;
+  rest.max_evaluations = evaluations_left(rest, turn.sum());
+  rest.tolerance *= kPolish;
+  ClassMinimum found = solve(std::move(objective), turn.sites(), rest, together.context());
+  if (turn.thin()) go_on_along(found, options.sample.optimizer, going_on.context());
+  found.minimum.evaluations += turn.sum().evaluations;
+  found.minimum.iterations += turn.sum().iterations;
+  return found;
+}
+
+}  // namespace
+
+ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptions& options,
+                   Context* context) {
+  double done = objective.discs.empty() ? 1.0 : kRound;
+  Stretch first(context, 0.0, done);
+  Minimum found =
+      minimize(objective, objective.holds_discs ? discs_apart(objective, start, context) : start,
+               options, first.context());
+  for (int round = 1; round < kRounds && !objective.discs.empty(); ++round) {
+    const ClosePair* worst = worst_pair(found.state.discs);
+    if (!worst || worst->overlap <= kOverlap) break;
+    objective.discs_weight *= kHarder;
+    objective.holds_discs = true;
+    const double before = std::exchange(done, done + kRound * (1.0 - done));
+    Stretch harder(context, before, done);
+    OptimizerOptions rest = options;
+    rest.max_evaluations = evaluations_left(options, found);
+    Minimum next = minimize(objective, discs_apart(objective, found.state.sites, context), rest,
+                            harder.context());
+    next.evaluations += found.evaluations;
+    next.iterations += found.iterations;
+    found = std::move(next);
+  }
+  return {std::move(objective), std::move(found)};
+}
+
+ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options, Context* context) {
+  check(problem, options);
+  const std::vector<std::vector<std::size_t>> groups = groups_by_count(problem);
+  if (groups.size() > 1 && goes_in_turn(problem, options))
+    return solve_in_turn(problem, groups, options, context);
+  std::size_t along = 0;
+  const double started = share_of_start(problem, options);
+  Stretch starting(context, 0.0, started);
+  Sites start =
+      make_start(problem, options.sample.start, options.sample.seed, starting.context(), &along);
+  if (context) context->advance(started);
+  const bool stages = options.two_stages && problem.classes.size() > 1;
+  const double together = stages ? started + kAlone * (1.0 - started) : started;
+  Stretch alone(context, started, together);
+  const bool thin = 2 * along > start.size();
+  const double first = thin ? together + kRound * (1.0 - together) : 1.0;
+  Stretch finishing(context, together, first), going_on(context, first, 1.0);
+  Minimum before;
+  if (options.sample.start == Start::kPoisson)
+    before.evaluations += settle_islands(problem, options.sample.seed, start, nullptr);
+  if (stages) settle_alone(problem, options, start, before, alone.context());
+  ClassMinimum found =
+      solve(make_objective(problem, class_of_sites(problem), options, locked_sites(problem)), start,
+            options.sample.optimizer, finishing.context());
+  if (thin) go_on_along(found, options.sample.optimizer, going_on.context());
+  found.minimum.evaluations += before.evaluations;
+  found.minimum.iterations += before.iterations;
+  return found;
+}
+
+}  // namespace dapple

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "optimize/minimizer.hpp"
+#include "sample/class_problem.hpp"
+
+namespace dapple {
+
+/// Make each class even by itself, from its part of the start: the first of two stages.
+/// \param sum its evaluations and iterations are added to these
+void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
+                  Minimum& sum, Context* context);
+
+/// The end of a solution, and what it was measured by.
+struct ClassMinimum {
+  Objective objective;
+  Minimum minimum;
+};
+
+/// Minimize from the start. Where discs then overlap they are put apart, and no further step brings
+/// two of them nearer than they may be.
+[[nodiscard]] ClassMinimum solve(Objective objective, const Sites& start,
+                                 const OptimizerOptions& options, Context* context);
+
+/// Start and minimize: all classes at once, or the rare ones first where some are far rarer than
+/// others; in two stages where that is asked for.
+/// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
+[[nodiscard]] ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options,
+                                 Context* context);
+
+}  // namespace dapple
