@@ -200,7 +200,8 @@ void restore_locked(const Samples& before, const Beginning& first, Samples& afte
     const std::size_t row = first.rows[k];
     const double size = after.positions[k].cwiseAbs().maxCoeff();
     const double moved = (after.positions[k] - before.positions[row]).cwiseAbs().maxCoeff();
-    if (!first.locked[k] || after.faces[k] != before.faces[row] || !(moved <= kSame * size))
+    if (!first.locked[k] || after.faces[k] != before.faces[row] || !(moved <= kSame * size) ||
+        !before.positions[row].allFinite())  // the largest of numbers and a NaN may be a number
       continue;
     after.positions[k] = before.positions[row];
     after.barycentric[k] = before.barycentric[row];

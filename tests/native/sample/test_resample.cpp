@@ -8,6 +8,7 @@
 #include <dapple/sampler.hpp>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <numeric>
 
 #include "invariants.hpp"
@@ -257,6 +258,18 @@ TEST(Resample, NamesWhatIsWrongWithLockedRows) {
   };
   refuses(9, {0, 20}, {"locked[1] is 20", "0..19"});
   refuses(9, rows_below(10), {"count is 9", "10 samples are locked"});
+}
+
+/// Samples made by hand are where their faces and barycentric coordinates say.
+TEST(Resample, PutsLockedSamplesWithoutAPositionWhereTheirFacesSay) {
+  const Surface surface = blob(3).surface();
+  const Samples whole = sample(surface, 20);
+  for (const Eigen::Index axis : {0, 1, 2}) {
+    Samples before = whole;
+    before.positions[3][axis] = std::numeric_limits<double>::quiet_NaN();
+    const Samples after = resample(surface, before, 25, {}, nullptr, rows_below(10));
+    EXPECT_LE((after.positions[3] - whole.positions[3]).norm(), 1e-12) << "axis " << axis;
+  }
 }
 
 TEST(Resample, NamesSamplesOfAnotherSurface) {
