@@ -31,6 +31,8 @@ class Shared:
         self.population = dapple.Population(*made, **FEW)
         self.window = dapple.WindowTracker(*made, **FEW)
         self.context = dapple.Context()
+        self.plane = dapple.Plane.polygon([(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)])
+        self.uv = np.random.default_rng(0).random((len(self.faces), 3, 2))
         self.written = self.vertices.copy()
         self.indices = self.faces.copy()
 
@@ -78,6 +80,13 @@ TOGETHER = [  # may be refused, never crash
     lambda s, rng: dapple.analyze(s.surface, s.written[:50]),
     lambda s, rng: dapple.mosaic(s.surface, s.samples, grout=0.01),
     lambda s, rng: dapple.sample_planar(dapple.Torus(), 30, **FEW),
+    lambda s, rng: dapple.sample_planar(s.plane, int(rng.integers(1, 300)), **FEW),
+    lambda s, rng: dapple.energy_planar(s.plane, np.abs(s.written[:9, :2])),
+    lambda s, rng: dapple.texels(s.surface, s.uv, 16, 16),
+    lambda s, rng: dapple.surface_spectrum(s.surface, [s.samples], radius=3.0, bins=16),
+    lambda s, rng: dapple.refine_edges(s.surface, 0.4, max_faces=4000),
+    lambda s, rng: dapple.curvedness(s.surface),
+    lambda s, rng: (s.surface.topology, s.surface.corner_normals),
     lambda s, rng: dapple.progressive_ranks(s.written),
     lambda s, rng: pickle.dumps(s.tracker),
 ]
