@@ -10,8 +10,10 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kFewRivals = 12;  // that are sorted at once: enough for most faces
-// So many are more than cells have whose faces are near: then it pays to find out which matter.
-constexpr std::size_t kMany = 51;
+// So many are more than cells have whose faces are near: then others are looked for at each face.
+constexpr std::size_t kMany = NearSites::kMost;
+// Of a squared distance: rounding, so that what lies in a bisector is seen from both sides.
+constexpr double kTie = 1e-13;
 
 }  // namespace
 
@@ -27,6 +29,12 @@ void Bisectors::reset(std::int32_t site, Rivals rivals) {
   take_near();
 }
 
+void Bisectors::reset_far(std::int32_t site) {
+  begin(site, Rivals::kAll);
+  owner_ = first_at_place_of(site);
+  ended_ = true;
+}
+
 void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
   begin(site, Rivals::kAll);
   complete_ = true;
@@ -37,9 +45,8 @@ void Bisectors::reset_among(std::int32_t site, std::span<const std::int32_t> oth
 void Bisectors::begin(std::int32_t site, Rivals rivals) {
   site_ = owner_ = site;
   settled_ = next_rival_ = 0;
-  most_ = kMany;
   most_needed_ = 0.0;
-  complete_ = false;
+  complete_ = ended_ = false;
   all_ = rivals == Rivals::kAll || surface_->ordered().components() == 1;
   bisectors_.clear();
   rivals_.clear();
@@ -47,23 +54,20 @@ void Bisectors::begin(std::int32_t site, Rivals rivals) {
 
 void Bisectors::look_further() {
   const Laps::Lap lap(laps_);
-  if (near_.all().size() < most_)
-    near_.extend();
-  else if (take_all_that_cut())
-    return;
-  else
-    most_ = 2 * most_ + 1;
+  ended_ = near_.all().size() >= kMany;
+  if (ended_) return;
+  near_.extend();
   take_near();
 }
 
-/// Take what is within reach, but not more than `most_`. Which of several at the last distance are
-/// among these is decided by their order: they count only when all of them are.
+/// Take what is within reach, but fewer than kMany. Which of several at the last distance are among
+/// these is decided by their order: they count only when all of them are.
 void Bisectors::take_near() {
   const std::span<const Rival> near = near_.all();
-  const bool cut_off = near.size() >= most_ && index_->population() > most_ + 1;
+  const bool cut_off = near.size() >= kMany && index_->population() > kMany + 1;
   complete_ = !cut_off && near_.is_complete();
   most_needed_ =
-      cut_off ? near[most_ - 1].squared_distance : std::numeric_limits<double>::infinity();
+      cut_off ? near[kMany - 1].squared_distance : std::numeric_limits<double>::infinity();
   bisectors_.clear();
   for (const Rival& rival : near) {
     if (rival.squared_distance == 0.0 && rival.original < sites_->original(owner_))
@@ -87,42 +91,32 @@ void Bisectors::take_rivals() {
   settle(bisectors_.size());
 }
 
-/// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, complete
-/// the list without the sites that its faces are nowhere near to. False if that failed.
-bool Bisectors::take_all_that_cut() {
-  if (!shrink_to_cell()) return false;
-  bisectors_.resize(settled_);
-  for (const std::int32_t site : found_) add(first_at_place_of(site));
-  sort();
-  for (Bisector& b : bisectors_) b.idle = b.idle || !cell_.touches(b.normal, b.offset);
-  settle(bisectors_.size());
-  complete_ = true;
-  return true;
+// Ties count, so that what lies in a bisector is given to one of both.
+std::size_t Bisectors::nearest_to(const Vec3& point, std::span<const std::int32_t> others) {
+  const Laps::Lap lap(laps_);
+  const Vec3& position = sites_->position(site_);
+  const std::int32_t found = index_->nearest_of(
+      position + point, (1.0 + kTie) * point.squaredNorm(), [&](std::int32_t site) {
+        const auto is_site = [&](std::int32_t k) {
+          return bisectors_[static_cast<std::size_t>(k)].site == site;
+        };
+        return sites_->position(site) != position && !is_near(site) && !is_out_of_sight(site) &&
+               std::none_of(others.begin(), others.end(), is_site);
+      });
+  return found < 0 ? kNone : place_of(first_at_place_of(found));
 }
 
-// A convex polyhedron belongs to the site if its vertices do: wherever another site is nearer to
-// one, that site's bisector cuts it off.
-bool Bisectors::shrink_to_cell() {
-  found_.clear();
-  if (box_.isEmpty())
-    for (std::size_t v = 0; v < surface_->vertex_count(); ++v)
-      box_.extend(surface_->ordered().vertex(static_cast<std::int32_t>(v)));
-  const Vec3& position = sites_->position(site_);
-  cell_.start({box_.min() - position, box_.max() - position});
-  const auto cut = [this](const Bisector& b) {
-    return !cell_.is_cut_by(b.normal, b.offset) || cell_.cut(b.normal, b.offset);
-  };
-  for (std::size_t k = 0; k < settled_; ++k)
-    if (!bisectors_[k].idle && !cut(bisectors_[k])) return false;
-  while (const std::optional<Vec3> vertex = cell_.next_vertex()) {
-    const std::int32_t nearest = index_->nearest(position + *vertex, site_);
-    const Bisector b = bisector_to(nearest);
-    if (b.idle) return false;
-    if (!cell_.is_cut_by(b.normal, b.offset)) continue;
-    if (!cell_.cut(b.normal, b.offset)) return false;
-    found_.push_back(nearest);
-  }
-  return true;
+bool Bisectors::is_near(std::int32_t other) const {
+  return (sites_->position(other) - sites_->position(site_)).squaredNorm() < most_needed_;
+}
+
+/// Add the bisector with a site, unless it is there.
+std::size_t Bisectors::place_of(std::int32_t site) {
+  const auto here = std::find_if(bisectors_.begin(), bisectors_.end(),
+                                 [site](const Bisector& b) { return b.site == site; });
+  const auto k = static_cast<std::size_t>(here - bisectors_.begin());
+  if (here == bisectors_.end()) add(site);
+  return k;
 }
 
 std::int32_t Bisectors::first_at_place_of(std::int32_t site) const {
@@ -165,15 +159,6 @@ bool Bisectors::is_out_of_sight(std::int32_t other) const {
   const OrderedFace theirs = sites_->faces[static_cast<std::size_t>(other)];
   return mesh.component(own) != mesh.component(theirs) &&
          mesh.geometry(own).normal.dot(mesh.geometry(theirs).normal) < 0.0;
-}
-
-void Bisectors::sort() {
-  std::sort(bisectors_.begin(), bisectors_.end(), [&](const Bisector& a, const Bisector& b) {
-    return a.squared_distance != b.squared_distance
-               ? a.squared_distance < b.squared_distance
-               : sites_->original(a.site) < sites_->original(b.site);
-  });
-  drop_twins();
 }
 
 // Of coincident sites the first of the caller's owns the cell. The others share its plane; where

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/laps.hpp"
-#include "voronoi/cell_polyhedron.hpp"
 #include "voronoi/half_spaces.hpp"
 #include "voronoi/near_sites.hpp"
 
@@ -26,7 +25,8 @@ enum class Rivals {
   kInSight  ///< but for those of other components that look the other way
 };
 
-/// The bisectors of one site in order of distance, looked for as far as someone asks.
+/// The bisectors of one site: those with near sites in order of distance, looked for as far as
+/// someone asks, and where these do not decide a face those with sites that are near that face.
 class Bisectors {
  public:
   /// The arguments must outlive the bisectors.
@@ -38,6 +38,9 @@ class Bisectors {
   /// Turn to a site.
   void reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
+  /// Turn to a site for a face far from it: none is near.
+  void reset_far(std::int32_t site);
+
   /// Turn to a site, with `others` alone, whether it is one of them or not.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
@@ -45,12 +48,28 @@ class Bisectors {
   /// index.
   [[nodiscard]] std::int32_t owner() const { return owner_; }
 
-  /// Bisector k, or null if there are no more.
+  /// Near bisector k, or null if there are no more.
   [[nodiscard]] const Bisector* at(std::size_t k) {
     while (k >= settled_ && next_rival_ < rivals_.size()) take_rivals();
-    while (k >= settled_ && !complete_) look_further();
+    while (k >= settled_ && !complete_ && !ended_) look_further();
     return k < settled_ ? bisectors_.data() + k : nullptr;
   }
+
+  /// Whether there are no others than those that at() gives.
+  [[nodiscard]] bool complete() const { return complete_; }
+
+  /// One that is known, near or far.
+  [[nodiscard]] const Bisector& known(std::size_t k) const { return bisectors_[k]; }
+
+  /// The numbers of the far ones that are known.
+  [[nodiscard]] std::size_t first_far() const { return settled_; }
+  [[nodiscard]] std::size_t end() const { return bisectors_.size(); }
+
+  /// The number of the bisector with the site that is nearest to a point, relative to the site, of
+  /// those not among `others`, that is no near one and is as near as the site itself; kNone if there
+  /// is no such site.
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  [[nodiscard]] std::size_t nearest_to(const Vec3& point, std::span<const std::int32_t> others);
 
   /// Note that those up to a squared distance decide where the cell ends.
   void note_need(double squared_distance) {
@@ -70,30 +89,26 @@ class Bisectors {
   [[nodiscard]] bool is_out_of_sight(std::int32_t other) const;
   void look_further();
   void take_near();
-  [[nodiscard]] bool take_all_that_cut();
-  [[nodiscard]] bool shrink_to_cell();
+  [[nodiscard]] bool is_near(std::int32_t other) const;
+  [[nodiscard]] std::size_t place_of(std::int32_t site);
   [[nodiscard]] std::int32_t first_at_place_of(std::int32_t site) const;
   void take_rivals();
   void take_links();
   [[nodiscard]] Rival rival(std::int32_t other) const;
   [[nodiscard]] Bisector bisector_to(std::int32_t other) const;
   void add(std::int32_t other) { bisectors_.push_back(bisector_to(other)); }
-  void sort();
   void drop_twins();
   void settle(std::size_t count);
 
   const Surface* surface_;
   const OrderedSites* sites_;
   const SiteIndex* index_;
-  Eigen::AlignedBox3d box_;  // around the surface, once it is needed
-  CellPolyhedron cell_;
-  std::vector<std::int32_t> found_;  // sites that cut the cell and are not in the list
   std::int32_t site_ = 0;
   std::int32_t owner_ = 0;
   std::size_t settled_ = 0;
   bool complete_ = false;      // whether there are no others
+  bool ended_ = false;         // whether no others count as near
   bool all_ = true;            // whether all that are near compete
-  std::size_t most_ = 0;       // that are taken only because they are near
   std::vector<Rival> rivals_;  // the nearest first, as far as they were taken
   std::size_t next_rival_ = 0;
   std::vector<Bisector> bisectors_;

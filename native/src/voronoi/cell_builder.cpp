@@ -297,6 +297,11 @@ void CellBuilder::index_owners() {
     owners_[next[as_index(share.face)]++] = share.site;
 }
 
+/// The face may be far from the site, and then little of what is near the site matters.
+bool CellBuilder::reset_far(CellFlood& flood, std::int32_t site) const {
+  return index_.has_graph() ? flood.reset(site) : flood.reset_far(site);
+}
+
 /// From the site nearest to the face's centroid on, every site across an edge of a piece owns a
 /// piece too.
 std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
@@ -304,7 +309,7 @@ std::vector<Share> CellBuilder::nearest_owners(OrderedFace face) {
   std::vector<std::int32_t> known = {nearest_to(face)};
   std::vector<Share> result;
   for (std::size_t k = 0; k < known.size(); ++k) {
-    for (std::int32_t site = known[k]; !flood.reset(site);) site = flood.owner();
+    for (std::int32_t site = known[k]; !reset_far(flood, site);) site = flood.owner();
     flood.clip(face);
     const auto add = [&](std::int32_t j) {
       if (std::find(known.begin(), known.end(), j) == known.end()) known.push_back(j);

@@ -89,6 +89,7 @@ class CellBuilder {
   [[nodiscard]] std::vector<OrderedFace> without_owner(std::vector<OrderedFace> faces) const;
   void add_nearest_owners(std::span<const OrderedFace> faces);
   [[nodiscard]] std::vector<Share> nearest_owners(OrderedFace face);
+  [[nodiscard]] bool reset_far(CellFlood& flood, std::int32_t site) const;
   [[nodiscard]] std::int32_t nearest_to(OrderedFace face) const;
   void index_owners();
   void collect(std::int32_t site, std::vector<CellPolygon>& out);

@@ -15,7 +15,10 @@ namespace {
 constexpr std::int32_t kMostStamps = 1 << 30;
 // Rounding of x . (x_j - x_i), of r |x_j - x_i| with r the radius of a polygon.
 constexpr double kTie = 1e-14;
+constexpr std::size_t kMostTies = 8;  // sites as near as another one that are looked at
 constexpr double kOverGaps = 0.8;  // spacings from a site: farther gaps matter to nobody
+
+Vec3 vector(const Triple& x) { return {x.x, x.y, x.z}; }
 
 }  // namespace
 
@@ -28,17 +31,30 @@ CellFlood::CellFlood(const Surface& surface, const OrderedSites& sites, const Si
 void CellFlood::restart(bool gaps) {
   gaps_ = gaps;
   bisectors_.restart();
-  if (stamp_ < kMostStamps) return;
+  if (stamp_ < kMostStamps && turn_ < kMostStamps) return;
   std::fill(stamps_.begin(), stamps_.end(), 0);
-  stamp_ = 0;
+  std::fill(own_vertices_.begin(), own_vertices_.end(), 0);
+  stamp_ = turn_ = 0;
 }
 
 bool CellFlood::reset(std::int32_t site, Rivals rivals) {
-  site_ = site;
+  turn_to(site);
   bisectors_.reset(site, rivals);
   owner_ = bisectors_.owner();
   if (gaps_) squared_gap_reach_ = std::pow(gap_reach(), 2);
   return owner_ == site_;
+}
+
+bool CellFlood::reset_far(std::int32_t site) {
+  turn_to(site);
+  bisectors_.reset_far(site);
+  owner_ = bisectors_.owner();
+  return owner_ == site_;
+}
+
+void CellFlood::turn_to(std::int32_t site) {
+  site_ = owner_ = site;
+  ++turn_;
 }
 
 /// Where neighbors repel each other over a gap, in spacings of the density at the site. A site that
@@ -61,7 +77,7 @@ bool CellFlood::is_far_gap(OrderedFace face) const {
 }
 
 void CellFlood::reset_among(std::int32_t site, std::span<const std::int32_t> others) {
-  site_ = owner_ = site;
+  turn_to(site);
   bisectors_.reset_among(site, others);
 }
 
@@ -74,21 +90,90 @@ bool CellFlood::clip(OrderedFace face) {
                                          Triple(surface_->ordered().vertex(b)) - x,
                                          Triple(surface_->ordered().vertex(c)) - x};
   polygon_.start(triangle[0], triangle[1], triangle[2]);
+  if (!clip_near(triangle)) clip_far(triangle, {a, b, c});
+  bisectors_.note_need(4.0 * polygon_.squared_radius());
+  return whole_;
+}
+
+/// False if others may cut, too.
+bool CellFlood::clip_near(const HalfSpaces::Triangle& triangle) {
   // No |x_j - x_i| that counts is above 2 r.
   const double floor = -2.0 * kTie * polygon_.squared_radius();
   std::size_t k = 0;
   while (const Bisector* next = bisectors_.at(k)) {
-    if (is_far(*next)) break;
+    if (is_far(*next)) return true;
     const std::size_t last =
         std::min(k - k % HalfSpaces::kBlock + HalfSpaces::kBlock, bisectors_.settled());
     const unsigned skipped = k % HalfSpaces::kBlock;
     // What does not reach the triangle does not reach what is left of it.
     const unsigned reached = bisectors_.half_spaces().reached_by(k - skipped, triangle, floor);
-    if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) break;
+    if (!cut_by_those(reached >> skipped, k, last) || is_far(*bisectors_.at(last - 1))) return true;
     k = last;
   }
-  bisectors_.note_need(4.0 * polygon_.squared_radius());
-  return whole_;
+  return bisectors_.complete();
+}
+
+/// Where a cell goes far beyond the site's neighbors, as it does where few sites own much, the
+/// distance from the site does not tell which others count, and the face is asked instead: what is
+/// left of it belongs to the site if its corners do, as it is convex.
+void CellFlood::clip_far(const HalfSpaces::Triangle& triangle,
+                         const std::array<std::int32_t, 3>& vertices) {
+  rest_.start(polygon_.corners());
+  far_.clear();
+  take_known_far();
+  find_far(triangle, vertices);
+  std::sort(far_.begin(), far_.end(), [this](std::int32_t a, std::int32_t b) {
+    const Bisector &one = bisector(a), &other = bisector(b);
+    return one.squared_distance != other.squared_distance
+               ? one.squared_distance < other.squared_distance
+               : sites_->original(one.site) < sites_->original(other.site);
+  });
+  for (const std::int32_t k : far_)
+    if (!cut_by(bisector(k), static_cast<std::size_t>(k)) || polygon_.empty()) return;
+}
+
+/// What has cut another face will likely cut the next one.
+void CellFlood::take_known_far() {
+  for (std::size_t k = bisectors_.first_far(); k < bisectors_.end() && !rest_.empty(); ++k) {
+    const Bisector& known = bisectors_.known(k);
+    if (rest_.measure(known.normal, known.offset).high > 0.0) (void)take_far(k);
+  }
+}
+
+/// Wherever another site is nearer to a corner, its bisector cuts that off.
+void CellFlood::find_far(const HalfSpaces::Triangle& triangle,
+                         const std::array<std::int32_t, 3>& vertices) {
+  own_vertices_.resize(surface_->vertex_count(), 0);
+  sure_.clear();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (own_vertices_[static_cast<std::size_t>(vertices[k])] == turn_)
+      sure_.push_back(vector(triangle[k]));
+  std::size_t idle = 0;
+  while (const Vec3* corner = next_unsure()) {
+    const std::size_t k = bisectors_.nearest_to(*corner, far_);
+    if (k != Bisectors::kNone && (take_far(k) || ++idle < kMostTies)) continue;
+    if (k == Bisectors::kNone && idle == 0)  // what ties at it may lie in faces beside it, too
+      for (std::size_t v = 0; v < 3; ++v)
+        if (*corner == vector(triangle[v]))
+          own_vertices_[static_cast<std::size_t>(vertices[v])] = turn_;
+    sure_.push_back(*corner);
+  }
+}
+
+/// Whether it cuts something off.
+bool CellFlood::take_far(std::size_t k) {
+  const Bisector& bisector = bisectors_.known(k);
+  far_.push_back(static_cast<std::int32_t>(k));
+  if (rest_.measure(bisector.normal, bisector.offset).high <= 0.0) return false;
+  rest_.cut(static_cast<std::int32_t>(k));
+  return true;
+}
+
+/// A corner of the rest that may not be the site's.
+const Vec3* CellFlood::next_unsure() const {
+  for (const Polygon::Corner& corner : rest_.corners())
+    if (std::find(sure_.begin(), sure_.end(), corner.x) == sure_.end()) return &corner.x;
+  return nullptr;
 }
 
 /// Of the bisectors in [first, last) those whose bits are set. False if nothing is left to cut.

@@ -21,13 +21,16 @@ class CellFlood {
   /// owner(), or another one that this leads to.
   bool reset(std::int32_t site, Rivals rivals = Rivals::kAll);
 
+  /// The same to clip faces that are far from it. Only without a graph of sites.
+  bool reset_far(std::int32_t site);
+
   /// Turn to a site that competes with `others` only.
   void reset_among(std::int32_t site, std::span<const std::int32_t> others);
 
   [[nodiscard]] std::int32_t owner() const { return owner_; }
   [[nodiscard]] const Vec3& position() const { return sites_->position(site_); }
-  [[nodiscard]] const Bisector& bisector(std::int32_t k) {
-    return *bisectors_.at(static_cast<std::size_t>(k));
+  [[nodiscard]] const Bisector& bisector(std::int32_t k) const {
+    return bisectors_.known(static_cast<std::size_t>(k));
   }
   /// Time spent looking for the sites around.
   [[nodiscard]] Laps& laps() { return bisectors_.laps(); }
@@ -68,11 +71,18 @@ class CellFlood {
     surface_->ordered().prefetch(face);
   }
 
+  void turn_to(std::int32_t site);
   [[nodiscard]] double gap_reach() const;
   [[nodiscard]] bool is_far_gap(OrderedFace face) const;
   [[nodiscard]] bool is_far(const Bisector& bisector) const {
     return !(bisector.squared_distance < 4.0 * polygon_.squared_radius());
   }
+  [[nodiscard]] bool clip_near(const HalfSpaces::Triangle& triangle);
+  void clip_far(const HalfSpaces::Triangle& triangle, const std::array<std::int32_t, 3>& vertices);
+  void take_known_far();
+  void find_far(const HalfSpaces::Triangle& triangle, const std::array<std::int32_t, 3>& vertices);
+  [[nodiscard]] bool take_far(std::size_t k);
+  [[nodiscard]] const Vec3* next_unsure() const;
   [[nodiscard]] bool cut_by_those(unsigned reached, std::size_t first, std::size_t last);
   [[nodiscard]] bool cut_by(const Bisector& bisector, std::size_t k);
 
@@ -87,6 +97,11 @@ class CellFlood {
   std::int32_t owner_ = 0;
   Polygon polygon_;
   std::vector<std::int32_t> cuts_;
+  Polygon rest_;                   // of a face that near bisectors leave: what far ones do ...
+  std::vector<std::int32_t> far_;  // ... which are these
+  std::vector<Vec3> sure_;         // corners of it to which no other site is nearer
+  std::vector<std::int32_t> own_vertices_;  // per vertex: the last turn to a site of which it is sure
+  std::int32_t turn_ = 0;
   bool gaps_ = false;                 // whether far faces without density are left out ...
   double squared_gap_reach_ = 0.0;    // ... and how far they are
   bool whole_ = true;                 // whether it is the face

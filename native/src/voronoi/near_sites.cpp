@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/triple.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr double kFirstReach = 1.8;  // spacings
 constexpr double kFurther = 2.25;    // squared
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
+constexpr double kAlike = 4.0;       // needs that say something about others, over the median
 constexpr std::size_t kNone = ~std::size_t{0};
 constexpr std::size_t kFew = 24;
 
@@ -28,11 +30,14 @@ void NearSites::restart() {
   const double reach = kFirstReach * surface_->spacing(sites_->size());
   squared_reach_around_ = reach * reach;
   neighborhood_ = block_ = kNone;
-  needed_ = 0.0;
+  need_ = 0.0;
+  need_count_ = 0;
 }
 
 void NearSites::turn_to(std::int32_t site) {
+  put_need_away();
   site_ = site;
+  extended_ = false;
   const SiteIndex::Neighborhood here = index_->neighborhood(site);
   if (here.number != neighborhood_) look_around(here);
   squared_reach_ = squared_reach_around_;
@@ -40,21 +45,45 @@ void NearSites::turn_to(std::int32_t site) {
 }
 
 bool NearSites::is_complete() const {
-  return count_ + 1 >= index_->population() || !std::isfinite(squared_reach_);
+  return within_reach_ + 1 >= index_->population() || !std::isfinite(squared_reach_);
 }
 
+/// First a little. Where that was not enough the site may be far from all others: then as far as it
+/// takes to find as many as anybody asks for, and no farther.
 void NearSites::extend() {
-  squared_reach_ *= kFurther;
   const Vec3& position = sites_->position(site_);
+  const double farther = kFurther * squared_reach_;
+  squared_reach_ = farther;
+  if (extended_ && count_ < kMost) {
+    const double enough = index_->squared_distance_of_nearest(kMost + 1, position);
+    squared_reach_ = std::nextafter(enough, std::numeric_limits<double>::infinity());
+  }
+  extended_ = true;
   further_.clear();
   index_->for_each_near({position, position}, squared_reach_,
                         [&](std::int32_t site) { further_.add(site, sites_->position(site)); });
   choose(further_);
 }
 
+void NearSites::put_need_away() {
+  if (!(need_ > 0.0)) return;
+  needs_[need_count_ % needs_.size()] = std::exchange(need_, 0.0);
+  ++need_count_;
+}
+
+/// By a site of the neighborhood. One that had to look far beyond what others needed, since it is
+/// alone where it is, says nothing about the next ones.
+double NearSites::most_needed() {
+  const std::span<double> needs =
+      std::span(needs_).first(std::min(std::exchange(need_count_, 0), needs_.size()));
+  std::sort(needs.begin(), needs.end());
+  const double usual = kAlike * needs[(needs.size() - 1) / 2];
+  return *std::find_if(needs.rbegin(), needs.rend(), [&](double need) { return need <= usual; });
+}
+
 void NearSites::look_around(const SiteIndex::Neighborhood& here) {
   neighborhood_ = here.number;
-  if (needed_ > 0.0) squared_reach_around_ = kMargin * std::exchange(needed_, 0.0);
+  if (need_count_ > 0) squared_reach_around_ = kMargin * most_needed();
   squared_reach_ = squared_reach_around_;
   const SiteIndex::Neighborhood block = index_->block(here);
   if (block.number != block_ || squared_reach_ > squared_reach_block_) look_at(block);
@@ -113,6 +142,13 @@ void NearSites::choose(const Places& places) {
     near[count].squared_distance = squared[k];
     near[count].site = sites[k];
     count += static_cast<std::size_t>((squared[k] < reach) & (sites[k] != self));
+  }
+  within_reach_ = count;
+  if (count > kMost) {
+    const auto first = near_.begin();
+    for (std::size_t k = 0; k < count; ++k) near[k].original = sites_->original(near[k].site);
+    std::nth_element(first, first + kMost, first + static_cast<std::ptrdiff_t>(count));
+    count = kMost;
   }
   count_ = count;
   for (std::size_t k = 0; k < count; ++k) near[k].original = sites_->original(near[k].site);

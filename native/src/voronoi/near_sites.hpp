@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "voronoi/site_index.hpp"
 
@@ -32,17 +33,19 @@ class NearSites {
   /// Turn to a site.
   void turn_to(std::int32_t site);
 
-  /// All within reach of it but itself, the nearest first.
+  static constexpr std::size_t kMost = 51;  ///< that anybody asks for
+
+  /// All within reach of it but itself, the nearest first; of more than kMost only so many.
   [[nodiscard]] std::span<const Rival> all() const { return std::span(near_).first(count_); }
 
-  /// Whether these are all that there are.
+  /// Whether there are no others.
   [[nodiscard]] bool is_complete() const;
 
   /// Reach further for this site.
   void extend();
 
   /// Note that a squared distance is as far as this site had to look.
-  void note_need(double squared_distance) { needed_ = std::max(needed_, squared_distance); }
+  void note_need(double squared_distance) { need_ = std::max(need_, squared_distance); }
 
  private:
   /// Sites by coordinate, so that several are measured at once.
@@ -55,6 +58,8 @@ class NearSites {
   };
 
   void look_around(const SiteIndex::Neighborhood& here);
+  void put_need_away();
+  [[nodiscard]] double most_needed();
   void look_at(const SiteIndex::Neighborhood& block);
   void measure(const Places& places);
   void choose(const Places& places);
@@ -69,6 +74,8 @@ class NearSites {
   std::vector<double> squared_;  // distances of places
   std::vector<Rival> near_;      // the first count_ are within reach
   std::size_t count_ = 0;
+  std::size_t within_reach_ = 0;  // how many sites are, of which the first count_ are kept
+  bool extended_ = false;         // for this site
   Places further_;
   std::size_t neighborhood_ = 0;
   Places around_;  // all within reach of the neighborhood
@@ -76,7 +83,9 @@ class NearSites {
   std::size_t block_ = 0;
   std::vector<std::size_t> groups_;  // that reach into what is around the block
   double squared_reach_block_ = 0.0;
-  double needed_ = 0.0;  // the largest squared distance that was needed there so far
+  double need_ = 0.0;           // the largest squared distance that this site needed so far
+  std::array<double, SiteBoxes::kFan> needs_{};  // of the neighborhood's sites: the first need_count_
+  std::size_t need_count_ = 0;
 };
 
 }  // namespace dapple

@@ -142,6 +142,23 @@ std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
   return best >= 0 ? best : from;  // so far away that no squared distance is a number
 }
 
+double SiteIndex::squared_distance_of_nearest(std::size_t count, const Vec3& point) const {
+  std::vector<double> nearest;  // a heap
+  double farthest = std::numeric_limits<double>::infinity();
+  boxes_.for_each_nearest({point, point}, farthest, [&](std::size_t k) {
+    const double squared = squared_distance(point, site_in_boxes(k));
+    if (nearest.size() == count) {
+      if (!(squared < farthest)) return;
+      std::pop_heap(nearest.begin(), nearest.end());
+      nearest.pop_back();
+    }
+    nearest.push_back(squared);
+    std::push_heap(nearest.begin(), nearest.end());
+    if (nearest.size() == count) farthest = nearest.front();
+  });
+  return farthest;
+}
+
 // In a Delaunay triangulation every site but the nearest has a neighbor that is nearer.
 std::int32_t SiteIndex::walk(const Vec3& point, std::int32_t site) const {
   double best = squared_distance(point, site);

@@ -106,6 +106,28 @@ class SiteIndex {
   /// The site nearest to a point. Only the way there depends on `from`, a site that is better near.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, std::int32_t from) const;
 
+  /// Only without a graph: of the sites for which `competes(site)` the one nearest to a point, the
+  /// first of the caller's where several are. Only sites whose squared distance is below `limit`
+  /// count; -1 if there are none.
+  template <typename Competes>
+  [[nodiscard]] std::int32_t nearest_of(const Vec3& point, double limit,
+                                        const Competes& competes) const {
+    std::int32_t best = -1;
+    boxes_.for_each_nearest({point, point}, limit, [&](std::size_t k) {
+      const std::int32_t site = site_in_boxes(k);
+      const double squared = squared_distance(point, site);
+      if (!(squared < limit) && !(best >= 0 && squared == limit && precedes(site, best))) return;
+      if (!competes(site)) return;
+      limit = squared;
+      best = site;
+    });
+    return best;
+  }
+
+  /// Only without a graph: the squared distance within which there are so many sites around a
+  /// point, or all if there are no more.
+  [[nodiscard]] double squared_distance_of_nearest(std::size_t count, const Vec3& point) const;
+
  private:
   [[nodiscard]] std::int32_t site_in_boxes(std::size_t k) const {
     return kept_.empty() ? static_cast<std::int32_t>(k) : kept_[k];
@@ -113,6 +135,9 @@ class SiteIndex {
   void leave_crowds_out();
   void sort_in_space();
   void find_crowds(std::size_t first, std::size_t last);
+  [[nodiscard]] bool precedes(std::int32_t site, std::int32_t other) const {
+    return sites_->original(site) < sites_->original(other);
+  }
   [[nodiscard]] std::int32_t walk(const Vec3& point, std::int32_t site) const;
   [[nodiscard]] double squared_distance(const Vec3& point, std::int32_t site) const {
     return (sites_->position(site) - point).squaredNorm();
