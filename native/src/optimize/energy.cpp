@@ -5,10 +5,13 @@
 #include "base/validate.hpp"
 #include "base/vectors.hpp"
 #include "optimize/finite_energy.hpp"
+#include "optimize/owned_share.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
 namespace dapple {
 namespace {
+
+constexpr double kWhole = 1e-6;  // what is missing of a whole by rounding
 
 /// dE/dx_i = 2 m_i (x_i - c_i) + 2 lambda sum_j (|V_i| - |V_j|) a_ij (paper, equations 4, 5 and
 /// Theorem 2).
@@ -36,7 +39,8 @@ void assemble(Energy& energy, double mass, double capacity_weight) {
   });
   energy.total = energy.cvt + capacity_weight * energy.capacity_term;
   const auto count = static_cast<double>(energy.diagram.cells.size());
-  energy.normalized = count / mass * energy.total / mass - capacity_weight;
+  const double owned = mass * owned_share(energy.diagram, mass);
+  energy.normalized = count / owned * energy.total / owned - capacity_weight;
   find_gradient(energy.diagram, capacity_weight, energy.gradient);
 }
 
@@ -71,6 +75,13 @@ void update_energy(Energy& energy, const Domain& domain, const Sites& sites, dou
   check_at_least("capacity_weight", capacity_weight, 0.0);
   in_stage(context, Stage::kCells, [&] { domain.update_cells(sites, context, energy.diagram); });
   assemble(energy, domain.mass(), capacity_weight);
+}
+
+double owned_share(const RestrictedVoronoi& diagram, double mass) {
+  const std::vector<Moments>& cells = diagram.cells;
+  const double owned =
+      parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].capacity; });
+  return owned > 0.0 && owned < (1.0 - kWhole) * mass ? owned / mass : 1.0;
 }
 
 }  // namespace dapple

@@ -186,7 +186,9 @@ class Minimizer {
   }
 
   void note_energy() {
-    result_.energies.push_back(state_.total / objective_.total_weight() - options_.capacity_weight);
+    const double owned = owned_share(objective_, state_, 0);
+    result_.energies.push_back(state_.total / objective_.total_weight() / (owned * owned) -
+                               options_.capacity_weight);
   }
 
   Objective objective_;

@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "optimize/finite_energy.hpp"
+#include "optimize/owned_share.hpp"
 #include "voronoi/local_spacing.hpp"
 
 namespace dapple {
@@ -259,8 +260,13 @@ double normalized_energy(const Objective& objective, const State& state) {
 double normalized_cvt(const Objective& objective, const State& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
-    sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt;
+    sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt /
+           std::pow(owned_share(objective, state, t), 2);
   return sum / objective.total_weight();
+}
+
+double owned_share(const Objective& objective, const State& state, std::size_t term) {
+  return owned_share(state.parts[term].energy.diagram, objective.terms[term].domain->mass());
 }
 
 double capacity_variation(const Objective& objective, const State& state) {

@@ -116,6 +116,9 @@ void shrink_radii(const Objective& objective, State& state,
 /// The terms' normalized energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
 [[nodiscard]] double normalized_energy(const Objective& objective, const State& state);
 
+/// See owned_share.hpp; of the cells of a term.
+[[nodiscard]] double owned_share(const Objective& objective, const State& state, std::size_t term);
+
 /// Of them the part n E_cvt / |S|_phi^2.
 [[nodiscard]] double normalized_cvt(const Objective& objective, const State& state);
 

@@ -63,15 +63,37 @@ void CellBuilder::build(const Sites& sites, const SiteGraph* graph, Cells cells,
   result_ = &result;
   whole_ = graph && graph->periodic;
   connected_ = cells == Cells::kConnected;
-  if (connected_ && leaves_gaps) find_gaps();
-  gaps_ = connected_ && leaves_gaps && !empty_.empty();
+  leaves_ = connected_ && leaves_gaps;
+  if (leaves_) find_gaps();
+  gaps_ = leaves_ && !empty_.empty();
   context_ = context;
   start(sites, graph, context);
+  find_area_to_cover();
   Stretch flooding(context, 0.0, whole_ ? 1.0 : kFlooded), mending(context, kFlooded, 1.0);
   integrate(all_, flooding.context());
   if (!whole_ && missing_area()) share_uncovered_faces(mending.context());
   result.boundaries.resize(boundary_count_);
   if (context) context->advance(1.0);
+}
+
+/// Where parts without any site are left, that of the others.
+void CellBuilder::find_area_to_cover() {
+  area_to_cover_ = surface_.area();
+  const OrderedSurface& mesh = surface_.ordered();
+  if (!leaves_ || mesh.components() < 2) return;
+  if (component_areas_.empty()) {
+    component_areas_.resize(static_cast<std::size_t>(mesh.components()), 0.0);
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+      component_areas_[static_cast<std::size_t>(mesh.component(nth_face(f)))] +=
+          mesh.geometry(nth_face(f)).moments.area;
+  }
+  std::vector<bool> has_site(component_areas_.size(), false);
+  for (const OrderedFace face : sites_.faces)
+    has_site[static_cast<std::size_t>(mesh.component(face))] = true;
+  if (std::find(has_site.begin(), has_site.end(), false) == has_site.end()) return;
+  area_to_cover_ = 0.0;
+  for (std::size_t c = 0; c < has_site.size(); ++c)
+    if (has_site[c]) area_to_cover_ += component_areas_[c];
 }
 
 void CellBuilder::start(const Sites& sites, const SiteGraph* graph, Context* context) {
@@ -224,7 +246,12 @@ bool CellBuilder::missing_area() const {
   if (gaps_) return count() > 0;  // areas do not tell
   const double covered =
       parallel_sum(count(), kSum, [&](std::size_t k) { return result_->cells[k].area; });
-  return count() > 0 && surface_.area() - covered > 1e-11 * surface_.area();
+  return count() > 0 && area_to_cover_ - covered > 1e-11 * surface_.area();
+}
+
+bool CellBuilder::owns_nothing() const {
+  return std::none_of(result_->cells.begin(), result_->cells.end(),
+                      [](const Moments& cell) { return cell.capacity > 0.0; });
 }
 
 /// Find the faces that the floods left uncovered, decide whose they are, and integrate the cells
@@ -245,7 +272,7 @@ void CellBuilder::share_uncovered_faces(Context* context) {
                std::span<const std::int32_t> rivals) { return winners(face, asked, rivals); });
     uncovered = without_owner(uncovered);
   }
-  add_nearest_owners(uncovered);
+  if (!leaves_ || owns_nothing()) add_nearest_owners(uncovered);
   index_owners();
   for (const Share& share : shares_) changed.push_back(share.site);
   std::sort(changed.begin(), changed.end());
@@ -274,7 +301,7 @@ std::vector<OrderedFace> CellBuilder::without_owner(std::vector<OrderedFace> fac
   return faces;
 }
 
-/// Euclidean cells, and components without any site: the sites nearest in space.
+/// Euclidean cells, and parts without any site: the sites nearest in space.
 void CellBuilder::add_nearest_owners(std::span<const OrderedFace> faces) {
   std::vector<std::vector<Share>> found(faces.size());
   parallel_chunks(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {

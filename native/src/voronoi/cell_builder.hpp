@@ -22,7 +22,7 @@ class CellBuilder {
 
   /// \param graph   of the caller's sites, or null; must outlive the use of polygons()
   /// \param leaves_gaps whether, where cells follow the surface, faces without density that are far
-  ///                from all sites may belong to none
+  ///                from all sites may belong to none, and parts without any site do
   /// \param result  takes the diagram, in the memory that it has
   void build(const Sites& sites, const SiteGraph* graph, Cells cells, bool leaves_gaps,
              Context* context, RestrictedVoronoi& result);
@@ -63,6 +63,7 @@ class CellBuilder {
   };
 
   void find_gaps();
+  void find_area_to_cover();
   void start(const Sites& sites, const SiteGraph* graph, Context* context);
   [[nodiscard]] std::size_t count() const { return sites_.size(); }
   [[nodiscard]] std::span<const Share> shares_of(std::int32_t site) const;
@@ -82,6 +83,7 @@ class CellBuilder {
   RestrictedVoronoi::Row& row(std::int32_t site) { return result_->rows[original(site)]; }
 
   [[nodiscard]] bool missing_area() const;
+  [[nodiscard]] bool owns_nothing() const;
   void share_uncovered_faces(Context* context);
   [[nodiscard]] std::vector<std::int32_t> winners(OrderedFace face,
                                                   std::span<const std::int32_t> asked,
@@ -100,9 +102,12 @@ class CellBuilder {
   bool whole_ = false;      // no cell can have parts that its site does not reach
   bool connected_ = false;  // cells follow the surface
   bool gaps_ = false;       // far faces without density are left
+  bool leaves_ = false;     // those and parts without any site
   std::vector<bool>
       empty_;  // per ordered face, whether it has no density; only where some have none
   double full_area_ = 0.0;  // of the others
+  std::vector<double> component_areas_;  // only where there are several
+  double area_to_cover_ = 0.0;
   Context* context_ = nullptr;
   tbb::enumerable_thread_specific<Worker> workers_;
   std::vector<std::int32_t> all_;  // sites

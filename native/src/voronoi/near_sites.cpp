@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kFirstReach = 1.8;  // spacings
 constexpr double kFurther = 2.25;    // squared
+constexpr int kFewExtensions = 2;    // for a site: then its surroundings are looked at more closely
 constexpr double kMargin = 1.25;     // of the squared reach that the last neighborhood needed
 constexpr double kAlike = 4.0;       // needs that say something about others, over the median
 constexpr std::size_t kNone = ~std::size_t{0};
@@ -37,7 +38,7 @@ void NearSites::restart() {
 void NearSites::turn_to(std::int32_t site) {
   put_need_away();
   site_ = site;
-  extended_ = false;
+  extensions_ = 0;
   const SiteIndex::Neighborhood here = index_->neighborhood(site);
   if (here.number != neighborhood_) look_around(here);
   squared_reach_ = squared_reach_around_;
@@ -54,11 +55,10 @@ void NearSites::extend() {
   const Vec3& position = sites_->position(site_);
   const double farther = kFurther * squared_reach_;
   squared_reach_ = farther;
-  if (extended_ && count_ < kMost) {
+  if (++extensions_ > kFewExtensions && count_ < kMost) {
     const double enough = index_->squared_distance_of_nearest(kMost + 1, position);
     squared_reach_ = std::nextafter(enough, std::numeric_limits<double>::infinity());
   }
-  extended_ = true;
   further_.clear();
   index_->for_each_near({position, position}, squared_reach_,
                         [&](std::int32_t site) { further_.add(site, sites_->position(site)); });

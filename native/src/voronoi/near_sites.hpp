@@ -75,7 +75,7 @@ class NearSites {
   std::vector<Rival> near_;      // the first count_ are within reach
   std::size_t count_ = 0;
   std::size_t within_reach_ = 0;  // how many sites are, of which the first count_ are kept
-  bool extended_ = false;         // for this site
+  int extensions_ = 0;            // for this site
   Places further_;
   std::size_t neighborhood_ = 0;
   Places around_;  // all within reach of the neighborhood

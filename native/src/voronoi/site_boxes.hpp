@@ -92,11 +92,6 @@ class SiteBoxes {
   }
 
   template <typename Visit>
-  void visit_leaf(std::size_t leaf, const Visit& visit) const {
-    for (std::size_t p = kFan * leaf; p < last_point(leaf); ++p) visit(p);
-  }
-
-  template <typename Visit>
   void descend(std::size_t level, std::size_t group, const Box& query, double limit,
                const Visit& visit) const {
     if (level == 0) return visit(group);
@@ -108,18 +103,30 @@ class SiteBoxes {
   void descend_nearest(std::size_t level, std::size_t group, const Box& query, const double& limit,
                        const Visit& visit) const {
     const Group& boxes = levels_[level][group];
+    const unsigned near = near_bits(boxes, query, limit);
+    if (std::popcount(near) < 2)
+      return for_each_bit(near, [&](std::size_t k) {
+        descend_to_nearest(level, kFan * group + k, query, limit, visit);
+      });
     const std::array<double, kFan> distances = squared_distances(boxes.low, boxes.high, query);
-    std::array<std::size_t, kFan> order = {0, 1, 2, 3, 4, 5, 6, 7};
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
-    for (const std::size_t k : order) {
-      if (!(distances[k] < limit)) return;
-      const std::size_t child = kFan * group + k;
-      if (level > 0)
-        descend_nearest(level - 1, child, query, limit, visit);
-      else
-        visit_leaf(child, visit);
-    }
+    std::array<std::size_t, kFan> order;
+    std::size_t count = 0;
+    for_each_bit(near, [&](std::size_t k) {
+      std::size_t place = count++;
+      for (; place > 0 && distances[k] < distances[order[place - 1]]; --place)
+        order[place] = order[place - 1];
+      order[place] = k;
+    });
+    for (std::size_t k = 0; k < count && distances[order[k]] < limit; ++k)
+      descend_to_nearest(level, kFan * group + order[k], query, limit, visit);
+  }
+
+  template <typename Visit>
+  void descend_to_nearest(std::size_t level, std::size_t child, const Box& query,
+                          const double& limit, const Visit& visit) const {
+    if (level > 0) return descend_nearest(level - 1, child, query, limit, visit);
+    for_each_bit(near_bits(leaves_[child], query, limit),
+                 [&](std::size_t p) { visit(kFan * child + p); });
   }
 
   CompareBoxes compare_ = compare_boxes();
