@@ -31,6 +31,11 @@ constexpr double kMargin = 2e-6;
 // Sizes of the surface from its middle: from farther away, only the direction counts.
 constexpr double kFar = 1e12;
 constexpr std::size_t kGrain = 65536;  // faces or vertices between two checks
+// A surface whose faces are smaller than so many margins is split where there are gaps: Embree
+// could not tell faces of one part from each other.
+constexpr double kFine = 50.0;
+constexpr double kGap = 0.25;     // of the length along which it is split
+constexpr std::size_t kFew = 64;  // faces that may well be looked at one by one
 
 /// \param device null for what went wrong before there was one
 /// \throw Cancelled if Embree was told to stop; std::bad_alloc, std::runtime_error for what it
@@ -65,19 +70,41 @@ class Handle {
 }  // namespace
 
 struct Projector::Scene {
+  /// Some of the faces, which Embree sees around their own middle.
+  struct Part {
+    Part(const Scene& scene, std::vector<OrderedFace> faces, const Eigen::AlignedBox3d& box);
+
+    [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
+    [[nodiscard]] double squared_distance(const Vec3& p, double factor) const {
+      return (factor * (low - p).cwiseMax(p - high).cwiseMax(0.0)).squaredNorm();
+    }
+    void attach_triangles(const Surface& surface, bool whole, RTCDevice device,
+                          const Context* context);
+    void build(RTCDevice device, const Context* context);
+
+    std::vector<OrderedFace> faces;  // that Embree knows, by its index
+    Handle<RTCScene, rtcReleaseScene> handle;
+    Vec3 low, high, center;
+    double scale = 0.0;
+  };
+
   Scene(const Surface& s, bool support_only, const Context* context);
 
-  [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
   [[nodiscard]] Vec3 within_reach(const Vec3& p) const;
   void find_faces(bool support_only, const Context* context);
   void find_size(const Context* context);
-  void attach_triangles(const Context* context);
-  void build(const Context* context);
+  void split(std::vector<OrderedFace> some, const Context* context);
+  void split(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& box, const Context* context);
+  void add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& box,
+                const Context* context);
+  [[nodiscard]] double mean_area(std::span<const OrderedFace> some) const;
+  [[nodiscard]] bool is_fine(double area, double length) const;
 
   Surface surface;
-  std::vector<OrderedFace> faces;  // that Embree knows, by its index
+  std::vector<OrderedFace> faces;  // of all parts
   Handle<RTCDevice, rtcReleaseDevice> device{rtcNewDevice(nullptr)};
-  Handle<RTCScene, rtcReleaseScene> handle{rtcNewScene(device.get()), device.get()};
+  std::vector<std::unique_ptr<Part>> parts;
+  Eigen::AlignedBox3d box;
   Vec3 center;
   double scale;
   double factor;  // a power of two, about 1 / scale: squares of what is scaled by it are safe
@@ -201,8 +228,11 @@ bool go_on(void* given, double) noexcept {
 Projector::Scene::Scene(const Surface& s, bool support_only, const Context* context) : surface(s) {
   find_faces(support_only, context);
   find_size(context);
-  attach_triangles(context);
-  build(context);
+  const double mean = surface.area() / static_cast<double>(surface.face_count());
+  if (is_fine(mean, 2.0 * scale))
+    add_part(faces, box, context);
+  else
+    split(faces, context);
 }
 
 void Projector::Scene::find_faces(bool support_only, const Context* context) {
@@ -215,19 +245,100 @@ void Projector::Scene::find_faces(bool support_only, const Context* context) {
 }
 
 void Projector::Scene::find_size(const Context* context) {
-  Vec3 low = surface.ordered().vertex(0);
-  Vec3 high = low;
   for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
     check_at(context, k, kGrain);
-    low = low.cwiseMin(surface.ordered().vertex(static_cast<std::int32_t>(k)));
-    high = high.cwiseMax(surface.ordered().vertex(static_cast<std::int32_t>(k)));
+    box.extend(surface.ordered().vertex(static_cast<std::int32_t>(k)));
   }
-  center = 0.5 * (low + high);
-  scale = 0.5 * (high - low).maxCoeff();  // > 0: a surface has area
+  center = 0.5 * (box.min() + box.max());
+  scale = 0.5 * box.sizes().maxCoeff();  // > 0: a surface has area
   factor = std::ldexp(1.0, -std::ilogb(scale));
 }
 
-void Projector::Scene::build(const Context* context) {
+namespace {
+
+Eigen::AlignedBox3d box_of(const Surface& surface, OrderedFace face) {
+  Eigen::AlignedBox3d box;
+  for (const std::int32_t v : surface.ordered().corners(face))
+    box.extend(surface.ordered().vertex(v));
+  return box;
+}
+
+/// In the middle of the largest gap along an axis; NaN where there is none that large.
+double gap_along(const Surface& surface, std::span<const OrderedFace> faces, Eigen::Index axis,
+                 double least) {
+  std::vector<std::pair<double, double>> spans;
+  for (const OrderedFace face : faces) {
+    const Eigen::AlignedBox3d box = box_of(surface, face);
+    spans.emplace_back(box.min()[axis], box.max()[axis]);
+  }
+  std::sort(spans.begin(), spans.end());
+  double place = std::numeric_limits<double>::quiet_NaN();
+  double end = spans.front().second;
+  for (const auto& [low, high] : spans) {
+    if (low - end > least) {
+      least = low - end;
+      place = end + 0.5 * least;
+    }
+    end = std::max(end, high);
+  }
+  return place;
+}
+
+}  // namespace
+
+/// Into parts that are small enough to be seen in single precision, as far as there are gaps.
+void Projector::Scene::split(std::vector<OrderedFace> some, const Context* context) {
+  check_context(context);
+  Eigen::AlignedBox3d around;
+  for (const OrderedFace face : some) around.extend(box_of(surface, face));
+  split(std::move(some), around, context);
+}
+
+void Projector::Scene::split(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
+                             const Context* context) {
+  Eigen::Index axis = 0;
+  const double length = around.sizes().maxCoeff(&axis);
+  double place = std::numeric_limits<double>::quiet_NaN();
+  if (some.size() > kFew && !is_fine(mean_area(some), length))
+    place = gap_along(surface, some, axis, kGap * length);
+  if (!std::isfinite(place)) return add_part(std::move(some), around, context);
+  const auto before = [&](OrderedFace face) { return box_of(surface, face).min()[axis] < place; };
+  const auto middle = std::stable_partition(some.begin(), some.end(), before);
+  split({some.begin(), middle}, context);
+  split({middle, some.end()}, context);
+}
+
+void Projector::Scene::add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
+                                const Context* context) {
+  parts.push_back(std::make_unique<Part>(*this, std::move(some), around));
+  parts.back()->attach_triangles(surface, parts.back()->faces.size() == faces.size(), device.get(),
+                                 context);
+  parts.back()->build(device.get(), context);
+}
+
+double Projector::Scene::mean_area(std::span<const OrderedFace> some) const {
+  double sum = 0.0;
+  for (const OrderedFace face : some) sum += surface.ordered().geometry(face).moments.area;
+  return sum / static_cast<double>(some.size());
+}
+
+/// Whether faces of that area are large enough to be told from each other over a length.
+bool Projector::Scene::is_fine(double area, double length) const {
+  return kFine * kMargin * factor * length <= factor * std::sqrt(area);
+}
+
+Projector::Scene::Part::Part(const Scene& scene, std::vector<OrderedFace> some,
+                             const Eigen::AlignedBox3d& box)
+    : faces(std::move(some)),
+      handle(rtcNewScene(scene.device.get()), scene.device.get()),
+      low(box.min()),
+      high(box.max()),
+      center(0.5 * (low + high)),
+      scale(0.5 * (high - low).maxCoeff()) {
+  if (!(scale > 0.0)) scale = scene.scale;  // all at one place
+}
+
+void Projector::Scene::Part::build(RTCDevice device, const Context* context) {
   Watch watch{context};
   const bool asked = context || watch.poll;
   if (asked) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
@@ -236,7 +347,7 @@ void Projector::Scene::build(const Context* context) {
     rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
     check_context(context);
   }
-  check_error(device.get());
+  check_error(device);
 }
 
 /// A point so far away that it has no place in single precision gives way to one in its direction.
@@ -253,24 +364,43 @@ T* buffer_of(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::si
   return static_cast<T*>(memory);
 }
 
-void Projector::Scene::attach_triangles(const Context* context) {
+/// The vertices of some faces in order, each once.
+std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const OrderedFace> faces) {
+  std::vector<std::int32_t> result;
+  for (const OrderedFace face : faces)
+    for (const std::int32_t v : surface.ordered().corners(face)) result.push_back(v);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// \param whole whether it has all faces: then all vertices are taken as they are
+void Projector::Scene::Part::attach_triangles(const Surface& surface, bool whole, RTCDevice device,
+                                              const Context* context) {
   const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
-      rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE), device.get()};
+      rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE), device};
   const RTCGeometry triangles = geometry.get();
-  auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3,
-                             surface.vertex_count());
-  for (std::size_t k = 0; k < surface.vertex_count(); ++k) {
+  const std::vector<std::int32_t> some =
+      whole ? std::vector<std::int32_t>() : vertices_of(surface, faces);
+  const std::size_t count = whole ? surface.vertex_count() : some.size();
+  auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, count);
+  for (std::size_t k = 0; k < count; ++k) {
     check_at(context, k, kGrain);
-    const Vec3 unit = to_unit(surface.ordered().vertex(static_cast<std::int32_t>(k)));
+    const Vec3 unit =
+        to_unit(surface.ordered().vertex(whole ? static_cast<std::int32_t>(k) : some[k]));
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
   }
+  const auto number = [&](std::int32_t v) {
+    return static_cast<unsigned>(
+        whole ? v : std::lower_bound(some.begin(), some.end(), v) - some.begin());
+  };
   auto* index =
       buffer_of<unsigned>(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(context, f, kGrain);
     for (std::size_t k = 0; k < 3; ++k)
-      index[3 * f + k] = static_cast<unsigned>(surface.ordered().corners(faces[f])[k]);
+      index[3 * f + k] = number(surface.ordered().corners(faces[f])[k]);
   }
   rtcCommitGeometry(triangles);
   rtcAttachGeometry(handle.get(), triangles);
@@ -283,6 +413,34 @@ Projector::Projector(Projector&&) noexcept = default;
 Projector& Projector::operator=(Projector&&) noexcept = default;
 
 namespace {
+
+/// Look for a nearer face in one part.
+template <typename Part>
+void look_in(const Part& part, Query& query) {
+  query.faces = &part.faces;
+  query.scale = part.scale;
+  const Vec3 unit = part.to_unit(query.point);
+  RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(part.handle.get(), &embree, &context, visit, &query);
+}
+
+/// In the part whose box is nearest first, and in others that may have something as near.
+template <typename Parts>
+void look_everywhere(const Parts& parts, Query& query) {
+  const auto nearer = [&](const auto& a, const auto& b) {
+    return a->squared_distance(query.point, query.factor) <
+           b->squared_distance(query.point, query.factor);
+  };
+  const auto first =
+      parts.size() == 1 ? parts.begin() : std::min_element(parts.begin(), parts.end(), nearer);
+  look_in(**first, query);
+  for (auto part = parts.begin(); part != parts.end(); ++part)
+    if (part != first && (*part)->squared_distance(query.point, query.factor) <=
+                             query.squared_distance * (1.0 + kMargin))
+      look_in(**part, query);
+}
 
 /// Any face will do to begin with, as long as Embree knows it.
 template <typename Scene>
@@ -306,11 +464,7 @@ Projection Projector::project(std::span<const Vec3> points, std::span<const std:
       const Vec3 point = scene_->within_reach(points[k]);
       Query query{&scene_->surface, &scene_->faces, scene_->scale, scene_->factor, point};
       query.consider(first_guess(*scene_, hints, k));
-      const Vec3 unit = scene_->to_unit(point);
-      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f, query.radius()};
-      RTCPointQueryContext embree_context;
-      rtcInitPointQueryContext(&embree_context);
-      rtcPointQuery(scene_->handle.get(), &embree, &embree_context, visit, &query);
+      look_everywhere(scene_->parts, query);
       result.faces[k] = query.face;
       result.barycentric[k] = query.barycentric;
       result.positions[k] = scene_->surface.point(query.face, query.barycentric);
@@ -320,6 +474,21 @@ Projection Projector::project(std::span<const Vec3> points, std::span<const std:
   });
   return result;
 }
+
+namespace {
+
+template <typename Part>
+void gather_in(const Part& part, Gathering& query) {
+  query.faces = &part.faces;
+  const Vec3 unit = part.to_unit(query.point).cwiseMax(-kFar).cwiseMin(kFar);
+  RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
+                       search_radius(query.radius, part.scale)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(part.handle.get(), &embree, &context, gather, &query);
+}
+
+}  // namespace
 
 std::vector<std::vector<std::int32_t>> Projector::faces_within(
     std::span<const Vec3> points, std::span<const double> radii) const {
@@ -335,12 +504,7 @@ std::vector<std::vector<std::int32_t>> Projector::faces_within(
       Gathering query{&scene_->surface, &scene_->faces,
                       points[k],        scene_->within_reach(points[k]) != points[k],
                       radii[k],         {}};
-      const Vec3 unit = scene_->to_unit(points[k]).cwiseMax(-kFar).cwiseMin(kFar);
-      RTCPointQuery embree{float(unit.x()), float(unit.y()), float(unit.z()), 0.0f,
-                           search_radius(radii[k], scene_->scale)};
-      RTCPointQueryContext embree_context;
-      rtcInitPointQueryContext(&embree_context);
-      rtcPointQuery(scene_->handle.get(), &embree, &embree_context, gather, &query);
+      for (const auto& part : scene_->parts) gather_in(*part, query);
       if (query.error) std::rethrow_exception(query.error);
       std::sort(query.found.begin(), query.found.end());
       result[k] = std::move(query.found);
@@ -361,30 +525,65 @@ void intersect(RTCScene scene, RTCRayHit& ray) {
 #endif
 }
 
+struct Hit {
+  double length;
+  OrderedFace face;
+};
+
+/// Whether a ray comes to the box of a part, or nearly.
+template <typename Part>
+bool meets_box(const Part& part, const Ray& ray, double length) {
+  double first = 0.0, last = length;
+  const double slack = 2.0 * kMargin * part.scale;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double low = part.low[axis] - slack - ray.origin[axis];
+    const double high = part.high[axis] + slack - ray.origin[axis];
+    const double way = ray.direction[axis];
+    if (way == 0.0) {
+      if (low > 0.0 || high < 0.0) return false;
+      continue;
+    }
+    first = std::max(first, std::min(low / way, high / way));
+    last = std::min(last, std::max(low / way, high / way));
+  }
+  return first <= last;
+}
+
+/// Whether a part has a nearer hit.
+template <typename Part>
+bool hit_in(const Part& part, const Ray& ray, Hit& nearest) {
+  const Vec3 from = part.to_unit(ray.origin);
+  RTCRayHit hit{};
+  hit.ray = {.org_x = float(from.x()),
+             .org_y = float(from.y()),
+             .org_z = float(from.z()),
+             .tnear = 2.0f * float(kMargin),
+             .dir_x = float(ray.direction.x()),
+             .dir_y = float(ray.direction.y()),
+             .dir_z = float(ray.direction.z()),
+             .time = 0.0f,
+             .tfar = float(nearest.length / part.scale),
+             .mask = ~0u,
+             .id = 0,
+             .flags = 0};
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  intersect(part.handle.get(), hit);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  nearest = {double(hit.ray.tfar) * part.scale, part.faces[hit.hit.primID]};
+  return true;
+}
+
 }  // namespace
 
 std::vector<std::int32_t> Projector::first_hits(std::span<const Ray> rays) const {
   std::vector<std::int32_t> result(rays.size(), -1);
   parallel_chunks(rays.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const Vec3 from = scene_->to_unit(rays[k].origin);
-      RTCRayHit hit{};
-      hit.ray = {.org_x = float(from.x()),
-                 .org_y = float(from.y()),
-                 .org_z = float(from.z()),
-                 .tnear = 2.0f * float(kMargin),
-                 .dir_x = float(rays[k].direction.x()),
-                 .dir_y = float(rays[k].direction.y()),
-                 .dir_z = float(rays[k].direction.z()),
-                 .time = 0.0f,
-                 .tfar = float(rays[k].length / scene_->scale),
-                 .mask = ~0u,
-                 .id = 0,
-                 .flags = 0};
-      hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      intersect(scene_->handle.get(), hit);
-      if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        result[k] = scene_->surface.ordered().original_face(scene_->faces[hit.hit.primID]);
+      Hit nearest{rays[k].length, {}};
+      bool any = false;
+      for (const auto& part : scene_->parts)
+        if (meets_box(*part, rays[k], nearest.length)) any = hit_in(*part, rays[k], nearest) || any;
+      if (any) result[k] = scene_->surface.ordered().original_face(nearest.face);
     }
   });
   return result;

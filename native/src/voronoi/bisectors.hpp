@@ -66,8 +66,8 @@ class Bisectors {
   [[nodiscard]] std::size_t end() const { return bisectors_.size(); }
 
   /// The number of the bisector with the site that is nearest to a point, relative to the site, of
-  /// those not among `others`, that is no near one and is as near as the site itself; kNone if there
-  /// is no such site.
+  /// those not among `others`, that is no near one and is as near as the site itself; kNone if
+  /// there is no such site.
   static constexpr std::size_t kNone = ~std::size_t{0};
   [[nodiscard]] std::size_t nearest_to(const Vec3& point, std::span<const std::int32_t> others);
 

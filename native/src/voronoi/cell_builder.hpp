@@ -105,7 +105,7 @@ class CellBuilder {
   bool leaves_ = false;     // those and parts without any site
   std::vector<bool>
       empty_;  // per ordered face, whether it has no density; only where some have none
-  double full_area_ = 0.0;  // of the others
+  double full_area_ = 0.0;               // of the others
   std::vector<double> component_areas_;  // only where there are several
   double area_to_cover_ = 0.0;
   Context* context_ = nullptr;

@@ -16,7 +16,7 @@ constexpr std::int32_t kMostStamps = 1 << 30;
 // Rounding of x . (x_j - x_i), of r |x_j - x_i| with r the radius of a polygon.
 constexpr double kTie = 1e-14;
 constexpr std::size_t kMostTies = 8;  // sites as near as another one that are looked at
-constexpr double kOverGaps = 0.8;  // spacings from a site: farther gaps matter to nobody
+constexpr double kOverGaps = 0.8;     // spacings from a site: farther gaps matter to nobody
 
 Vec3 vector(const Triple& x) { return {x.x, x.y, x.z}; }
 

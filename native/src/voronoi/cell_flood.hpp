@@ -100,7 +100,8 @@ class CellFlood {
   Polygon rest_;                   // of a face that near bisectors leave: what far ones do ...
   std::vector<std::int32_t> far_;  // ... which are these
   std::vector<Vec3> sure_;         // corners of it to which no other site is nearer
-  std::vector<std::int32_t> own_vertices_;  // per vertex: the last turn to a site of which it is sure
+  std::vector<std::int32_t>
+      own_vertices_;  // per vertex: the last turn to a site of which it is sure
   std::int32_t turn_ = 0;
   bool gaps_ = false;                 // whether far faces without density are left out ...
   double squared_gap_reach_ = 0.0;    // ... and how far they are

@@ -83,8 +83,9 @@ class NearSites {
   std::size_t block_ = 0;
   std::vector<std::size_t> groups_;  // that reach into what is around the block
   double squared_reach_block_ = 0.0;
-  double need_ = 0.0;           // the largest squared distance that this site needed so far
-  std::array<double, SiteBoxes::kFan> needs_{};  // of the neighborhood's sites: the first need_count_
+  double need_ = 0.0;  // the largest squared distance that this site needed so far
+  std::array<double, SiteBoxes::kFan>
+      needs_{};  // of the neighborhood's sites: the first need_count_
   std::size_t need_count_ = 0;
 };
 
