@@ -79,10 +79,10 @@ enum class Steps {
               ///< making takes longer than a few steps on a surface that soon changes again
 };
 
-/// What becomes of faces without density that are far from all sites.
+/// What becomes of faces without density that are far from all sites, and of parts without sites.
 enum class EmptyFaces {
   kCovered,  ///< they belong to cells, as all faces do
-  kLeft      ///< to none, where cells follow the surface: they take time and change no capacity
+  kLeft      ///< to none, where cells follow the surface: they take time and change no other cell
 };
 
 /// A surface with its projector. Sites stay where there is density, and a step does not carry them

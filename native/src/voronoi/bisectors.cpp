@@ -97,11 +97,12 @@ std::size_t Bisectors::nearest_to(const Vec3& point, std::span<const std::int32_
   const Vec3& position = sites_->position(site_);
   const std::int32_t found = index_->nearest_of(
       position + point, (1.0 + kTie) * point.squaredNorm(), [&](std::int32_t site) {
-        const auto is_site = [&](std::int32_t k) {
-          return bisectors_[static_cast<std::size_t>(k)].site == site;
+        const auto is_there = [&](std::int32_t k) {  // coincident sites have one bisector
+          return sites_->position(bisectors_[static_cast<std::size_t>(k)].site) ==
+                 sites_->position(site);
         };
         return sites_->position(site) != position && !is_near(site) && !is_out_of_sight(site) &&
-               std::none_of(others.begin(), others.end(), is_site);
+               std::none_of(others.begin(), others.end(), is_there);
       });
   return found < 0 ? kNone : place_of(first_at_place_of(found));
 }

@@ -32,6 +32,8 @@ class CellFlood {
   [[nodiscard]] const Bisector& bisector(std::int32_t k) const {
     return bisectors_.known(static_cast<std::size_t>(k));
   }
+  /// How many bisectors are known.
+  [[nodiscard]] std::size_t known() const { return bisectors_.end(); }
   /// Time spent looking for the sites around.
   [[nodiscard]] Laps& laps() { return bisectors_.laps(); }
   [[nodiscard]] const Polygon& polygon() const { return polygon_; }

@@ -38,6 +38,9 @@ class NearSites {
   /// All within reach of it but itself, the nearest first; of more than kMost only so many.
   [[nodiscard]] std::span<const Rival> all() const { return std::span(near_).first(count_); }
 
+  /// How many there are.
+  [[nodiscard]] std::size_t within_reach() const { return within_reach_; }
+
   /// Whether there are no others.
   [[nodiscard]] bool is_complete() const;
 

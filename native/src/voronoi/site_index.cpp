@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "voronoi/site_index.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -16,6 +18,8 @@ namespace {
 constexpr std::size_t kCrowd = 16;    // sites on one face: fewer are looked through in no time
 constexpr std::size_t kMany = 8;      // sites on one face, on average
 constexpr std::size_t kCounted = 16;  // faces a site
+constexpr std::size_t kFew = 1024;    // sites: fewer are in no bad order
+constexpr double kLoose = 4.0;        // of what leaves of sites on a surface measure
 
 }  // namespace
 
@@ -61,8 +65,12 @@ void SiteIndex::update(const SiteGraph* graph) {
   places_.clear();
   if (!graph) {
     leave_crowds_out();
-    sort_in_space();
+    const bool spread = are_spread();
+    if (!spread || !kept_.empty()) sort_in_space(!spread);
     boxes_.assign(kept_.empty() ? sites_->positions : kept_positions_);
+    if (!kept_.empty() || !are_off_their_faces()) return;
+    sort_in_space(/*anew=*/true);
+    boxes_.assign(kept_positions_);
     return;
   }
   ordered_.resize(sites_->size());
@@ -81,20 +89,38 @@ void SiteIndex::leave_crowds_out() {
     if (leaders_[k] == static_cast<std::int32_t>(k)) kept_.push_back(static_cast<std::int32_t>(k));
 }
 
-/// The order of the sites is one in space as long as it is that of their faces: where a face holds
-/// many, they are sorted by themselves.
-void SiteIndex::sort_in_space() {
+/// The order of the sites is one in space as long as it is that of their faces, and no face holds
+/// many.
+bool SiteIndex::are_spread() const {
   std::size_t occupied = 0;
   for (std::size_t k = 0; k < sites_->size(); ++k)
     occupied += k == 0 || sites_->faces[k] != sites_->faces[k - 1] ? 1 : 0;
-  const bool spread = sites_->size() <= kMany * occupied;
-  if (spread && kept_.empty()) return;
+  return sites_->size() <= kMany * occupied;
+}
+
+/// Whether the order of their faces is none in space: leaves are far larger than they would be.
+bool SiteIndex::are_off_their_faces() const {
+  const std::size_t count = sites_->size();
+  if (count < kFew) return false;
+  Eigen::AlignedBox3d all;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < count; k += SiteBoxes::kFan) {
+    const Box leaf = boxes_.leaf_of(k);
+    sum += (leaf.high - leaf.low).norm();
+    all.extend(leaf.low).extend(leaf.high);
+  }
+  const double share = static_cast<double>(SiteBoxes::kFan) / static_cast<double>(count);
+  return sum * share > kLoose * std::sqrt(share) * all.diagonal().norm();
+}
+
+/// \param anew whether they are sorted by themselves
+void SiteIndex::sort_in_space(bool anew) {
   if (kept_.empty()) {
     kept_.resize(sites_->size());
     std::iota(kept_.begin(), kept_.end(), 0);
   }
   kept_positions_ = gather(std::span<const Vec3>(sites_->positions), kept_);
-  if (!spread) {
+  if (anew) {
     const std::vector<std::int32_t> order = morton_order(kept_positions_);
     kept_ = gather(std::span<const std::int32_t>(kept_), order);
     kept_positions_ = gather(std::span<const Vec3>(kept_positions_), order);

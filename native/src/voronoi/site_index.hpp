@@ -133,7 +133,9 @@ class SiteIndex {
     return kept_.empty() ? static_cast<std::int32_t>(k) : kept_[k];
   }
   void leave_crowds_out();
-  void sort_in_space();
+  [[nodiscard]] bool are_spread() const;
+  [[nodiscard]] bool are_off_their_faces() const;
+  void sort_in_space(bool anew);
   void find_crowds(std::size_t first, std::size_t last);
   [[nodiscard]] bool precedes(std::int32_t site, std::int32_t other) const {
     return sites_->original(site) < sites_->original(other);

@@ -260,6 +260,47 @@ TEST(Projector, NamesTheFirstHintOutOfRange) {
   expect_message<ArgumentError>([&] { (void)projector.project(points, few); }, {"hints", "1", "3"});
 }
 
+/// Embree alone would see each of the bodies as one point, and look at all faces for each query.
+TEST(Projector, TellsFacesOfBodiesFarApartFromEachOther) {
+  for (const double far : {1e3, 1e6, 1e8}) {
+    const Shape ball = icosphere(3);
+    const Shape other = mapped(ball, [&](const Vec3& x) { return Vec3(x + Vec3(far, 0, 0)); });
+    const Shape shape = joined(ball, other);
+    const Projector projector(shape.surface());
+    Random random(5);
+    std::vector<Vec3> points;
+    for (int k = 0; k < 100; ++k)
+      points.push_back(2.0 * random.in_box() + Vec3(k % 2 == 0 ? 0.0 : far, 0, 0));
+    points.push_back(Vec3(0.5 * far, 3, 0));
+    points.push_back(Vec3(0, 2 * far, 0));
+    const Projection found = projector.project(points);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      EXPECT_NEAR(found.distances[k], brute_force_closest(shape, points[k]).distance, 1e-12 * far)
+          << k;
+  }
+}
+
+TEST(Projector, MeetsAndGathersBodiesFarApart) {
+  const Shape ball = icosphere(3);
+  const double far = 1e7;
+  const Shape other = mapped(ball, [&](const Vec3& x) { return Vec3(x + Vec3(far, 0, 0)); });
+  const Projector projector(joined(ball, other).surface());
+  const auto faces = static_cast<std::int32_t>(ball.faces.size());
+  const std::vector<Ray> rays = {{Vec3(0, 0, 0), Vec3(1, 0, 0), 2.0},
+                                 {Vec3(2, 0.1, 0), Vec3(1, 0, 0), 10.0},
+                                 {Vec3(far, 0, 0), Vec3(0, 1, 0), 2.0}};
+  const std::vector<std::int32_t> hits = projector.first_hits(rays);
+  EXPECT_TRUE(hits[0] >= 0 && hits[0] < faces);
+  EXPECT_EQ(hits[1], -1);
+  EXPECT_GE(hits[2], faces);
+  const std::vector<Vec3> points = {Vec3(1, 0, 0), Vec3(far + 1, 0, 0), Vec3(0.5 * far, 0, 0)};
+  const std::vector<double> radii = {0.5, 0.5, 0.6 * far};
+  const auto found = projector.faces_within(points, radii);
+  EXPECT_TRUE(!found[0].empty() && found[0].back() < faces);
+  EXPECT_EQ(found[0].size(), found[1].size());
+  EXPECT_EQ(found[2].size(), static_cast<std::size_t>(2 * faces));
+}
+
 /// So far that its square overflows only the direction is left to tell what is nearest.
 TEST(Projector, FindsTheFarthestCornerForPointsBeyondAllMeasure) {
   const Shape shape = octahedron();

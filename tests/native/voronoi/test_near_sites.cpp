@@ -84,18 +84,73 @@ TEST_P(NearSitesOn, AreNotManyMoreThanAreNeeded) {
 }
 
 TEST_P(NearSitesOn, AreAllInTheEnd) {
+  constexpr std::size_t kSites = NearSites::kMost;
   const Surface surface = GetParam().surface();
-  const OrderedSites sites(surface, poisson_start(surface, 100, 3));
+  const OrderedSites sites(surface, poisson_start(surface, kSites, 3));
   const SiteIndex index(sites, nullptr);
   NearSites near(surface, sites, index);
-  near.turn_to(50);
+  near.turn_to(25);
   std::size_t before = near.all().size();
   while (!near.is_complete()) {
     near.extend();
     EXPECT_GE(near.all().size(), before);
     before = near.all().size();
   }
-  EXPECT_EQ(before, 99u);
+  EXPECT_EQ(before, kSites - 1);
+}
+
+/// A body, and far specks with a site each among those of the body.
+struct Scattered {
+  Surface surface;
+  OrderedSites sites;
+};
+
+Scattered with_far_specks() {
+  Shape shape = icosphere(4);
+  for (int k = 0; k < 20; ++k)
+    shape = joined(shape, mapped(tetrahedron(), [&](const Vec3& x) {
+                     return Vec3(0.001 * x + Vec3(1000.0 * (k + 1), 7.0 * k, 0));
+                   }));
+  const Surface surface = shape.surface();
+  Sites sites = poisson_start(icosphere(4).surface(), 2000, 3);
+  for (std::size_t k = 0; k < 20; ++k) {
+    sites.faces.push_back(static_cast<std::int32_t>(icosphere(4).faces.size() + 4 * k));
+    sites.positions.push_back(
+        shape.point(static_cast<std::size_t>(sites.faces.back()), Vec3::Constant(1.0 / 3.0)));
+    sites.barycentric.push_back(Vec3::Constant(1.0 / 3.0));
+  }
+  return {surface, OrderedSites(surface, sites)};
+}
+
+/// One that is alone where it is looks far; those after it do not.
+TEST(NearSites, DoNotLookFarBecauseAnotherDid) {
+  const Scattered all = with_far_specks();
+  const SiteIndex index(all.sites, nullptr);
+  NearSites near(all.surface, all.sites, index);
+  std::size_t within = 0;
+  for (std::int32_t site = 0; site < static_cast<std::int32_t>(all.sites.size()); ++site) {
+    near.turn_to(site);
+    const bool alone = site % 8 == 3;
+    within += alone ? 0 : near.within_reach();
+    near.note_need(alone ? 1e6 : 0.02);
+  }
+  EXPECT_LT(within, 40 * all.sites.size());
+}
+
+/// Far from all others, a site finds as many as anybody asks for in a few steps.
+TEST(NearSites, OfOneThatIsAloneAreFoundInFewSteps) {
+  const Scattered all = with_far_specks();
+  const SiteIndex index(all.sites, nullptr);
+  NearSites near(all.surface, all.sites, index);
+  for (std::int32_t site = 0; site < static_cast<std::int32_t>(all.sites.size()); ++site) {
+    if (all.sites.position(site).norm() < 2.0) continue;
+    near.turn_to(site);
+    int steps = 0;
+    for (; near.all().size() < NearSites::kMost; ++steps) near.extend();
+    EXPECT_LE(steps, 4);
+    EXPECT_LE(near.within_reach(), NearSites::kMost + 1);
+    expect_nearest(near.all(), others(all.sites, site));
+  }
 }
 
 }  // namespace
