@@ -20,6 +20,8 @@ namespace {
 constexpr int kBacktracks = 6;     // shortenings of a step before it counts as failed
 constexpr int kFewBacktracks = 3;  // while restoring: the next frame goes on
 constexpr int kReinsertions = 8;   // in one run
+constexpr int kUncut = 5;          // steps in a row that no jump has cut
+constexpr int kGrace = 12;         // evaluations more, once, where steps were held back
 constexpr double kLocal = 1e-2;    // of the tolerance: what is left to restore is in a few places
 constexpr int kFailures = 5;       // steps without any decrease: rounding is all that is left
 constexpr int kFewFailures = 2;    // while restoring
@@ -41,14 +43,16 @@ class Minimizer {
         limit_(objective_, options.max_slide),
         rule_(restoring() ? kLocal * options.tolerance : options.tolerance, options.patience,
               restoring() ? kFewFailures : kFailures),
-        forecast_(options, restoring()) {}
+        forecast_(options, restoring()),
+        last_(options.max_evaluations) {}
 
   Minimum run(const Sites& start, const Sites* home) {
     begin(start, home);
     reinsert_empty_cells();
-    while (!settled() && result_.evaluations < options_.max_evaluations) {
+    while (!settled() && result_.evaluations < std::min(last_, options_.max_evaluations)) {
       iterate();
       reinsert_empty_cells();
+      go_on_where_stuck();
       forecast_.note(result_.evaluations, decrease_);
     }
     result_.settled = settled();
@@ -106,6 +110,7 @@ class Minimizer {
                                  .gives_up = in_trust_region() && !restoring()},
                                 [this](const Vectors& moves) { return evaluate_at(moves); });
     region_.update_radius(step.found, step.shortened);
+    full_steps_ = step.found && step.shortened == 1.0 ? full_steps_ + 1 : 0;
     update_stopping(step, slope);
     if (step.found)
       accept();
@@ -185,6 +190,15 @@ class Minimizer {
                                     std::max(kStuck, options_.tolerance) * state_.total;
   }
 
+  /// Full steps that gained little do not end it where the model promises more: they were short, as
+  /// delta was large, and it shrinks. Steps that a jump has cut are another matter.
+  void go_on_where_stuck() {
+    if (restoring() || last_ < options_.max_evaluations || !rule_.decreases_are_small()) return;
+    if (full_steps_ < kUncut || reached() || !stuck()) return;
+    last_ = result_.evaluations + kGrace;
+    rule_.reset();
+  }
+
   void note_energy() {
     const double owned = owned_share(objective_, state_, 0);
     result_.energies.push_back(state_.total / objective_.total_weight() / (owned * owned) -
@@ -206,6 +220,8 @@ class Minimizer {
   Forecast forecast_;
   double decrease_ = 0.0;  // of the last step, relative
   int reinsertions_ = 0;
+  int full_steps_ = 0;  // in a row
+  int last_;            // evaluation: fewer than are allowed once it goes on where it was stuck
   Minimum result_;
 };
 

@@ -178,6 +178,16 @@ TEST(Optimizer, StopsAtTheSecondSmallDecrease) {
   }
 }
 
+/// Steps that may hardly move a site gain little, but the model promises more: it goes on, once.
+TEST(Optimizer, GoesOnWhereStepsAreSmallBecauseTheyAreHeldBack) {
+  const Surface surface = torus(60, 30).surface();
+  const OptimizerOptions options{.tolerance = 1e-2, .patience = 6, .max_step = 0.01};
+  const OptimizerResult found =
+      optimize(SurfaceDomain(surface), random_start(surface, 300, 1), options);
+  EXPECT_EQ(found.energies.size(), 13u);  // twice six small decreases
+  EXPECT_FALSE(found.converged);
+}
+
 TEST(Optimizer, StopsOnceTheTargetIsReached) {
   const Surface surface = torus(60, 30).surface();
   const OptimizerResult all = optimized(surface, 300, {});
