@@ -56,7 +56,7 @@ void NearSites::extend() {
   const double farther = kFurther * squared_reach_;
   squared_reach_ = farther;
   if (++extensions_ > kFewExtensions && count_ < kMost) {
-    const double enough = index_->squared_distance_of_nearest(kMost + 1, position);
+    const double enough = index_->squared_distance_of_nearest(kMost + 1, position, nearest_);
     squared_reach_ = std::nextafter(enough, std::numeric_limits<double>::infinity());
   }
   further_.clear();

@@ -88,7 +88,8 @@ class NearSites {
   double squared_reach_block_ = 0.0;
   double need_ = 0.0;  // the largest squared distance that this site needed so far
   std::array<double, SiteBoxes::kFan>
-      needs_{};  // of the neighborhood's sites: the first need_count_
+      needs_{};                  // of the neighborhood's sites: the first need_count_
+  std::vector<double> nearest_;  // squared distances, while looking far
   std::size_t need_count_ = 0;
 };
 

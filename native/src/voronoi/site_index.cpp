@@ -168,8 +168,9 @@ std::int32_t SiteIndex::nearest(const Vec3& point, std::int32_t from) const {
   return best >= 0 ? best : from;  // so far away that no squared distance is a number
 }
 
-double SiteIndex::squared_distance_of_nearest(std::size_t count, const Vec3& point) const {
-  std::vector<double> nearest;  // a heap
+double SiteIndex::squared_distance_of_nearest(std::size_t count, const Vec3& point,
+                                              std::vector<double>& nearest) const {
+  nearest.clear();  // a heap
   double farthest = std::numeric_limits<double>::infinity();
   boxes_.for_each_nearest({point, point}, farthest, [&](std::size_t k) {
     const double squared = squared_distance(point, site_in_boxes(k));

@@ -126,7 +126,9 @@ class SiteIndex {
 
   /// Only without a graph: the squared distance within which there are so many sites around a
   /// point, or all if there are no more.
-  [[nodiscard]] double squared_distance_of_nearest(std::size_t count, const Vec3& point) const;
+  /// \param nearest memory for their squared distances
+  [[nodiscard]] double squared_distance_of_nearest(std::size_t count, const Vec3& point,
+                                                   std::vector<double>& nearest) const;
 
  private:
   [[nodiscard]] std::int32_t site_in_boxes(std::size_t k) const {
