@@ -199,9 +199,10 @@ class Minimizer {
     rule_.reset();
   }
 
+  /// All in one unit, that of the first: what is owned may change a little from step to step.
   void note_energy() {
-    const double owned = owned_share(objective_, state_, 0);
-    result_.energies.push_back(state_.total / objective_.total_weight() / (owned * owned) -
+    if (result_.energies.empty()) owned_ = owned_share(objective_, state_, 0);
+    result_.energies.push_back(state_.total / objective_.total_weight() / (owned_ * owned_) -
                                options_.capacity_weight);
   }
 
@@ -219,6 +220,7 @@ class Minimizer {
   StoppingRule rule_;
   Forecast forecast_;
   double decrease_ = 0.0;  // of the last step, relative
+  double owned_ = 1.0;     // share of the mass at the start, see owned_share()
   int reinsertions_ = 0;
   int full_steps_ = 0;  // in a row
   int last_;            // evaluation: fewer than are allowed once it goes on where it was stuck

@@ -17,6 +17,7 @@ namespace {
 constexpr double kDraws = 12.0;   // random points per site
 constexpr std::size_t kMore = 8;  // times as many where these are too few
 constexpr std::size_t kMost = 1 << 21;
+constexpr std::size_t kFew = 1 << 16;  // so many cost nothing
 constexpr std::size_t kAsked = 4;    // sites nearest to a point, until one is on its side of a wall
 constexpr double kReach = 1.5;       // of the gap: how far it is felt that a site has come into it
 constexpr std::size_t kGrain = 256;  // points
@@ -126,8 +127,13 @@ Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, s
   Sites result;
   if (std::none_of(gaps.open.begin(), gaps.open.end(), [](bool open) { return open; }))
     return result;
-  auto draws =
-      static_cast<std::size_t>(std::ceil(kDraws * surface.ordered().unit_mass() / gaps.capacity));
+  // Where cells own little of the surface, as parts without any site belong to nobody, the capacity
+  // says nothing of how many there are.
+  const std::size_t most =
+      std::max(kFew, kMore * static_cast<std::size_t>(kDraws) * (count + gaps.sites.size()));
+  auto draws = static_cast<std::size_t>(
+      std::min(std::ceil(kDraws * surface.ordered().unit_mass() / gaps.capacity),
+               static_cast<double>(most)));
   std::vector<Place> places = draw_places(surface, gaps, draws, seed, context);
   // The cells of open sites may be a small part of the surface.
   while (places.size() < count && kMore * draws <= kMost)
