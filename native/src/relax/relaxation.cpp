@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
+#include "optimize/owned_share.hpp"
 #include "relax/part_domain.hpp"
 #include "sample/among_locked.hpp"
 #include "sample/lead_to_density.hpp"
@@ -511,9 +512,9 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
   const Energy& energy = found.state.parts[0].energy;  // in the unit of the part's share
   static_cast<Quality&>(report_) =
       measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
-  report_.energy =
-      static_cast<double>(sites.size()) * energy.total / domain.mass() / domain.mass() -
-      options_.optimizer.capacity_weight;
+  const double owned = domain.mass() * owned_share(energy.diagram, domain.mass());
+  report_.energy = static_cast<double>(sites.size()) * energy.total / owned / owned -
+                   options_.optimizer.capacity_weight;
 }
 
 /// What the last round found; its evaluations and iterations are added to those before.
