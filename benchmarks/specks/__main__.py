@@ -124,7 +124,8 @@ def stray(sizes: Sizes, _: np.random.Generator) -> Result:
 def masked(share: float) -> Case:
     def case(sizes: Sizes, _: np.random.Generator) -> Result:
         vertices, faces = sphere(sizes.body)
-        return sampled((vertices, faces), sizes.count, 1.0 * (vertices[:, 2] > 1 - 2 * share))
+        density = (vertices[:, 2] > 1 - 2 * share).astype(np.float64)
+        return sampled((vertices, faces), sizes.count, density)
 
     return case
 
