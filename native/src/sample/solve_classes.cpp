@@ -160,8 +160,9 @@ std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& proble
   for (std::size_t c = 0; c < problem.classes.size(); ++c)
     if (problem.classes[c].count > 0) order.push_back(c);
   const auto count = [&](std::size_t c) { return static_cast<double>(problem.classes[c].count); };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return count(a) < count(b); });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return count(a) != count(b) ? count(a) < count(b) : a < b;
+  });
   std::vector<std::vector<std::size_t>> groups;
   for (const std::size_t c : order) {
     if (groups.empty() || count(c) >= kRarer * count(groups.back()[0])) groups.emplace_back();

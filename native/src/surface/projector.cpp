@@ -302,10 +302,11 @@ void Projector::Scene::split(std::vector<OrderedFace> some, const Eigen::Aligned
   if (some.size() > kFew && !is_fine(mean_area(some), length))
     place = gap_along(surface, some, axis, kGap * length);
   if (!std::isfinite(place)) return add_part(std::move(some), around, context);
-  const auto before = [&](OrderedFace face) { return box_of(surface, face).min()[axis] < place; };
-  const auto middle = std::stable_partition(some.begin(), some.end(), before);
-  split({some.begin(), middle}, context);
-  split({middle, some.end()}, context);
+  std::vector<OrderedFace> before, after;
+  for (const OrderedFace face : some)
+    (box_of(surface, face).min()[axis] < place ? before : after).push_back(face);
+  split(std::move(before), context);
+  split(std::move(after), context);
 }
 
 void Projector::Scene::add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
