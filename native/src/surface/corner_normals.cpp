@@ -103,13 +103,19 @@ class Fans {
   const OrderedSurface& mesh_;
 };
 
+/// By a power of two, so that products of coordinates neither overflow nor change their digits.
+Vec3 of_length_one_or_so(const Vec3& v) {
+  const double largest = v.cwiseAbs().maxCoeff();
+  return largest > 0.0 ? Vec3(v * std::ldexp(1.0, -std::ilogb(largest))) : v;
+}
+
 double angle_at(const OrderedSurface& mesh, std::int32_t corner) {
   const Face& v = mesh.corners(face_of(corner));
   const auto vertex = [&](std::int32_t h) -> const Vec3& {
     return mesh.vertex(v[static_cast<std::size_t>(corner_of(h))]);
   };
-  const Vec3 ahead = vertex(next_in_face(corner)) - vertex(corner);
-  const Vec3 behind = vertex(previous_in_face(corner)) - vertex(corner);
+  const Vec3 ahead = of_length_one_or_so(vertex(next_in_face(corner)) - vertex(corner));
+  const Vec3 behind = of_length_one_or_so(vertex(previous_in_face(corner)) - vertex(corner));
   return angle_of(ahead.cross(behind).norm(), ahead.dot(behind));
 }
 

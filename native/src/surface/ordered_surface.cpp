@@ -28,7 +28,8 @@ FaceGeometry measure_face(const std::array<Vec3, 3>& x, const Vec3& f, bool unif
   const double longest = std::max(
       {(x[1] - x[0]).squaredNorm(), (x[2] - x[1]).squaredNorm(), (x[0] - x[2]).squaredNorm()});
   const double twice_area = cross.norm();
-  if (std::isfinite(longest) && !(twice_area > kDegenerate * longest)) return face;
+  if (twice_area == 0.0 || (std::isfinite(longest) && !(twice_area > kDegenerate * longest)))
+    return face;
   face.normal = cross / twice_area;
   const Triple a(x[0] - face.centroid), b(x[1] - face.centroid), c(x[2] - face.centroid);
   Integrals sum;

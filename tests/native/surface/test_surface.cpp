@@ -174,6 +174,14 @@ TEST(Surface, SpacesHexagonally) {
   EXPECT_NEAR(grid(2).surface().spacing(50), std::sqrt(2.0 / (std::numbers::sqrt3 * 50.0)), 1e-15);
 }
 
+/// Squares of its edges are more than there are numbers for.
+TEST(Surface, GivesUnitNormalsWhereAFaceWithoutAreaReachesFar) {
+  const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e155, 0, 0}};
+  const std::vector<Face> faces{{0, 1, 2}, {0, 3, 1}};
+  const Surface surface(vertices, faces);
+  for (const Vec3& normal : surface.corner_normals()) EXPECT_EQ(normal, Vec3::UnitZ());
+}
+
 TEST(Surface, GivesAUnitNormalWhereAFaceHasNoArea) {
   Shape shape = triangle();
   const Vec3 corner = shape.vertices[0];
