@@ -75,12 +75,11 @@ struct Projector::Scene {
     Part(const Scene& scene, std::vector<OrderedFace> faces, const Eigen::AlignedBox3d& box);
 
     [[nodiscard]] Vec3 to_unit(const Vec3& p) const { return (p - center) / scale; }
-    [[nodiscard]] double squared_distance(const Vec3& p, double factor) const {
-      return (factor * (low - p).cwiseMax(p - high).cwiseMax(0.0)).squaredNorm();
+    [[nodiscard]] double squared_distance(const Vec3& p, double unit) const {
+      return (unit * (low - p).cwiseMax(p - high).cwiseMax(0.0)).squaredNorm();
     }
-    void attach_triangles(const Surface& surface, bool whole, RTCDevice device,
-                          const Context* context);
-    void build(RTCDevice device, const Context* context);
+    void attach_triangles(const Scene& scene, const Context* context);
+    void build(const Scene& scene, const Context* context);
 
     std::vector<OrderedFace> faces;  // that Embree knows, by its index
     Handle<RTCScene, rtcReleaseScene> handle;
@@ -312,9 +311,8 @@ void Projector::Scene::split(std::vector<OrderedFace> some, const Eigen::Aligned
 void Projector::Scene::add_part(std::vector<OrderedFace> some, const Eigen::AlignedBox3d& around,
                                 const Context* context) {
   parts.push_back(std::make_unique<Part>(*this, std::move(some), around));
-  parts.back()->attach_triangles(surface, parts.back()->faces.size() == faces.size(), device.get(),
-                                 context);
-  parts.back()->build(device.get(), context);
+  parts.back()->attach_triangles(*this, context);
+  parts.back()->build(*this, context);
 }
 
 double Projector::Scene::mean_area(std::span<const OrderedFace> some) const {
@@ -339,7 +337,7 @@ Projector::Scene::Part::Part(const Scene& scene, std::vector<OrderedFace> some,
   if (!(scale > 0.0)) scale = scene.scale;  // all at one place
 }
 
-void Projector::Scene::Part::build(RTCDevice device, const Context* context) {
+void Projector::Scene::Part::build(const Scene& scene, const Context* context) {
   Watch watch{context};
   const bool asked = context || watch.poll;
   if (asked) rtcSetSceneProgressMonitorFunction(handle.get(), go_on, &watch);
@@ -348,7 +346,7 @@ void Projector::Scene::Part::build(RTCDevice device, const Context* context) {
     rtcSetSceneProgressMonitorFunction(handle.get(), nullptr, nullptr);
     check_context(context);
   }
-  check_error(device);
+  check_error(scene.device.get());
 }
 
 /// A point so far away that it has no place in single precision gives way to one in its direction.
@@ -375,20 +373,20 @@ std::vector<std::int32_t> vertices_of(const Surface& surface, std::span<const Or
   return result;
 }
 
-/// \param whole whether it has all faces: then all vertices are taken as they are
-void Projector::Scene::Part::attach_triangles(const Surface& surface, bool whole, RTCDevice device,
-                                              const Context* context) {
+/// All vertices as they are, where it has all faces.
+void Projector::Scene::Part::attach_triangles(const Scene& scene, const Context* context) {
+  const OrderedSurface& mesh = scene.surface.ordered();
+  const bool whole = faces.size() == scene.faces.size();
   const Handle<RTCGeometry, rtcReleaseGeometry> geometry{
-      rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE), device};
+      rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE), scene.device.get()};
   const RTCGeometry triangles = geometry.get();
   const std::vector<std::int32_t> some =
-      whole ? std::vector<std::int32_t>() : vertices_of(surface, faces);
-  const std::size_t count = whole ? surface.vertex_count() : some.size();
+      whole ? std::vector<std::int32_t>() : vertices_of(scene.surface, faces);
+  const std::size_t count = whole ? scene.surface.vertex_count() : some.size();
   auto* x = buffer_of<float>(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, count);
   for (std::size_t k = 0; k < count; ++k) {
     check_at(context, k, kGrain);
-    const Vec3 unit =
-        to_unit(surface.ordered().vertex(whole ? static_cast<std::int32_t>(k) : some[k]));
+    const Vec3 unit = to_unit(mesh.vertex(whole ? static_cast<std::int32_t>(k) : some[k]));
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       x[3 * k + static_cast<std::size_t>(axis)] = float(unit[axis]);
   }
@@ -400,8 +398,7 @@ void Projector::Scene::Part::attach_triangles(const Surface& surface, bool whole
       buffer_of<unsigned>(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
     check_at(context, f, kGrain);
-    for (std::size_t k = 0; k < 3; ++k)
-      index[3 * f + k] = number(surface.ordered().corners(faces[f])[k]);
+    for (std::size_t k = 0; k < 3; ++k) index[3 * f + k] = number(mesh.corners(faces[f])[k]);
   }
   rtcCommitGeometry(triangles);
   rtcAttachGeometry(handle.get(), triangles);
