@@ -67,7 +67,7 @@ Report resting(Report report) {
 Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
                  std::vector<SampleClass> classes, Context* context)
     : first_surface_(surface), surface_(std::move(surface)), samples_(bound(surface_, samples)) {
-  samples_.report = samples.report;
+  samples_.report = std::move(samples.report);
   if (context) {
     context->check();
     context->advance(kBound);

@@ -17,9 +17,9 @@ typename Map::mapped_type made_once(std::mutex& mutex, Map& map, const typename 
     const std::scoped_lock lock(mutex);
     if (const auto known = map.find(key); known != map.end()) return known->second;
   }
-  typename Map::mapped_type made = make();
+  const typename Map::mapped_type made = make();
   const std::scoped_lock lock(mutex);
-  return map.try_emplace(key, std::move(made)).first->second;
+  return map.try_emplace(key, made).first->second;
 }
 
 std::shared_ptr<const SidedSurface> find_sides(const Surface& surface, std::size_t count,
