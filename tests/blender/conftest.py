@@ -83,8 +83,9 @@ def addon():
 
 @pytest.fixture(autouse=True)
 def fresh_file(addon):
-    """An empty scene, and no work files of another test's bakes."""
+    """An empty scene, no work files of another test's bakes, and no presets of its."""
     shutil.rmtree(Path(bpy.app.tempdir, "dapple"), ignore_errors=True)
+    shutil.rmtree(addon_host.part("blender.steps.presets").folder(), ignore_errors=True)
     bpy.ops.wm.read_homefile(app_template="", use_factory_startup=True, use_empty=True)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 6
 

@@ -31,6 +31,7 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <string>
 #include <thread>
 
 #include "changing_bodies.hpp"
@@ -208,9 +209,11 @@ void cancel(const Shared& shared, const Work& work, int turn) {
     std::this_thread::sleep_for(std::chrono::microseconds(300 * (turn % 7)));
     turn % 2 ? context.cancel() : poll.stop();
   });
+  std::string stopped;
   try {
     (void)work(shared, turn % 4 ? &context : nullptr);
-  } catch (const Cancelled&) {
+  } catch (const Cancelled& error) {  // as it should be, if it came in time
+    stopped = error.what();
   }
   other.join();
 }
@@ -218,11 +221,13 @@ void cancel(const Shared& shared, const Work& work, int turn) {
 TEST(Stress, EightThreadsDoEverythingAtOnce) {
   Shared shared;
   std::vector<Outcome> expected;
+  expected.reserve(works().size());
   for (const Work& work : works()) expected.push_back(work(shared, nullptr));
   shared.shared_polygon = Shared::polygon();
   std::atomic<int> turn = 0, different = 0;
   const int turns = kRounds * static_cast<int>(works().size());
   std::vector<std::thread> threads;
+  threads.reserve(kThreads);
   for (int t = 0; t < kThreads; ++t)
     threads.emplace_back([&] {
       for (int k = turn++; k < turns; k = turn++) {

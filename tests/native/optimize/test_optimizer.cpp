@@ -22,12 +22,12 @@ OptimizerResult optimized(const Surface& surface, std::size_t count,
 
 /// The ways to minimize, by name.
 const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
-  static const std::vector<std::pair<std::string, OptimizerOptions>> all = {
+  static const std::vector<std::pair<std::string, OptimizerOptions>> kAll = {
       {"trust region with repulsion", {.tolerance = 1e-5}},
       {"trust region", {.repulsion_weight = 0.0, .tolerance = 1e-5}},
       {"line search with repulsion", {.method = Method::kLineSearch, .tolerance = 1e-5}},
       {"line search", {.method = Method::kLineSearch, .repulsion_weight = 0.0, .tolerance = 1e-5}}};
-  return all;
+  return kAll;
 }
 
 class OptimizerOn : public testing::TestWithParam<Shape> {};
