@@ -18,8 +18,8 @@ struct Discs {
 [[nodiscard]] Repulsion evaluate_disc_repulsion(const Discs& discs, double weight);
 
 /// Change moves so that no two discs come nearer than R, and those that overlap come apart. To
-/// first order only: what a step along a curved surface leaves is for the next one. \param locked
-/// per site, whether it stays; empty: none
+/// first order only: what a step along a curved surface leaves is for the next one.
+/// \param locked per site, whether it stays; empty: none
 void keep_discs_apart(const Discs& discs, const std::vector<bool>& locked, Vectors& moves);
 
 }  // namespace dapple

@@ -31,6 +31,12 @@ constexpr double kRough = 5e-4;  // tolerance before all classes move together
 constexpr double kPolish = 2.0;  // times the tolerance, where they are nearly even when they meet
 constexpr double kInTurn = 0.6;  // of the progress after the start
 
+std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
+  std::vector<std::int32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), first);
+  return numbers;
+}
+
 /// At least one: where the sites are is known only then.
 int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
   return std::max(options.max_evaluations - sum.evaluations, 1);
@@ -66,8 +72,7 @@ void settle_alone(const ClassProblem& problem, const ClassOptions& options, Site
   std::int32_t first = 0;
   const auto done = [&] { return static_cast<double>(first) / static_cast<double>(sites.size()); };
   for (const ClassProblem::Member& member : problem.classes) {
-    std::vector<std::int32_t> members(member.count);
-    std::iota(members.begin(), members.end(), first);
+    const std::vector<std::int32_t> members = numbers_from(first, member.count);
     const double from = members.empty() ? 0.0 : done();
     first += static_cast<std::int32_t>(member.count);
     if (members.empty()) continue;
@@ -109,8 +114,7 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
   if (problem.all->period() > 0.0) return evaluations;
   std::int32_t first = 0;
   for (const ClassProblem::Member& member : problem.classes) {
-    std::vector<std::int32_t> members(member.count);
-    std::iota(members.begin(), members.end(), first);
+    const std::vector<std::int32_t> members = numbers_from(first, member.count);
     first += static_cast<std::int32_t>(member.count);
     if (members.empty() || member.locked.size() > 0 ||
         !Islands(member.domain->sampling_surface(member.count)).has_gaps())
@@ -234,8 +238,7 @@ class InTurn {
   void keep(ClassProblem& now, const std::vector<std::size_t>& group, const Sites& sites) {
     std::int32_t first = 0;
     for (std::size_t k = 0; k < now.classes.size(); ++k) {
-      std::vector<std::int32_t> members(now.classes[k].count);
-      std::iota(members.begin(), members.end(), first);
+      const std::vector<std::int32_t> members = numbers_from(first, now.classes[k].count);
       first += static_cast<std::int32_t>(members.size());
       if (k < around_.classes.size()) continue;
       now.classes[k].locked = select(sites, members);
