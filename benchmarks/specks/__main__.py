@@ -61,11 +61,15 @@ Case = Callable[[Sizes, np.random.Generator], Result]
 def measured(run: Callable[[], dapple.Samples | dapple.PlanarSamples | dapple.Dots]) -> Result:
     begin = time.process_time()
     report = run().report
+    return result_of(report, time.process_time() - begin, report.whole_count_variation)
+
+
+def result_of(report: dapple.Report, seconds: float, by_whole_numbers: float) -> Result:
     return Result(
-        time.process_time() - begin,
+        seconds,
         report.evaluations,
         report.capacity_variation,
-        report.whole_count_variation,
+        by_whole_numbers,
         report.alpha_min,
         report.converged,
     )
@@ -174,14 +178,7 @@ def tracked(noise: float) -> Case:
         for frame in range(4):
             waves = vertices * (1 + 0.01 * np.sin(3 * vertices[:, :1] + frame))
             report = tracker.advance(waves + jitter * random.normal(size=vertices.shape)).report
-        return Result(
-            time.process_time() - begin,
-            report.evaluations,
-            report.capacity_variation,
-            0,
-            report.alpha_min,
-            report.converged,
-        )
+        return result_of(report, time.process_time() - begin, 0)
 
     return case
 

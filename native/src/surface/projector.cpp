@@ -321,7 +321,7 @@ double Projector::Scene::mean_area(std::span<const OrderedFace> some) const {
   return sum / static_cast<double>(some.size());
 }
 
-/// Whether faces of that area are large enough to be told from each other over a length.
+/// Whether faces of that area are large enough to be distinguished over a length.
 bool Projector::Scene::is_fine(double area, double length) const {
   return kFine * kMargin * factor * length <= factor * std::sqrt(area);
 }

@@ -40,6 +40,23 @@ struct Fixture {
   std::vector<std::vector<double>> radii;
 };
 
+/// Of every so many sites, by finite differences.
+void expect_slope_along_x(const Fixture& f, const State& state, std::size_t every) {
+  constexpr double kStep = 1e-7;
+  for (std::size_t k = 0; k < f.start.size(); k += every) {
+    const auto total = [&](double step) {
+      Sites moved = f.start;
+      moved.positions[k].x() += step;
+      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
+                      nullptr)
+          .total;
+    };
+    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].x(),
+                1e-5 * (1.0 + std::abs(state.gradient[k].x())))
+        << "site " << k;
+  }
+}
+
 TEST(Objective, HasOneTermForAllAndOneForEachClass) {
   const Fixture f;
   ASSERT_EQ(f.objective.terms.size(), 4u);
@@ -87,19 +104,7 @@ TEST(Objective, StickinessHasAnExactGradient) {
     added += 0.7 * f.objective.scale(0, anchors.size()) * state.diagram().cells[k].mass *
              (f.start.positions[k] - anchors[k]).squaredNorm();
   EXPECT_NEAR(state.total - without, added, 1e-12 * state.total);
-  constexpr double kStep = 1e-7;
-  for (std::size_t k = 0; k < f.start.size(); k += 7) {
-    const auto total = [&](double step) {
-      Sites moved = f.start;
-      moved.positions[k].x() += step;
-      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
-                      nullptr)
-          .total;
-    };
-    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].x(),
-                1e-5 * (1.0 + std::abs(state.gradient[k].x())))
-        << "site " << k;
-  }
+  expect_slope_along_x(f, state, 7);
 }
 
 /// Five of sixty sites with discs that are larger than the cells of all.
@@ -140,19 +145,7 @@ TEST(Objective, LeavesCapacitiesEqualWhereDiscsFit) {
 
 TEST(Objective, WithRoomForDiscsHasAnExactGradient) {
   const FixtureWithLargeDiscs f;
-  constexpr double kStep = 1e-7;
-  for (std::size_t k = 0; k < f.start.size(); k += 6) {
-    const auto total = [&](double step) {
-      Sites moved = f.start;
-      moved.positions[k].x() += step;
-      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
-                      nullptr)
-          .total;
-    };
-    EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), f.state.gradient[k].x(),
-                1e-5 * (1.0 + std::abs(f.state.gradient[k].x())))
-        << "site " << k;
-  }
+  expect_slope_along_x(f, f.state, 6);
 }
 
 TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {

@@ -76,9 +76,9 @@ def command(
 ) -> None:
     """Make POINTS on MESH even again where something has changed, into OUT.
 
-    Only points near the change move, come or go; all others stay where they are. What has changed,
-    vertices or density, is told by the mesh as it was, --before, or its density, --density-before;
-    or by the faces, --changed. MESH, POINTS and OUT are as for 'sample' and 'analyze'.
+    Only points near the change move, come or go; all others stay where they are. To say what has
+    changed, give the mesh as it was (--before) or its density then (--density-before), or name the
+    faces (--changed). MESH, POINTS and OUT are as for 'sample' and 'analyze'.
 
     \b
     Examples:
