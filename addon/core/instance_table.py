@@ -189,7 +189,7 @@ CLASS = (
         0.0,
         "Radius",
         "Radius of an instance on the surface; instances of all object types are kept from "
-        "overlapping",
+        "overlapping, and points without a radius outside of it",
         low=0.0,
         soft_high=10.0,
         unit="LENGTH",

@@ -105,6 +105,7 @@ Args:
         Plane or Torus an image, all classes' and the domain's own of one shape.
     density_at: 'vertices', 'faces' or 'corners', as for Surface; images do not need it.
     radius: of its discs, in the units of the vertices, >= 0. Pairs are kept apart by the sum of their radii: rocks off trees.
+        Samples of radius 0 stay outside the discs of others.
     locked: Samples of the surface that stay where they are and take part, or None; they come first in their class, and
         count includes them. For surfaces only.
 

@@ -164,6 +164,19 @@ def test_things_with_radii_are_kept_apart_and_the_worst_pair_is_told():
     assert np.allclose(bpy.context.scene.cursor.location, between, atol=1e-5)
 
 
+@pytest.mark.parametrize("radius", [0.3, 0.4])
+def test_grass_without_a_radius_grows_outside_of_rocks(radius):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40, size=10.0)
+    surface = bpy.context.object
+    obj = with_classes(surface, {"radius": radius, "use_count": True, "count": 100}, {}, count=1600)
+    points, kinds = scenes.positions(obj), classes_of(obj)
+    assert (np.bincount(kinds) == [100, 1500]).all()
+    grass, rocks = points[kinds == 1], points[kinds == 0]
+    distance = np.linalg.norm(grass[:, None] - rocks[None], axis=2)
+    assert (distance < radius * (1.0 - 1e-5)).sum() == 0
+    assert obj.dapple.report.worst_overlap == 0.0
+
+
 def test_the_first_class_takes_over_what_was_placed():
     rock = solid("Rock")
     obj = scenes.scattered(scenes.sphere())

@@ -65,6 +65,44 @@ def test_things_keep_apart(surface: dapple.Surface) -> None:
         assert report.worst_overlap == pytest.approx(1 - distance / wanted, abs=1e-6)
 
 
+def within(samples: dapple.Samples | dapple.PlanarSamples) -> float:
+    """The smallest distance between a sample of class 0 and one of another."""
+    rocks = samples.positions[samples.classes == 0]
+    others = samples.positions[samples.classes != 0]
+    return float(np.linalg.norm(others[:, None] - rocks[None], axis=2).min())
+
+
+@pytest.mark.parametrize("radius", [0.15, 0.25])
+def test_samples_without_a_radius_stay_outside_those_with_one(
+    surface: dapple.Surface, radius: float
+) -> None:
+    classes = [dapple.SampleClass(20, radius=radius), dapple.SampleClass(300)]
+    samples = dapple.sample_classes(surface, classes, seed=1)
+    assert within(samples) >= radius
+    assert samples.report.worst_overlap == 0
+    assert samples.report.overlapping == (-1, -1)
+
+
+def test_tracked_samples_without_a_radius_stay_outside_those_with_one(
+    surface: dapple.Surface,
+) -> None:
+    classes = [dapple.SampleClass(20, radius=0.2), dapple.SampleClass(300)]
+    samples = dapple.sample_classes(surface, classes)
+    tracker = dapple.Tracker(surface, samples, classes=classes)
+    for frame in range(1, 5):
+        tracker.advance(surface.vertices * [1.0 + 0.05 * frame, 1.0, 1.0 - 0.03 * frame])
+        report = tracker.samples.report
+        assert report.worst_overlap < 0.1
+        assert 1 - within(tracker.samples) / 0.2 <= report.worst_overlap + 1e-6
+
+
+def test_samples_without_a_radius_in_the_plane_stay_outside_those_with_one() -> None:
+    classes = [dapple.SampleClass(12, radius=0.08), dapple.SampleClass(200)]
+    samples = dapple.sample_planar_classes(dapple.Torus(), classes)
+    assert samples.report.worst_overlap == 0
+    assert within(samples) >= 0.08
+
+
 def test_paper_preset(surface: dapple.Surface) -> None:
     samples = dapple.sample_classes(surface, [50, 100], **dapple.PAPER, two_stages=True)
     assert samples.report.capacity_variation < 0.1

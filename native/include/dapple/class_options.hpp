@@ -13,8 +13,10 @@ struct SampleClass {
   /// With the density of the class: Surface::with_density of the surface that is sampled. None: its
   /// own density.
   std::optional<Surface> surface = {};
-  double radius = 0.0;  ///< of its discs, >= 0: pairs are kept apart by the sum of their radii
-  Sites locked = {};    ///< as SampleOptions::locked
+  /// Of its discs, >= 0: pairs are kept apart by the sum of their radii. Samples of radius 0 stay
+  /// outside the discs of others, and may be near each other.
+  double radius = 0.0;
+  Sites locked = {};  ///< as SampleOptions::locked
 };
 
 struct ClassOptions {

@@ -11,9 +11,11 @@
 namespace dapple {
 namespace {
 
-constexpr int kSweeps = 20;         // over the pairs that moves bring too near
-constexpr double kNearly = 1e-4;    // of R: as much may be left
-constexpr double kSameSide = -0.5;  // cosine between normals: 120 degrees
+constexpr int kSweeps = 20;           // over the pairs that moves bring too near
+constexpr double kNearly = 1e-4;      // of R: as much may be left of ...
+constexpr double kMargin = 3e-4;      // ... what is kept beyond it
+constexpr double kCoincident = 1e-9;  // of R: distance between sites at one place
+constexpr double kSameSide = -0.5;    // cosine between normals: 120 degrees
 
 /// Things of one radius, with their images around the torus.
 class Crowd {
@@ -58,18 +60,24 @@ class Crowd {
   std::unique_ptr<Neighbors> tree_;
 };
 
+/// Coincident sites overlap too, and have to leave in some direction.
+Vec3 never_zero(const Vec3& offset, const Vec3& normal, double apart) {
+  return offset.squaredNorm() > 0.0 ? offset : kCoincident * apart * normal.unitOrthogonal();
+}
+
 /// Call visit(i, j, offset from j to i, R) once for every two discs on the same side that are
-/// nearer than R + beyond.
+/// nearer than R + beyond, unless both are points.
 template <typename Visit>
 void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
   std::map<double, std::vector<std::int32_t>> by_radius;
   for (std::size_t k = 0; k < discs.radii.size(); ++k)
-    if (discs.radii[k] > 0.0) by_radius[discs.radii[k]].push_back(static_cast<std::int32_t>(k));
+    by_radius[discs.radii[k]].push_back(static_cast<std::int32_t>(k));
   std::map<double, Crowd> crowds;
   for (auto& [radius, members] : by_radius)
     crowds.try_emplace(radius, discs.sites, std::move(members), discs.period);
   std::vector<Neighbor> found;
-  for (const auto& [large, from] : crowds)
+  for (const auto& [large, from] : crowds) {
+    if (large == 0.0) continue;
     for (const auto& [small, to] : crowds) {
       if (small > large) break;
       for (const std::int32_t member : from.members()) {
@@ -80,10 +88,11 @@ void for_each_pair(const Discs& discs, double beyond, const Visit& visit) {
                              const auto j = static_cast<std::size_t>(other);
                              if (j == i || (same && j < i)) return;
                              if (discs.normals[i].dot(discs.normals[j]) > kSameSide)
-                               visit(i, j, d, apart);
+                               visit(i, j, never_zero(d, discs.normals[i], apart), apart);
                            });
       }
     }
+  }
 }
 
 /// Two discs that moves may bring together. The way between them is tangential at either end: a
@@ -116,10 +125,11 @@ std::vector<Contact> contacts_of(const Discs& discs, const std::vector<bool>& lo
   };
   for_each_pair(discs, beyond, [&](std::size_t i, std::size_t j, const Vec3& d, double apart) {
     const double distance = d.norm();
-    if (distance <= 0.0) return;
     const Vec3 at_i = in_plane(i, d / distance), at_j = in_plane(j, d / distance);
     const double room = at_i.squaredNorm() + at_j.squaredNorm();
-    if (room > 0.0) found.push_back({i, j, distance - apart, at_i, at_j, room, kNearly * apart});
+    if (room > 0.0)
+      found.push_back(
+          {i, j, distance - (1.0 + kMargin) * apart, at_i, at_j, room, kNearly * apart});
   });
   return found;
 }

@@ -6,11 +6,12 @@
 namespace dapple {
 
 /// Discs around sites, in the surface: two overlap where their sites are nearer than the sum R of
-/// their radii and on the same side of a wall.
+/// their radii and on the same side of a wall. A disc of radius 0 is a point: others keep it out,
+/// and two points do not meet.
 struct Discs {
   const Sites& sites;
   const Vectors& normals;            ///< of the surface, per site
-  const std::vector<double>& radii;  ///< per site; 0: it has none
+  const std::vector<double>& radii;  ///< per site, >= 0
   double period = 0.0;               ///< of the torus; 0 elsewhere
 };
 

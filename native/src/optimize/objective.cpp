@@ -285,12 +285,11 @@ void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
   add_up(objective, state);
 }
 
-// Where all have discs, nothing is nearer to a site than the sum of its own and the smallest: its
-// cell holds the hexagon around half of that. Sites without a disc may be anywhere.
+// Nothing is nearer to a disc than the sum of its radius and the smallest: its cell holds the
+// hexagon around half of that. Where the smallest is 0, points may be near each other.
 void give_room(Objective& objective, State& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());
-  if (least == 0.0) return;
   const std::vector<Moments>& cells = state.diagram().cells;
   const double mean = objective.domain().mass() / static_cast<double>(cells.size());
   std::vector<double> wanted(cells.size(), mean);

@@ -17,8 +17,7 @@ namespace {
 constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
 constexpr int kRounds = 4;
 constexpr int kPushes = 20;        // of discs that overlap, along the surface
-constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough ...
-constexpr double kApart = 2e-4;    // ... and this is where pushing ends
+constexpr double kOverlap = 1e-3;  // of the wanted distance: for less no step is made again
 constexpr double kStarting = 3.0;  // a start takes as long as so many evaluations
 constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
 constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
@@ -50,8 +49,7 @@ Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
     update_normals(state, objective);
     const Discs discs = discs_of(objective, state);
     const Repulsion close = evaluate_disc_repulsion(discs, 1.0);
-    const ClosePair* worst = worst_pair(close);
-    if (!worst || worst->overlap <= kApart) break;
+    if (close.pairs.empty()) break;
     Vectors moves(state.sites.size(), Vec3::Zero());
     keep_discs_apart(discs, objective.locked, moves);
     std::vector<std::int32_t> pushed;
@@ -63,6 +61,23 @@ Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
     put(state.sites, pushed, objective.project(moved.positions, moved.faces, pushed, context));
   }
   return std::move(state.sites);
+}
+
+double worst_overlap(const State& state) {
+  const ClosePair* worst = worst_pair(state.discs);
+  return worst ? worst->overlap : 0.0;
+}
+
+/// Push apart what the last steps have left: to first order they keep discs apart, and a site that
+/// is pushed off the density comes back to it.
+void end_apart(const Objective& objective, OptimizerOptions options, Minimum& found,
+               Context* context) {
+  if (found.state.discs.pairs.empty()) return;
+  options.max_evaluations = 1;
+  Minimum apart =
+      minimize(objective, discs_apart(objective, found.state.sites, context), options, nullptr);
+  found.evaluations += apart.evaluations;
+  if (worst_overlap(apart.state) < worst_overlap(found.state)) found.state = std::move(apart.state);
 }
 
 }  // namespace
@@ -148,6 +163,7 @@ void go_on_along(ClassMinimum& found, OptimizerOptions options, Context* context
   next.iterations += found.minimum.iterations;
   next.converged = next.converged || found.minimum.converged;
   found.minimum = std::move(next);
+  end_apart(found.objective, options, found.minimum, nullptr);
 }
 
 /// Whether all classes have one density: then so has their union.
@@ -296,9 +312,10 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
   Minimum found =
       minimize(objective, objective.holds_discs ? discs_apart(objective, start, context) : start,
                options, first.context());
-  for (int round = 1; round < kRounds && !objective.discs.empty(); ++round) {
-    const ClosePair* worst = worst_pair(found.state.discs);
-    if (!worst || worst->overlap <= kOverlap) break;
+  for (int round = 1;; ++round) {
+    if (objective.holds_discs || worst_overlap(found.state) <= kOverlap)
+      end_apart(objective, options, found, context);
+    if (round == kRounds || worst_overlap(found.state) <= kOverlap) break;
     objective.discs_weight *= kHarder;
     objective.holds_discs = true;
     const double before = std::exchange(done, done + kRound * (1.0 - done));

@@ -18,6 +18,28 @@ TEST(Discs, OfDifferentSizePushEachOtherApart) {
   EXPECT_LT(repulsion.gradient[0].dot(Vec3(-1, 0, 0)), 0.0);  // downhill is away from the other
 }
 
+TEST(Discs, KeepOutPointsThatDoNotMeetEachOther) {
+  const Sites sites{{{0, 0, 0}, {0.3, 0, 0}, {0.31, 0, 0}, {0.5, 0, 0}}, {0, 0, 0, 0}, {}};
+  const Vectors normals(4, Vec3::UnitZ());
+  const std::vector<double> radii{0.4, 0.0, 0.0, 0.0};
+  const Repulsion repulsion = evaluate_disc_repulsion({sites, normals, radii}, 1.0);
+  ASSERT_EQ(repulsion.pairs.size(), 2u);
+  EXPECT_NEAR(worst_pair(repulsion)->overlap, 0.25, 1e-12);
+  for (const ClosePair& pair : repulsion.pairs) EXPECT_EQ(std::min(pair.i, pair.j), 0);
+}
+
+TEST(Discs, OverlapWhereTheyCoincide) {
+  const Sites sites{{{1, 2, 3}, {1, 2, 3}}, {0, 0}, {}};
+  const Vectors normals(2, Vec3::UnitZ());
+  const std::vector<double> radii{0.4, 0.0};
+  const Repulsion repulsion = evaluate_disc_repulsion({sites, normals, radii}, 1.0);
+  ASSERT_EQ(repulsion.pairs.size(), 1u);
+  EXPECT_NEAR(repulsion.pairs[0].overlap, 1.0, 1e-6);
+  Vectors moves(2, Vec3::Zero());
+  keep_discs_apart({sites, normals, radii}, {}, moves);
+  EXPECT_GT((moves[0] - moves[1]).norm(), 0.399);
+}
+
 TEST(Discs, OnTheTwoSidesOfAWallDoNotMeet) {
   const Sites sites{{{0, 0, 0}, {0, 0, 0.1}}, {0, 0}, {}};
   const Vectors normals{Vec3::UnitZ(), -Vec3::UnitZ()};
@@ -63,6 +85,13 @@ TEST(DiscsKeptApart, TouchWhereTheirMovesWouldBringThemNearer) {
   EXPECT_NEAR(row.after(1) - row.after(0), 1.0, 1e-3);
   EXPECT_NEAR(row.after(0), 0.25, 1e-3);  // each gives way by as much
   EXPECT_EQ(row.moves[0].y(), 0.3);       // along the other it may go
+}
+
+TEST(DiscsKeptApart, PushPointsOut) {
+  Row row({0.0, 0.3});
+  row.radii[1] = 0.0;
+  row.keep_apart();
+  EXPECT_GE(row.after(1) - row.after(0), 0.5);
 }
 
 TEST(DiscsKeptApart, KeepMovesThatBringNoneTooNear) {

@@ -130,9 +130,21 @@ TEST(Objective, GivesLargeDiscsTheirRoomAndTheOthersTheRest) {
   EXPECT_EQ(wanted[1], wanted[2]);
 }
 
+TEST(Objective, GivesLargeDiscsRoomAmongPointsToo) {
+  Fixture f;
+  f.objective.discs.assign(f.start.size(), 0.0);
+  f.objective.discs[0] = 0.2;
+  State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  give_room(f.objective, state);
+  ASSERT_EQ(f.objective.terms[0].wanted.size(), f.start.size());
+  EXPECT_NEAR(f.objective.terms[0].wanted[0],
+              2.0 * std::sqrt(3.0) * 0.1 * 0.1 * f.problem.all->mass() / f.problem.all->area(),
+              1e-12);
+}
+
 TEST(Objective, LeavesCapacitiesEqualWhereDiscsFit) {
   Fixture f;
-  for (const double large : {0.01, 0.2}) {  // small ones; a large one among sites without discs
+  for (const double large : {0.01, 0.1}) {  // small ones; a larger one among points
     f.objective.discs.assign(f.start.size(), large == 0.01 ? 0.01 : 0.0);
     f.objective.discs[0] = large;
     State state = evaluate(f.objective, f.start, f.radii, nullptr);

@@ -193,6 +193,43 @@ TEST(Classes, WithRadiiKeepTheirThingsApart) {
   EXPECT_NEAR(samples.report.worst_overlap, worst, 1e-9);
 }
 
+/// How much nearer to a sample of class 0 than its radius the others come, at most; negative: they
+/// do not.
+double deepest_inside(const Samples& samples, double radius) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    for (std::size_t j = 0; samples.classes[i] == 0 && j < samples.size(); ++j)
+      if (samples.classes[j] != 0)
+        nearest = std::min(nearest, (samples.positions[i] - samples.positions[j]).norm());
+  return 1.0 - nearest / radius;
+}
+
+/// As of rocks among grass.
+TEST(Classes, WithoutRadiusStayOutsideTheDiscsOfOthers) {
+  const Surface surface = grid(12).surface();
+  const double unit = std::sqrt(surface.area());
+  for (const double radius : {0.03, 0.06}) {
+    const std::vector<SampleClass> classes = {{.count = 25, .radius = radius * unit},
+                                              {.count = 400}};
+    const Samples samples = sample_classes(surface, classes);
+    EXPECT_LT(deepest_inside(samples, classes[0].radius), 0.0) << radius;
+    EXPECT_EQ(samples.report.worst_overlap, 0.0) << radius;
+    EXPECT_LT(samples.report.classes[1].evenness.capacity_variation, 0.1) << radius;
+  }
+}
+
+TEST(Classes, ReportLockedSamplesThatAreInsideTheDiscsOfOthers) {
+  const Surface surface = grid(6).surface();
+  const double unit = std::sqrt(surface.area());
+  const Samples one = sample(surface, 1);
+  const Sites locked{one.positions, one.faces, one.barycentric};
+  const std::vector<SampleClass> classes = {{.count = 5, .radius = 0.05 * unit, .locked = locked},
+                                            {.count = 60, .locked = locked}};
+  const Report report = sample_classes(surface, classes).report;
+  EXPECT_NEAR(report.worst_overlap, 1.0, 1e-6);
+  EXPECT_EQ(std::max(report.overlapping[0], report.overlapping[1]), 5);
+}
+
 TEST(Classes, NameWhatCannotBe) {
   const Surface surface = grid(4).surface();
   const double unit = std::sqrt(surface.area());

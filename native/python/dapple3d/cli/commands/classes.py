@@ -76,8 +76,9 @@ class WantedType(click.ParamType):
     required=True,
     metavar="COUNT|spacing=S[:radius=R,density=D]",
     help="Once for each class. S, in place of a number, is the distance between its points where "
-    "the density is largest. R >= 0 keeps things apart by the sum of their radii (0: points). Both "
-    "are in the units of MESH. D is a density as for --density, else that of MESH.",
+    "the density is largest. R >= 0 keeps things apart by the sum of their radii; with 0 they are "
+    "points, which stay outside the things of others. Both are in the units of MESH. D is a "
+    "density as for --density, else that of MESH.",
 )
 @options.density_options
 @options.attributes_option
