@@ -14,9 +14,10 @@ from .errors import ScatterError
 from .frames import carried, shading
 from .ground import Ground
 from .keys import Baked, Keyframes, Placed
-from .kinds import tracked
+from .kinds import of_classes, tracked
 from .lean import Leaning
 from .native import package
+from .over_time import arrays_of, moved, with_faces
 from .records import Binding
 from .rest import Shape, bound_at_rest, rest_columns
 from .settings import Settings
@@ -52,11 +53,13 @@ class Baker:
     sidecar: Sidecar | None = None
     first: int = 1  # number of the first frame
     rebind: bool = False  # where the topology changes: bind to the nearest places, or refuse
+    follows: bool = False  # whether the density is that of each frame, which is read with it
     reports: list[Report] = field(default_factory=list)
     taken: int = 0  # frames that came from the sidecar
     trouble: str = ""  # why frames are not kept
     fingerprint: str = ""  # of all frames so far
     anew: str = ""  # why the points were optimized anew first
+    moving: set[str] = field(default_factory=set)  # roles of what was followed
 
     def __post_init__(self) -> None:
         start = self.start
@@ -69,7 +72,10 @@ class Baker:
         self.leaning = Leaning()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._tracker: Any = None
-        self._ground: Any = None  # that the tracker stands on
+        self._ground: Ground | None = None  # that the tracker stands on; None: to be laid
+        self._first_ground: Ground | None = None  # where the topology begins
+        self._laid = self.bound  # of which frame the density is
+        self._begun = 0  # frames before the topology begins
         self._tracked = 0  # frames after which the tracker stands
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
@@ -112,6 +118,8 @@ class Baker:
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
+        self._laid, self._ground, self._first_ground = after, None, None
+        self._begun = self.done
         self.topologies.append(after.topology)
 
     def _note_bound(self, bound: SurfaceArrays) -> None:
@@ -130,6 +138,18 @@ class Baker:
         check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
         self._now = frame
         self.fingerprint = self._chain.add(frame)
+        roles = moved(self._laid, frame, self.start.settings) if self.follows else []
+        if roles:
+            self._follow(frame, roles)
+
+    def _follow(self, frame: SurfaceArrays, roles: list[str]) -> None:
+        """Solve this frame and the next ones under its density."""
+        self.moving.update(roles)
+        self._laid, self._ground = with_faces(frame, self.bound), None
+        self._chain.note(" ".join(roles))
+        for array in arrays_of(frame):
+            self._chain.note_array(array)
+        self.fingerprint = self._chain.now()
 
     def vanish(self, frame: SurfaceArrays) -> None:
         """The next frame, which has no faces: only population.py can go on behind it."""
@@ -153,12 +173,11 @@ class Baker:
     def advance(self, context: Any) -> None:
         """Solve the frame."""
         with named(self.bound.name):
-            tracker = self._ready_tracker()
-            vertices = self._ground.vertices(self._now.vertices)
-            samples = tracker.advance(vertices, context=context)
+            tracker, ground = self._ready_tracker()
+            samples = tracker.advance(ground.vertices(self._now.vertices), context=context)
         # What is stored leads back to cut faces but for rounding: the tracker is put there too.
-        self._tracked = -1 if self._ground.is_cut else self.done + 1
-        solved = self._solved_of(self._ground.back(samples), tracker.settled)
+        self._tracked = -1 if ground.is_cut else self.done + 1
+        solved = self._solved_of(ground.back(samples), tracker.settled)
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 
@@ -194,26 +213,48 @@ class Baker:
         """The keys of all frames."""
         return self.keyframes.packed()
 
-    def _ready_tracker(self) -> Any:
-        """The tracker, at the last frame that is done."""
+    def _ready_tracker(self) -> tuple[Any, Ground]:
+        """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:
             self._tracker = self._new_tracker()
-        if self._tracked < self.done:
-            vertices, samples = self._ground.vertices(self._vertices), self._there(self._solved)
+        if self._ground is None:
+            self._ground = self._on_new_ground()
+        elif self._tracked < self.done:
+            vertices = self._ground.vertices(self._vertices)
+            samples = self._there(self._ground, self._solved)
             self._tracker.resume(vertices, samples, settled=self._solved.settled)
-            self._tracked = self.done
-        return self._tracker
+        self._tracked = self.done
+        return self._tracker, self._ground
 
     def _new_tracker(self) -> Any:
-        samples = self._begin()
-        return tracked(self._ground, samples, self.start.settings)
+        ground, samples = self._begin()
+        return tracked(ground, samples, self.start.settings)
 
-    def _begin(self) -> Any:
-        """Lay the ground where the topology begins; the samples on its surface."""
+    def _begin(self) -> tuple[Ground, Any]:
+        """The ground where the topology begins, and the samples on it."""
+        ground = self._first_ground = Ground(self.bound, self.start.settings)
+        if self._laid is self.bound:
+            self._ground = ground
+        return ground, self._started(ground)
+
+    def _started(self, ground: Ground) -> Any:
+        """Samples as the topology begins, on a ground of its faces."""
         start = self.start
-        self._ground = Ground(self.bound, start.settings)
-        samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
-        return self._ground.there(samples)
+        return ground.there(samples_of(start.binding, ground.original, start.ids, start.classes))
+
+    def _on_new_ground(self) -> Ground:
+        """Lay the ground of the present density, and take the tracker there on the last frame."""
+        settings = self.start.settings
+        ground = Ground(self._laid, settings, like=self._first_ground, first=self.bound)
+        samples = started = self._started(ground)
+        vertices = self.bound.vertices
+        if self.done > self._begun:
+            samples, vertices = self._there(ground, self._solved), self._vertices
+        classes = of_classes(ground, samples, settings)
+        self._tracker.resume_on(
+            ground.surface, ground.vertices(vertices), samples, started, **classes
+        )
+        return ground
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""
@@ -221,18 +262,19 @@ class Baker:
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
         lean = self.leaning.next(self.last, turned, vertices, normals)
+        assert self._ground is not None
         doubled = self._ground.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
 
-    def _there(self, solved: Solved) -> Any:
-        """Samples of a solved frame on the ground, to the last bit."""
+    def _there(self, ground: Ground, solved: Solved) -> Any:
+        """Samples of a solved frame on a ground, to the last bit."""
         placed, start = solved.placed, self.start
         weights = placed.binding.barycentric
         samples = package().Samples(
-            self._ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
+            ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
         )
-        return self._ground.there(samples)
+        return ground.there(samples)
 
     def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
         """Keep a frame of the scene, so that a bake that is stopped can go on."""

@@ -23,11 +23,15 @@ def names_of(settings: Settings) -> list[str]:
     return sorted({name for name in named if name})
 
 
-def density_of(arrays: SurfaceArrays, settings: DensitySettings) -> Floats | None:
+def density_of(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
+) -> Floats | None:
     """Product of the terms that are known on the faces that were read: at vertices (v,), or on
     faces (m, 1) or at their corners (m, 3) where some term is; None where there is none.
+
+    Of a later frame of a bake with its first one, on which the surface has its curvature.
     """
-    terms = [*_stored_terms(arrays, settings), *_terms_by_shape(arrays, settings)]
+    terms = [*_stored_terms(arrays, settings), *_terms_by_shape(arrays, settings, first or arrays)]
     return product(terms, arrays.faces) if terms else None
 
 
@@ -53,9 +57,11 @@ def _stored_terms(arrays: SurfaceArrays, settings: DensitySettings) -> Iterator[
         yield 1.0 - settings.material_strength * (1.0 - wanted)
 
 
-def _terms_by_shape(arrays: SurfaceArrays, settings: DensitySettings) -> Iterator[Floats]:
+def _terms_by_shape(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays
+) -> Iterator[Floats]:
     if settings.curvature > 0.0:
-        yield _by_curvature(arrays, settings.curvature)
+        yield _by_curvature(first, settings.curvature)
     slope, aspect = mask_of(settings, "slope"), mask_of(settings, "aspect")
     if slope is not None or aspect is not None:
         normals = corner_normals(arrays)

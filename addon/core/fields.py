@@ -18,7 +18,7 @@ class Field:
     """A mask by values at places."""
 
     def __init__(self, mask: Mask) -> None:
-        self._mask = mask
+        self._mask, self.rides = mask, False
         self.coarseness = _SOFT if mask.fade > 0.0 else 1.0
         self._known: tuple[Floats, Floats] = (np.empty((0, 3)), np.empty(0))
 
@@ -86,20 +86,30 @@ class Noise(Field):
         return noise(places, self._detail, self._seed)
 
 
-def fields_of(arrays: SurfaceArrays, settings: DensitySettings) -> list[Field]:
-    """What the settings ask for and what has an effect on this surface."""
+def fields_of(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
+) -> list[Field]:
+    """What the settings ask for and what has an effect on this surface; of a later frame of a bake
+    with its first one, on which border and noise are.
+    """
     found: list[Field] = []
+    begin = first or arrays
     around, mask = arrays.around, mask_of(settings, "distance")
     if mask is not None and (around.targets or len(around.lines)):
         found.append(Distance(mask, Nearest(around.targets, around.lines, settings.distance_plan)))
     mask = mask_of(settings, "border")
-    border = border_of(arrays.vertices, arrays.faces) if mask else np.empty((0, 2, 3))
+    border = border_of(begin.vertices, begin.faces) if mask else np.empty((0, 2, 3))
     if mask is not None and len(border):
-        found.append(Distance(mask, Nearest((), border)))
+        found.append(_riding(Distance(mask, Nearest((), border)), first))
     mask = mask_of(settings, "noise")
     if mask is not None:
-        found.append(Noise(mask, settings, arrays.matrix))
+        found.append(_riding(Noise(mask, settings, begin.matrix), first))
     return found
+
+
+def _riding(field: Field, first: SurfaceArrays | None) -> Field:
+    field.rides = first is not None
+    return field
 
 
 def _along(places: Floats, axes: Floats) -> Floats:

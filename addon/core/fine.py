@@ -4,7 +4,7 @@
 Each has its values at places, and the faces on which it changes: only these need to be cut.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -19,10 +19,23 @@ _INWARD = 0.05  # of the way from a corner of a face to its middle
 _ROUNDING = 2.5e-7  # of coordinates, which are stored in single precision
 
 
+@dataclass(frozen=True)
+class Places:
+    """Vertices (v, 3) of a ground."""
+
+    now: Floats
+    first: Floats  # on the first frame of a bake; elsewhere the same
+
+    def of(self, term: "Term") -> Floats:
+        """Where a factor looks."""
+        return self.first if term.rides else self.now
+
+
 class Term(Protocol):
     """A factor of the density."""
 
     coarseness: float  # how much longer the edges of faces may be than at a sharp change
+    rides: bool  # whether it belongs to the surface, however that deforms
 
     def values(self, points: Floats) -> Floats:
         """Factors (k,) at points (k, 3)."""
@@ -31,13 +44,15 @@ class Term(Protocol):
         """Which faces (m,) of a mesh may have places with several values."""
 
 
-def fine_terms(arrays: SurfaceArrays, settings: DensitySettings) -> list[Term]:
-    """What the settings ask for."""
+def fine_terms(
+    arrays: SurfaceArrays, settings: DensitySettings, first: SurfaceArrays | None = None
+) -> list[Term]:
+    """What the settings ask for; of a later frame of a bake with its first one."""
     around, height = arrays.around, mask_of(settings, "height")
     terms: list[Term] = []
     if height is not None:
         terms.append(Height(height, float(np.abs(arrays.vertices[:, 2]).max(initial=0.0))))
-    terms += fields_of(arrays, settings)
+    terms += fields_of(arrays, settings, first)
     if around.camera is not None:
         terms.append(Camera(around.camera, settings.camera_margin))
     terms += [Obstacle(*mesh, settings.obstacle_margin) for mesh in around.obstacles]
@@ -47,7 +62,7 @@ def fine_terms(arrays: SurfaceArrays, settings: DensitySettings) -> list[Term]:
 class Height:
     """Full in a range of world Z, less over the fade beside it."""
 
-    coarseness = 1.0
+    coarseness, rides = 1.0, False
 
     def __init__(self, mask: Mask, largest: float = 0.0) -> None:
         """The largest Z of the surface, by amount: its rounding leaves a floor in the range."""
@@ -73,7 +88,7 @@ class Camera:
     Whether something is in front of them is not asked.
     """
 
-    coarseness = 1.0
+    coarseness, rides = 1.0, False
 
     def __init__(self, clip: Floats, margin: float) -> None:
         x, y, w = clip[0], clip[1], (1.0 + margin) * clip[3]
@@ -99,7 +114,7 @@ class Camera:
 class Obstacle:
     """0 near to a mesh and, where that is closed, inside; else 1."""
 
-    coarseness = 1.0
+    coarseness, rides = 1.0, False
 
     def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
         self._body, self._margin = Body(vertices, faces), margin
@@ -116,10 +131,11 @@ class Obstacle:
         return found
 
 
-def at_corners(term: Term, points: Floats, faces: Ints) -> Floats:
+def at_corners(term: Term, places: Places, faces: Ints) -> Floats:
     """Factors (m, 3) at the corners of faces; those of a jump as they are inside of each face, so
     that the walls below a floor have none of what the floor has.
     """
+    points = places.of(term)
     if not (isinstance(term, Height) and term.is_sharp):
         return term.values(points)[faces]
     corners = points[faces]
@@ -127,15 +143,17 @@ def at_corners(term: Term, points: Floats, faces: Ints) -> Floats:
     return term.values(inside.reshape(-1, 3)).reshape(-1, 3)
 
 
-def to_cut(terms: list[Term], surface: Any, lengths: Floats, target: float) -> Flags:
-    """Faces of a dapple.Surface on which some term changes, and that are larger than is good.
+def to_cut(
+    terms: list[Term], places: Places, faces: Ints, lengths: Floats, target: float
+) -> Flags:
+    """Faces on which some term changes, and that are larger than is good.
 
     lengths are those of the faces' longest edges, target the good one at a sharp change.
     """
     found = np.zeros(len(lengths), dtype=bool)
     for term in terms:
         open_ones = np.flatnonzero(~found & (lengths > term.coarseness * target))
-        found[open_ones] = term.changes(surface.vertices, surface.faces[open_ones])
+        found[open_ones] = term.changes(places.of(term), faces[open_ones])
     return found
 
 

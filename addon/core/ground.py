@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .density import density_of, product
-from .fine import Term, at_corners, blocked, fine_terms, to_cut
+from .fine import Places, Term, at_corners, blocked, fine_terms, to_cut
 from .frames import SMOOTH, shaded
 from .native import package
 from .settings import Settings
@@ -37,19 +37,21 @@ class Ground:
         settings: Settings,
         context: Any = None,
         like: "Ground | None" = None,
+        first: SurfaceArrays | None = None,
     ) -> None:
         """Raises ValueError as dapple.Surface does; a dapple.Context can cancel the cutting.
 
         A ground with the same faces, `like`, saves measuring anew those that have not changed.
+        What belongs to the surface is as on the first frame, if that is given.
         """
-        self._arrays, self._context = arrays, context
+        self._arrays, self._context, self._first = arrays, context, first
         self._refined: Any = None
-        density = density_of(arrays, settings.density)
+        density = density_of(arrays, settings.density, first)
         self._base: Any = _measured(
             arrays, density, settings.merge_doubled, None if like is None else like._base
         )
         self.surface = self._base
-        terms = fine_terms(arrays, settings.density)
+        terms = fine_terms(arrays, settings.density, first)
         around, count = arrays.around, _wanted(self.surface, settings)
         if terms or len(around.points):
             self._cut_for(terms, count)
@@ -151,7 +153,7 @@ class Ground:
 
         def long(lengths: Floats) -> NDArray[np.bool_]:
             target = _FINE * _spacing(self.surface, self._product(terms), count)
-            return to_cut(terms, self.surface, lengths, target)
+            return to_cut(terms, self._places(terms), self.surface.faces, lengths, target)
 
         self._halve(long)
         self._take_away(terms)
@@ -187,11 +189,18 @@ class Ground:
 
     def _product(self, terms: list[Term]) -> Floats:
         """The density (m, 3) at the corners of the faces as they are cut so far."""
-        vertices, faces = self.surface.vertices, self.surface.faces
+        places, faces = self._places(terms), self.surface.faces
         factors = np.ones((len(faces), 3))
         for term in terms:
-            factors = factors * at_corners(term, vertices, faces)
+            factors = factors * at_corners(term, places, faces)
         return factors * self.at_corners()
+
+    def _places(self, terms: list[Term]) -> Places:
+        """Vertices as they are now, and on the first frame if any term rides."""
+        now = self.surface.vertices
+        if self._first is None or not any(term.rides for term in terms):
+            return Places(now, now)
+        return Places(now, self.vertices(self._first.vertices))
 
     def _cut_uv(self, uv: Floats) -> Floats:
         """Texture coordinates of the faces as they are cut so far, of those that were read."""

@@ -55,6 +55,15 @@ class Baked:
             since / max(span, 1),
         )
 
+    def there(self, frame: int, count: int) -> NDArray[np.bool_]:
+        """Which of count points are there in a frame, or on the way."""
+        key, span = (int(self.frames[f"dapple_{name}"][frame]) for name in ("key", "span"))
+        if "dapple_gone" not in self.keys:
+            return np.ones(count, dtype=bool)
+        gone = self.keys["dapple_gone"].reshape(-1, count)
+        found: NDArray[np.bool_] = np.minimum(gone[key], gone[key + min(span, 1)]) < 1.0
+        return found
+
     def _key(self, key: int, count: int) -> Binding:
         rows = slice(key * count, (key + 1) * count)
         faces, places = self.keys["dapple_face"][rows], self.keys["position"][rows].astype(float)

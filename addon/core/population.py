@@ -67,7 +67,7 @@ class PopulationBaker(Baker):
         self._population: Any = None
         self._stands = 0  # frames after which the population stands
         self._ground_then: Ground | None = None  # of the last frame, its topology and points
-        self._bound_then = self.bound
+        self._bound_then = self._laid_then = self.bound
         self._there_then: _There
         self._state: Columns = {}
         self._faces = np.zeros(0, dtype=np.int32)  # of all rows so far
@@ -98,6 +98,7 @@ class PopulationBaker(Baker):
         bound = replace(bound, rest_parts=self.bound.rest_parts)
         self._note_bound(bound)
         self.bound, self._ground, self._begins_anew, self._shape = bound, None, True, None
+        self._laid, self._first_ground = bound, None
         self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
         middle = np.full((len(self.ids), 3), 1.0 / 3.0)
         self.last, self.leaning = bound_to(bound, self._faces, middle), Leaning()
@@ -146,7 +147,8 @@ class PopulationBaker(Baker):
 
     def _note(self, there: _There, kept: Solved) -> None:
         """The frame is done."""
-        self._there_then, self._state, self._bound_then = there, kept.more, self.bound
+        self._there_then, self._state = there, kept.more
+        self._bound_then, self._laid_then = self.bound, self._laid
         if self._begins_anew:
             self._begins_anew, self._began = False, (self.bound, there)
         self._add(Solved(self._rows(there), kept.report))
@@ -198,8 +200,10 @@ class PopulationBaker(Baker):
         ground = Ground(self.first_surface, settings)
         samples = samples_of(self.begin, ground.original, start.ids, start.classes)
         samples = ground.there(samples)
-        if self.bound is self.first_surface:
-            self._ground = self._ground_then = ground
+        if self._laid_then is self.first_surface:
+            self._ground_then = ground
+        if self._laid is self.first_surface:
+            self._ground = ground
         return self._population_of(ground, samples)
 
     def _population_of(self, ground: Ground, samples: Any) -> Any:
@@ -208,15 +212,25 @@ class PopulationBaker(Baker):
         return package().Population(ground.surface, samples, fade=self.fade, **options)
 
     def _new_ground_then(self) -> Ground:
-        ground = Ground(self._bound_then, self.start.settings)
-        if self._bound_then is self.bound:
+        ground = self._ground_of(self._laid_then, self._bound_then)
+        if self._laid_then is self._laid:
             self._ground = ground
         return ground
+
+    def _ground_of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> Ground:
+        """Of the density of a frame, whose faces begin where they were bound."""
+        if laid is bound:
+            return Ground(bound, self.start.settings)
+        if bound is not self.bound:
+            return Ground(laid, self.start.settings, like=Ground(bound, self.start.settings), first=bound)
+        if self._first_ground is None:
+            self._first_ground = Ground(bound, self.start.settings)
+        return Ground(laid, self.start.settings, like=self._first_ground, first=bound)
 
     def _surface(self) -> Any:
         """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
         if self._ground is None:
-            self._ground = Ground(self.bound, self.start.settings)
+            self._ground = self._ground_of(self._laid, self.bound)
             return self._ground.surface
         return self._ground.vertices(self._now.vertices)
 

@@ -70,6 +70,10 @@ class Fingerprint:
             self._add(frame.normals)
         if frame.rest is not None:
             self._add(frame.rest)
+        return self.now()
+
+    def now(self) -> str:
+        """The fingerprint of all that was added."""
         return self._digest.copy().hexdigest()
 
     def _add(self, array: Any) -> None:

@@ -182,6 +182,30 @@ _BAKE = (
         field="fade",
     ),
     Setting(
+        "masks_over_time",
+        Kind.CHOICE,
+        "EACH_FRAME",
+        "Masks",
+        "Of which frames a bake takes the density: masks, avoided objects and scatters, the camera, "
+        "attributes and images",
+        Changes.BAKE,
+        choices=(
+            (
+                "EACH_FRAME",
+                "Each Frame",
+                "As it is on each frame: points leave what they have to avoid. Noise, Border and "
+                "Curvature stay on the surface as on the first frame",
+            ),
+            (
+                "FIRST_FRAME",
+                "First Frame",
+                "As it is on the first frame, carried along by the surface. Both Directions and "
+                "Loop always do so",
+            ),
+        ),
+        field="masks",
+    ),
+    Setting(
         "on_topology_change",
         Kind.CHOICE,
         "REFUSE",

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from .bake import Baker
 from .binding import placed_of
+from .ground import Ground
 from .kinds import of_classes
 from .native import package
 from .sidecar import Solved
@@ -113,10 +114,10 @@ class TogetherBaker(Baker):
     def _samples_on(self, count: int, done: int, context: Any) -> list[Any]:
         """Samples of the frames of a piece, on the faces that were read."""
         with named(self.bound.name):
-            tracker = self._ready_tracker()
-            frames = [self._ground.vertices(one.surface.vertices) for one in self._held[:count]]
+            tracker, ground = self._ready_tracker()
+            frames = [ground.vertices(one.surface.vertices) for one in self._held[:count]]
             found = tracker.advance(frames, done, context=context)
-            return [self._ground.back(one) for one in found]
+            return [ground.back(one) for one in found]
 
     def _piece(self, count: int, done: int) -> str:
         """Fingerprint of a piece."""
@@ -128,18 +129,20 @@ class TogetherBaker(Baker):
         self._ahead, self.fingerprint = ahead, fingerprint
         del self._held[:done]
 
-    def _ready_tracker(self) -> Any:
-        """The tracker, at the last frame that is done."""
+    def _ready_tracker(self) -> tuple[Any, Ground]:
+        """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:
             self._tracker = self._new_tracker()
+        ground = self._ground
+        assert ground is not None  # of the first frame: what moves is not followed
         if self._tracked < len(self.reports):
-            vertices = self._ground.vertices(self._vertices)
-            ahead = [self._there(one) for one in self._ahead]
-            self._tracker.resume(vertices, self._there(self._solved), ahead)
-        return self._tracker
+            vertices = ground.vertices(self._vertices)
+            ahead = [self._there(ground, one) for one in self._ahead]
+            self._tracker.resume(vertices, self._there(ground, self._solved), ahead)
+        return self._tracker, ground
 
     def _new_tracker(self) -> Any:
-        samples, settings = self._begin(), self.start.settings
-        options = settings.tracker_options() | of_classes(self._ground, samples, settings)
+        (ground, samples), settings = self._begin(), self.start.settings
+        options = settings.tracker_options() | of_classes(ground, samples, settings)
         options["stickiness"] = max(options["stickiness"], 1.0)
-        return package().WindowTracker(self._ground.surface, samples, closed=self.closed, **options)
+        return package().WindowTracker(ground.surface, samples, closed=self.closed, **options)

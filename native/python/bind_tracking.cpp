@@ -58,6 +58,17 @@ void resume_tracker(SharedTracker& shared, const py::object& vertices, const Sam
   run([&] { tracker->resume(as_points(points), samples, settled); });
 }
 
+void resume_tracker_on(SharedTracker& shared, const Surface& surface, const py::object& vertices,
+                       const Samples& samples, const Samples& first, const py::object& classes,
+                       const ContextPtr& context) {
+  const DoubleArray points = doubles("vertices", vertices, 3);
+  std::vector<SampleClass> wanted = wanted_classes(surface, classes);
+  const SharedTracker::Change tracker(shared);
+  run(context, [&](Context* watched) {
+    tracker->resume_on(surface, as_points(points), samples, first, std::move(wanted), watched);
+  });
+}
+
 std::shared_ptr<SharedPopulation> make_population(const Surface& surface, const Samples& samples,
                                                   const py::kwargs& keywords) {
   const Keywords given(kPopulation, keywords, {"classes", "context"});
@@ -267,6 +278,26 @@ Args:
 Raises:
     SurfaceError: vertices of another number or not finite.
     ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
+      .def("resume_on", &resume_tracker_on, py::arg("surface"), py::arg("vertices"),
+           py::arg("samples"), py::arg("first"), py::kw_only(), py::arg("classes") = py::none(),
+           py::arg("context") = nullptr,
+           R"(Go on on other faces or another density of the same body, which has not moved since the last frame.
+
+Where what the density depends on moves, a surface is cut along it anew: the samples go on there, held to the evenness
+of the first frame. advance() then moves those that are where the density is 0 now to the nearest place that has some.
+
+Args:
+    surface: a Surface with the other faces or density, wherever the body is.
+    vertices: (v, 3) float64, of that surface on the last frame.
+    samples: Samples with the present samples' faces and barycentric coordinates there; ids and classes stay.
+    first: Samples of the surface, at whose places they were on the first frame.
+    classes: as when the tracker was made, on this surface.
+    context: a Context to watch and cancel it by.
+
+Raises:
+    SurfaceError: vertices of another number or not finite.
+    ValueError: samples, first or classes of another number than before, or of another surface.
+    Cancelled: through the context.)")
       .def_property_readonly(
           "settled", [](const SharedTracker& t) { return t.read().settled(); },
           "Whether nothing was left to be caught up when the last frame was done.")

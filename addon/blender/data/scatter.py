@@ -142,6 +142,13 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
     return BakeSettings(**values)
 
 
+def follows_masks(obj: bpy.types.Object) -> bool:
+    """Whether a bake takes the density of each frame: where frames are solved one by one."""
+    settings = obj.dapple
+    one_by_one = settings.count_over_time == "KEEP_DENSITY" or settings.bake_smoothing == "FORWARDS"
+    return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
+
+
 def _density_settings(density: bpy.types.PropertyGroup) -> DensitySettings:
     """Data-blocks by their full names: two files may have one of the same name."""
     values = {field.name: getattr(density, field.name) for field in fields(DensitySettings)}

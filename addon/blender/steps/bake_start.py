@@ -4,6 +4,7 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ...core.bake import Baker
 from ...core.errors import ScatterError
 from ...core.settings import Settings
 from ...core.solve import Scattered, scatter
@@ -51,4 +52,10 @@ def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings, fra
     except ScatterError:  # a density of the first frame only
         now = replace(begun.sources, exact={}, near={})
     moving = {*begun.sources.moving, *differing(begun.sources, now)}
+    begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))
+
+
+def note_followed(begun: Begun, baker: Baker) -> None:
+    """Note what was another on any frame, where that was followed."""
+    moving = {*begun.sources.moving, *baker.moving}
     begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))

@@ -6,6 +6,7 @@ import bpy
 from ...core.bake import Baker, Start
 from ...core.errors import ScatterError
 from ...core.keys import Keyframes
+from ...core.over_time import may_move
 from ...core.population import PopulationBaker
 from ...core.records import Binding, Columns, as_stored, check_ids
 from ...core.rest import with_distinct_parts
@@ -13,7 +14,7 @@ from ...core.solve import Scattered, nearest_binding
 from ...core.surface import SurfaceArrays
 from ...core.together import TogetherBaker
 from ..data.points import places_of, point_columns_of
-from ..data.scatter import settings_of
+from ..data.scatter import follows_masks, settings_of
 from ..status.workfiles import work_files
 from ..surface.bound import current_binding, other_faces
 
@@ -36,13 +37,13 @@ def new_baker(
         arrays = with_distinct_parts(binding, arrays)
     start = Start(binding, columns["id"], columns["dapple_class"], settings_of(obj))
     keyframes = Keyframes(count, obj.dapple.key_every)
-    smoothing = obj.dapple.bake_smoothing
-    kept = work_files(obj, first)
+    smoothing, kept = obj.dapple.bake_smoothing, work_files(obj, first)
+    follows = follows_masks(obj) and may_move(start.settings)
     if obj.dapple.count_over_time == "KEEP_DENSITY":
         fade = obj.dapple.fade_frames
-        return PopulationBaker(arrays, start, keyframes, kept, first, rebind, fade=fade)
+        return PopulationBaker(arrays, start, keyframes, kept, first, rebind, follows, fade=fade)
     if smoothing == "FORWARDS":
-        return Baker(arrays, start, keyframes, kept, first, rebind)
+        return Baker(arrays, start, keyframes, kept, first, rebind, follows)
     return TogetherBaker(arrays, start, keyframes, kept, first, rebind, closed=smoothing == "LOOP")
 
 

@@ -16,11 +16,13 @@ from ..base.translation import reported
 from ..data.scatter import settings_of, surface_of
 from ..surface.reading import at_frame, frame_kept
 from ..surface.resting import rest_position
-from .bake_start import begin_bake, note_moving
+from ..surface.surroundings import Known
+from .bake_start import begin_bake, note_followed, note_moving
 from .bake_writing import write_bake
 from .bakers import new_baker
 from .bare_frames import begin_of, read_frame
 from .crossing import crossed
+from .masks import Masks
 from .meanwhile import Meanwhile
 
 
@@ -63,28 +65,37 @@ def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Mea
     begun = yield from begin_bake(held, arrays, settings)
     count = frames.last - first + 1
     baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
+    masks = Masks(settings, arrays, Known(arrays)) if baker.follows else None
     baker.anew, there = begun.anew, begin
     for frame in range(first, frames.last + 1):
         meanwhile.check()
         if frame != begin or begin != first:
-            arrays = read_frame(held, surface, frame, kind)
+            arrays = read_frame(held, surface, frame, kind, masks)
         there = frame if len(arrays.faces) else there
         if frame in frames.noted:
             note_moving(begun, held, surface, settings, there)
-        yield from _solve(baker, held, surface, arrays, begun.progress)
+        yield from _solve(baker, held, surface, arrays, begun.progress, masks)
+    note_followed(begun, baker)
     yield from _finish(baker, begun.progress)
     check_unchanged(begun.arrays, at_frame(surface, begin, settings=settings, own=held))
     return begun, baker
 
 
-def _solve(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, begin: float) -> Any:
+def _solve(
+    baker: Baker,
+    held: Held,
+    surface: Held,
+    arrays: SurfaceArrays,
+    begin: float,
+    masks: Masks | None,
+) -> Any:
     """The next frame: what a stopped bake left, or solved now."""
     if not len(arrays.faces):
         baker.vanish(arrays)
         return
     if baker.is_bare or baker.changes(arrays):
         yield from _finish(baker, begin)
-        arrays = crossed(baker, held, surface, arrays)
+        arrays = crossed(baker, held, surface, arrays, masks and masks.known)
     baker.enter(arrays)
     shares = [begin + (1.0 - begin) * share for share in baker.share]
     try:

@@ -13,6 +13,8 @@ from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..surface.reading import at_frame
 from ..surface.resting import kind_of_binding
+from ..surface.surroundings import Known
+from .masks import Masks
 
 
 def may_be_bare(obj: bpy.types.Object, kind: str) -> bool:
@@ -43,19 +45,30 @@ def _first_with_faces(surface: Held, first: int, last: int) -> Any:
     raise ScatterError(f"Surface '{name}' has no faces from frame {first} to {last}")
 
 
-def read_frame(held: Held, surface: Held, frame: int, kind: str) -> SurfaceArrays:
-    """The surface on a frame of a bake, without faces only where that may be."""
-    arrays = at_frame(surface, frame, kind=kind, may_be_bare=_keeps_density(held.get()))
+def read_frame(
+    held: Held, surface: Held, frame: int, kind: str, masks: Masks | None = None
+) -> SurfaceArrays:
+    """The surface on a frame of a bake, without faces only where that may be; with what its density
+    takes there, if masks are given.
+    """
+    may_be_bare = _keeps_density(held.get())
+    if masks is None:
+        arrays = at_frame(surface, frame, kind=kind, may_be_bare=may_be_bare)
+    else:
+        arrays = masks.at_frame(surface, held, frame, kind, may_be_bare)
     if not (len(arrays.faces) or may_be_bare(held.get(), kind)):
         raise ScatterError(_refused(held.get(), surface.get().name, frame))
     return arrays
 
 
-def appeared(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> None:
-    """Have points appear on faces that have come back."""
+def appeared(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None
+) -> SurfaceArrays:
+    """Have points appear on faces that have come back; the frame."""
     number = baker.first + baker.done
-    then = at_frame(surface, number, settings=baker.start.settings, own=held)
+    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
     baker.appear(replace(then, rest=arrays.rest))
+    return replace(then, rest=arrays.rest) if baker.follows else arrays
 
 
 def _keeps_density(obj: bpy.types.Object) -> bool:

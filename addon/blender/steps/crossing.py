@@ -7,25 +7,28 @@ from ...core.bake import Baker
 from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..surface.reading import at_frame
+from ..surface.surroundings import Known
 from .bare_frames import appeared
 
 _SEAM_STEPS = 6
 
 
-def crossed(baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays) -> SurfaceArrays:
+def crossed(
+    baker: Baker, held: Held, surface: Held, arrays: SurfaceArrays, known: Known | None = None
+) -> SurfaceArrays:
     """Have a baker cross to the faces of its next frame, which is returned as read again."""
     if baker.is_bare:
-        appeared(baker, held, surface, arrays)
-        return arrays
+        return appeared(baker, held, surface, arrays, known)
     number = baker.first + baker.done
     before, after = baker.now, arrays
     if arrays.rest is None and baker.at_seam:
         before, after = _seam(surface, number, baker.bound.topology)
-    then = at_frame(surface, number, settings=baker.start.settings, own=held)
+    then = at_frame(surface, number, settings=baker.start.settings, own=held, known=known)
     # Quads are cut as where values were read: these are of the corners of triangles, too.
     there = replace(after, faces=then.faces, loops=then.loops, around=then.around)
     baker.cross(before, replace(there, weights=then.weights, digests=then.digests))
-    return replace(at_frame(surface, number), rest=arrays.rest)
+    again = then if baker.follows else at_frame(surface, number)
+    return replace(again, rest=arrays.rest)
 
 
 def _seam(surface: Held, frame: int, topology: str) -> tuple[SurfaceArrays, SurfaceArrays]:

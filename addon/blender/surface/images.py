@@ -40,6 +40,12 @@ def read_images(name: str) -> Iterator[RawImage]:
     yield RawImage(name, pixels)
 
 
+def is_film(name: str) -> bool:
+    """Whether an image has other pixels on other frames."""
+    image = by_full_name(bpy.data.images, name)
+    return image is not None and image.source in ("SEQUENCE", "MOVIE")
+
+
 def picture_digest(image: bpy.types.Image) -> str:
     """Digest of all that an image holds; nothing if a tile of it cannot be read."""
     if image.source != "TILED":

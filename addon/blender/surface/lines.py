@@ -5,15 +5,19 @@ import bpy
 import numpy as np
 
 from ...core.errors import ScatterError
+from ...core.keys import Baked
 from ...core.records import check_columns
 from ...core.surface import Floats
 from ..base.meshio import matrix_of, read_points, to_world
 from ..data.scatter import is_scatter
+from .played import points_now
 
 _MESHES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-def read_lines(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats | None:
+def read_lines(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, known: dict[int, Baked] | None = None
+) -> Floats | None:
     """Segments (k, 2, 3) in world space, or points as segments; None: the object has faces.
 
     A curve without bevel is its line, a scatter its points, a mesh without faces its edges or its
@@ -22,7 +26,8 @@ def read_lines(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Floats 
     evaluated = obj.evaluated_get(depsgraph)
     found: Floats | None
     if is_scatter(obj):
-        found = _points(to_world(obj, read_points(obj.data)))
+        places, there = points_now(obj, {} if known is None else known)
+        found = _points(places[there])
     elif obj.type in _MESHES:
         found = _of_mesh(evaluated)
     elif obj.type == "CURVES":

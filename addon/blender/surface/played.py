@@ -3,12 +3,17 @@
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import ScatterError
+from ...core.keys import Baked
 from ...core.records import Binding
+from ...core.sources import sources_from
 from ...core.surface import Floats
+from ..base.meshio import read_points, to_world
 from ..base.times import time_of
-from ..data.key_stores import check_keys, frames, stored_object
+from ..data.key_stores import check_keys, frames, read_baked, stored_object
+from ..data.points import own_points
 from ..data.scatter import surface_of
 from .bound import current_binding
 from .surface_mesh import read_surface
@@ -34,6 +39,45 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
         )
     before, after = (one.positions(arrays.vertices) for one in (first, second))
     return (1.0 - share) * before + share * after
+
+
+def points_now(
+    obj: bpy.types.Object, known: dict[int, Baked]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """World positions (n, 3) of all points of a scatter as it is shown now, and which are there;
+    as they were optimized, where its surface has other faces.
+
+    known keeps what was read of bakes, by session_uid.
+    """
+    stored, all_there = to_world(obj, read_points(obj.data)), np.ones(len(obj.data.vertices), bool)
+    if not obj.dapple.baked_keys and _is_as_solved(obj):
+        return stored, all_there
+    try:
+        return _played(obj, known)
+    except (ScatterError, IndexError):
+        return stored, all_there & own_points(obj)
+
+
+def _is_as_solved(obj: bpy.types.Object) -> bool:
+    solved = sources_from(obj.dapple.solved_from)
+    return solved is None or solved.frame == time_of(bpy.context.scene)
+
+
+def _played(obj: bpy.types.Object, known: dict[int, Baked]) -> tuple[Floats, NDArray[np.bool_]]:
+    surface, depsgraph = surface_of(obj), bpy.context.evaluated_depsgraph_get()
+    if not obj.dapple.baked_keys:
+        arrays = read_surface(surface, depsgraph)
+        binding, _ = current_binding(obj, surface, arrays)
+        return binding.positions(arrays.vertices), np.ones(len(binding.corners), dtype=bool)
+    vertices = read_surface(surface, depsgraph, cut=False).vertices
+    if obj.session_uid not in known:
+        known[obj.session_uid] = read_baked(obj)
+    baked, count = known[obj.session_uid], len(obj.data.vertices)
+    at = min(max(time_of(bpy.context.scene) - obj.dapple.baked_start, 0.0), baked.frame_count - 1.0)
+    first, second, share = baked.binding(int(at), count)
+    share += (at - int(at)) / max(int(baked.frames["dapple_span"][int(at)]), 1)
+    before, after = (one.positions(vertices) for one in (first, second))
+    return (1.0 - share) * before + share * after, baked.there(int(at), count)
 
 
 def _around(obj: bpy.types.Object, rows: list[int], time: float) -> tuple[Binding, Binding, float]:

@@ -13,7 +13,7 @@ from ..base.held import Held
 from ..base.times import show_time, time_of
 from .bound import with_rest
 from .surface_mesh import read_surface
-from .surroundings import read_with
+from .surroundings import Known, read_with
 
 
 def read(
@@ -21,6 +21,7 @@ def read(
     settings: Settings | None = None,
     own: bpy.types.Object | None = None,
     may_be_bare: bool = False,
+    known: Known | None = None,
 ) -> SurfaceArrays:
     """The surface; with settings, also what they take from it and from beside their scatter.
 
@@ -30,7 +31,7 @@ def read(
     if settings is None:
         arrays = read_surface(surface, depsgraph)
     else:
-        arrays = read_with(settings, surface, depsgraph, own)
+        arrays = read_with(settings, surface, depsgraph, own, known)
     if not (len(arrays.faces) or may_be_bare):
         raise ScatterError(_without_faces(surface, depsgraph))
     return arrays
@@ -55,10 +56,11 @@ def at_frame(
     own: Held | None = None,
     kind: str = "FACES",
     may_be_bare: bool = False,
+    known: Known | None = None,
 ) -> SurfaceArrays:
     """The surface at a time of the animation, with its rest shape where points are bound to it."""
     show_time(bpy.context.scene, frame + part)
-    arrays = read(surface.get(), settings, own.get() if own else None, may_be_bare)
+    arrays = read(surface.get(), settings, own.get() if own else None, may_be_bare, known)
     has_rest = kind == "REST" and len(arrays.faces)
     return with_rest(arrays, surface.get()) if has_rest else arrays
 

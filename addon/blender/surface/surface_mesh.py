@@ -51,18 +51,24 @@ def read_surface(
     names: Iterable[str] = (),
     materials: Collection[str] = (),
     cut: bool = True,
+    like: SurfaceArrays | None = None,
 ) -> SurfaceArrays:
     """The evaluated surface in world space, with values by name, and where materials are.
 
-    Triangulated, which takes most of the time, or without faces and values.
+    Triangulated, which takes most of the time, or without faces and values. A surface of the same
+    polygons, `like`, has them cut as there.
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
         matrix = matrix_of(obj.evaluated_get(depsgraph))
         points, corners = read_points(mesh), corner_vertices(mesh)
         vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
-        loops = _triangles(mesh, points, corners) if cut else np.empty((0, 3), dtype=np.int32)
-        if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
-            loops = np.ascontiguousarray(loops[:, ::-1])
+        polygons = _fluid_topology(mesh) if is_fluid(obj) else topology(mesh)
+        if like is not None and like.loops is not None and like.topology == polygons:
+            loops = like.loops
+        else:
+            loops = _triangles(mesh, points, corners) if cut else np.empty((0, 3), dtype=np.int32)
+            if np.linalg.det(matrix[:3, :3]) < 0.0:  # a mirrored surface still faces outwards
+                loops = np.ascontiguousarray(loops[:, ::-1])
         raw = _stored_values(obj, mesh, names, materials)
         on_faces = any(one.domain != "POINT" for one in raw)
         starts = polygon_starts(mesh) if on_faces else np.empty(0, dtype=np.int32)
@@ -71,7 +77,7 @@ def read_surface(
             obj.name,
             np.ascontiguousarray(vertices),
             corners[loops],
-            _fluid_topology(mesh) if is_fluid(obj) else topology(mesh),
+            polygons,
             matrix,
             weights,
             loops=loops,

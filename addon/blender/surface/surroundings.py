@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a density takes from beside its surface: an image, the camera, objects to avoid."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -9,16 +9,34 @@ import numpy as np
 
 from ...core.density import names_of
 from ...core.errors import ScatterError
+from ...core.keys import Baked
 from ...core.raw import laid_image
 from ...core.records import check_columns
 from ...core.settings import DensitySettings, Settings, materials_of
 from ...core.surface import Floats, Ints, SurfaceArrays, Surroundings
-from ..base.meshio import read_columns, read_points, to_world
+from ..base.meshio import matrix_of, read_columns
 from ..data.scatter import is_scatter
 from .beside import check_targets, obstacles_of, targets_of
-from .images import read_images
+from .images import is_film, read_images
+from .lasting import is_rigid, lasting
 from .lines import read_lines
+from .played import points_now
 from .surface_mesh import evaluated_mesh, read_surface
+
+
+@dataclass
+class Known:
+    """What was read on a frame before, where it cannot have changed."""
+
+    arrays: SurfaceArrays | None = None  # of the first frame with its faces
+    meshes: dict[int, tuple[Any, ...]] = field(default_factory=dict)  # place, vertices, faces
+    picture: dict[str, Any] | None = None
+    scatters: dict[int, Baked] = field(default_factory=dict)  # keys of those that are baked
+
+    def like(self, topology: str) -> SurfaceArrays | None:
+        """What was read of the same polygons."""
+        same = self.arrays is not None and self.arrays.topology == topology
+        return self.arrays if same else None
 
 
 def read_with(
@@ -26,13 +44,27 @@ def read_with(
     obj: bpy.types.Object,
     depsgraph: bpy.types.Depsgraph,
     own: bpy.types.Object | None = None,
+    known: Known | None = None,
 ) -> SurfaceArrays:
     """The evaluated surface with all that these settings take from it and from beside it.
 
-    own is the scatter that they are for: nothing that it makes or places is its obstacle.
+    own is the scatter that they are for: nothing that it makes or places is its obstacle. known
+    saves what reading again would find unchanged, from frame to frame of a bake.
     """
-    arrays = read_surface(obj, depsgraph, names_of(settings), materials_of(settings.density))
-    return replace(arrays, around=read_around(settings, obj, depsgraph, own))
+    names, materials = names_of(settings), materials_of(settings.density)
+    if known is None:
+        arrays = read_surface(obj, depsgraph, names, materials)
+        return replace(arrays, around=read_around(settings, obj, depsgraph, own))
+    first, still = known.arrays, lasting(obj, names)
+    fresh = [name for name in names if name not in still]
+    arrays = read_surface(obj, depsgraph, fresh, materials, like=first)
+    if first is None or first.topology != arrays.topology:
+        if still:
+            arrays = read_surface(obj, depsgraph, names, materials)
+        known.arrays = first = arrays
+    weights = {name: first.weights[name] for name in still}
+    arrays = replace(arrays, weights=weights | arrays.weights, digests=first.digests | arrays.digests)
+    return replace(arrays, around=read_around(settings, obj, depsgraph, own, known, arrays))
 
 
 def read_around(
@@ -40,23 +72,26 @@ def read_around(
     obj: bpy.types.Object,
     depsgraph: bpy.types.Depsgraph,
     own: bpy.types.Object | None,
+    known: Known | None = None,
+    arrays: SurfaceArrays | None = None,
 ) -> Surroundings:
     """What these settings take from beside a surface, for this scatter."""
     density, points, radii, meshes = settings.density, np.empty((0, 3)), np.empty(0), []
+    known = known or Known()
     if density.obstacles:
         others = obstacles_of(density.obstacles, obj, own)
-        points, radii = balls(others, density.obstacle_margin)
-        meshes = [_mesh(other, depsgraph) for other in others if not is_scatter(other)]
-    targets, lines = _targets(density, obj, depsgraph, own)
+        points, radii = balls(others, density.obstacle_margin, known.scatters)
+        meshes = [_mesh(other, depsgraph, known) for other in others if not is_scatter(other)]
+    targets, lines = _targets(density, obj, depsgraph, own, known)
     return Surroundings(
-        uv=_uv(obj, density.uv_map, depsgraph) if density.image else None,
+        uv=_uv(obj, density.uv_map, depsgraph, arrays) if density.image else None,
         camera=read_camera(depsgraph) if density.use_camera else None,
         obstacles=tuple(mesh for mesh in meshes if len(mesh[1])),
         points=points,
         radii=radii,
         targets=targets,
         lines=lines,
-        **_picture(density.image, density.image_channel),
+        **_picture(density.image, density.image_channel, known),
     )
 
 
@@ -65,25 +100,33 @@ def _targets(
     obj: bpy.types.Object,
     depsgraph: bpy.types.Depsgraph,
     own: bpy.types.Object | None,
+    known: Known,
 ) -> tuple[tuple[tuple[Floats, Ints], ...], Floats]:
     """Meshes and lines that a distance is measured to."""
     meshes, lines = [], [np.empty((0, 2, 3))]
     for other in targets_of(density, obj, own):
-        found = read_lines(other, depsgraph)
+        found = read_lines(other, depsgraph, known.scatters)
         if found is None:
-            meshes.append(_mesh(other, depsgraph))
+            meshes.append(_mesh(other, depsgraph, known))
         else:
             lines.append(found)
     check_targets(density, len(meshes) + sum(map(len, lines)))
     return tuple(meshes), np.concatenate(lines)
 
 
-def _uv(obj: bpy.types.Object, name: str, depsgraph: bpy.types.Depsgraph) -> Floats:
-    """Texture coordinates (m, 3, 2) of the triangles' corners."""
+def _uv(
+    obj: bpy.types.Object,
+    name: str,
+    depsgraph: bpy.types.Depsgraph,
+    arrays: SurfaceArrays | None = None,
+) -> Floats:
+    """Texture coordinates (m, 3, 2) of the triangles' corners, as they were read if given."""
     with evaluated_mesh(obj, depsgraph) as mesh:
         layer = uv_layer(obj, mesh, name)
         places = np.empty(2 * len(mesh.loops), dtype=np.float32)
         layer.uv.foreach_get("vector", places)
+        if arrays is not None and arrays.loops is not None:
+            return np.ascontiguousarray(places.reshape(-1, 2)[arrays.loops].astype(np.float64))
         mesh.calc_loop_triangles()
         corners = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
         mesh.loop_triangles.foreach_get("loops", corners)
@@ -104,8 +147,12 @@ def uv_layer(obj: bpy.types.Object, mesh: bpy.types.Mesh, name: str) -> bpy.type
     return layer
 
 
-def _picture(name: str, channel: str) -> dict[str, Any]:
-    return laid_image(list(read_images(name)), channel) if name else {}
+def _picture(name: str, channel: str, known: Known) -> dict[str, Any]:
+    if not name:
+        return {}
+    if known.picture is None or is_film(name):
+        known.picture = laid_image(list(read_images(name)), channel)
+    return known.picture
 
 
 def check_camera(scene: bpy.types.Scene) -> None:
@@ -135,21 +182,29 @@ def read_camera(depsgraph: bpy.types.Depsgraph) -> Floats:
     return found
 
 
-def _mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[Floats, Ints]:
+def _mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, known: Known
+) -> tuple[Floats, Ints]:
+    place = matrix_of(obj.evaluated_get(depsgraph))
+    before = known.meshes.get(obj.session_uid)
+    if before is not None and is_rigid(obj) and np.array_equal(before[0], place):
+        return before[1], before[2]
     arrays = read_surface(obj, depsgraph)
+    known.meshes[obj.session_uid] = (place, arrays.vertices, arrays.faces)
     return arrays.vertices, arrays.faces
 
 
-def balls(others: list[bpy.types.Object], margin: float) -> tuple[Floats, Floats]:
-    """Points of other scatters as they were optimized, and how far to keep away from each."""
+def balls(
+    others: list[bpy.types.Object], margin: float, known: dict[int, Baked] | None = None
+) -> tuple[Floats, Floats]:
+    """Points of other scatters as they are now, and how far to keep away from each."""
     points, radii = [np.empty((0, 3))], [np.empty(0)]
     for obj in others:
         if is_scatter(obj):
-            places = read_points(obj.data)
+            places, there = points_now(obj, {} if known is None else known)
             check_columns({"position": places}, obj.name)
-            places = to_world(obj, places)
-            points.append(places)
-            radii.append(np.maximum(_radii(obj, len(places)), margin))
+            points.append(places[there])
+            radii.append(np.maximum(_radii(obj, len(places)), margin)[there])
     joined, sizes = np.concatenate(points), np.concatenate(radii)
     return joined[sizes > 0.0], sizes[sizes > 0.0]
 

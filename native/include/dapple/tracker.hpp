@@ -42,6 +42,19 @@ class Tracker {
   /// \throw SurfaceError, ArgumentError
   void resume(std::span<const Vec3> vertices, const Samples& samples, bool settled);
 
+  /// Go on on other faces or another density of the same body, which has not moved since the last
+  /// frame: where what the density depends on moves, a surface is cut along it anew.
+  /// \param surface  the other faces, wherever the body is
+  /// \param vertices of the last frame
+  /// \param samples  where the present samples are on these faces; ids and classes stay
+  /// \param first    where they were on the first frame, on these faces
+  /// \param classes  as many as before, on this surface
+  /// \throw SurfaceError; ArgumentError if there are more or fewer samples or classes than before;
+  /// Cancelled
+  void resume_on(const Surface& surface, std::span<const Vec3> vertices, const Samples& samples,
+                 const Samples& first, std::vector<SampleClass> classes = {},
+                 Context* context = nullptr);
+
   /// Whether nothing was left to be caught up when the last frame was done.
   [[nodiscard]] bool settled() const { return settled_; }
   [[nodiscard]] const Surface& surface() const { return surface_; }

@@ -394,6 +394,16 @@ class Tracker:
     ) -> None: ...
     def advance(self, vertices: ArrayLike, *, context: Context | None = None) -> Samples: ...
     def resume(self, vertices: ArrayLike, samples: Samples, *, settled: bool = False) -> None: ...
+    def resume_on(
+        self,
+        surface: Surface,
+        vertices: ArrayLike,
+        samples: Samples,
+        first: Samples,
+        *,
+        classes: Sequence[SampleClass | int] | None = None,
+        context: Context | None = None,
+    ) -> None: ...
     @property
     def settled(self) -> bool: ...
     @property

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/hexagonal.hpp"
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "optimize/reinsertion.hpp"
 #include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
+#include "sample/rebalance.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
@@ -60,13 +62,45 @@ struct Frame {
 struct Beginning {
   Sites start;
   std::optional<Sites> home;  // none: where the search begins
+  std::vector<std::int32_t> elsewhere = {};  // sites that begin far from where they were
 };
+
+/// The mean spacing of so many samples where a surface is densest.
+double least_spacing(const Surface& surface, std::size_t count) {
+  const std::vector<double> density = surface.density();
+  const double most = density.empty() ? 1.0 : *std::max_element(density.begin(), density.end());
+  return hexagonal_spacing(surface.mass() / (most * static_cast<double>(count)));
+}
+
+/// Where the density has left sites farther behind than a spacing, all that would be led to its
+/// border pile up there: as many as those go where there is room. Returns which do.
+std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
+                                 std::span<const std::int32_t> mine, const Vectors& before,
+                                 Sites& sites, Context* context) {
+  const double longest = least_spacing(own, mine.size());
+  std::size_t far = 0;
+  for (const std::int32_t k : mine) {
+    const auto at = static_cast<std::size_t>(k);
+    far += (sites.positions[at] - before[at]).norm() > longest ? 1 : 0;
+  }
+  if (far == 0) return {};
+  const Rebalanced found =
+      rebalance(domain, select(sites, mine), mine.size(), mine.size(), context, far);
+  std::vector<bool> stays(mine.size(), false);
+  for (const std::size_t k : found.stay) stays[k] = true;
+  std::vector<std::int32_t> moved;
+  for (std::size_t k = 0; k < mine.size(); ++k)
+    if (!stays[k]) moved.push_back(mine[k]);
+  put(sites, moved, found.fresh);
+  return moved;
+}
 
 /// Sites that are where their class has no density begin, and are held, at the nearest place that
 /// has some: max_slide would leave them there.
+/// \param moving whether the density moves from frame to frame
 Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start,
-                     const Sites* home) {
+                     const Sites* home, bool moving, Context* context) {
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
   std::vector<std::int32_t> homeless;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
@@ -79,8 +113,17 @@ Beginning on_density(const Surface& surface, const Frame& frame,
       if (!is_on_density(own, home->faces[k], home->barycentric[k]))
         homeless.push_back(static_cast<std::int32_t>(k));
     }
-    lead_to_density(own, *frame.problem.classes[c].domain, result.start, others);
+    const Domain& domain = *frame.problem.classes[c].domain;
+    lead_to_density(own, domain, result.start, others);
+    if (!moving || own.uniform()) continue;
+    std::vector<std::int32_t> members;
+    for (std::size_t k = 0; k < start.size(); ++k)
+      if (!others[k]) members.push_back(static_cast<std::int32_t>(k));
+    if (members.empty()) continue;
+    const auto moved = spread(own, domain, members, start.positions, result.start, context);
+    result.elsewhere.insert(result.elsewhere.end(), moved.begin(), moved.end());
   }
+  homeless.insert(homeless.end(), result.elsewhere.begin(), result.elsewhere.end());
   if (result.home) put(*result.home, homeless, select(result.start, homeless));
   return result;
 }
@@ -101,6 +144,11 @@ Vectors face_normals(const Surface& surface, const Sites& sites) {
     normals[k] = surface.ordered().geometry(surface.ordered().counted_face(sites.faces[k])).normal;
   });
   return normals;
+}
+
+Vectors without(Vectors moves, std::span<const std::int32_t> which) {
+  for (const std::int32_t k : which) moves[static_cast<std::size_t>(k)] = Vec3::Zero();
+  return moves;
 }
 
 /// The sites after their moves; those that do not move keep their bytes.
@@ -188,9 +236,12 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Beginning first = on_density(surface, frame, class_of_, start, home);
+  const Beginning first =
+      on_density(surface, frame, class_of_, start, home, moving_density_, context);
   const Minimum found = minimize(
-      frame.objective, move(first.start, moves, frame.objective, context), options, context,
+      frame.objective,
+      move(first.start, without(moves, first.elsewhere), frame.objective, context), options,
+      context,
       {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
@@ -203,9 +254,12 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       Context* context) const {
   check_extent(surface, start);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
-  const Beginning first = on_density(surface, frame, class_of_, start, &home);
+  const Beginning first =
+      on_density(surface, frame, class_of_, start, &home, moving_density_, context);
   Minimum found =
-      minimize(frame.objective, move(first.start, moves, frame.objective, context), aims(), context,
+      minimize(frame.objective,
+               move(first.start, without(moves, first.elsewhere), frame.objective, context), aims(),
+               context,
                {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
@@ -227,6 +281,17 @@ FrameSolver FrameSolver::replaced(const Samples& now, Sites first, PatternMemory
   FrameSolver result = with(now);
   result.first_ = std::move(first);
   result.memory_ = std::move(memory);
+  return result;
+}
+
+FrameSolver FrameSolver::on_ground(const Surface& surface, const Samples& now, Sites first,
+                                   std::vector<SampleClass> classes, Context* context) const {
+  FrameSolver result = *this;
+  result.classes_ = counted(std::move(classes), now.classes);
+  check_same_length("classes", result.classes_.size(), "those of before", classes_.size());
+  result.sides_ = sides_for(surface, now.size(), options_.cells, context);
+  result.first_ = std::move(first);
+  result.moving_density_ = true;
   return result;
 }
 

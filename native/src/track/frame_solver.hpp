@@ -67,6 +67,12 @@ class FrameSolver {
   /// \param first, memory its first() and memory()
   [[nodiscard]] FrameSolver replaced(const Samples& now, Sites first, PatternMemory memory) const;
 
+  /// The same aims for the same samples on other faces or another density of the body.
+  /// \param first where they were on the first frame, on these faces
+  /// \throw ArgumentError if the classes are not as many as before; Cancelled
+  [[nodiscard]] FrameSolver on_ground(const Surface& surface, const Samples& now, Sites first,
+                                      std::vector<SampleClass> classes, Context* context) const;
+
   /// Whether a sample is where its class has no density.
   [[nodiscard]] bool any_stranded(const Surface& surface, const Sites& sites) const;
 
@@ -90,6 +96,7 @@ class FrameSolver {
   double target_energy_ = 0.0;
   Restoration restoration_;
   Report first_report_;
+  bool moving_density_ = false;  // whether the density is that of each frame
 };
 
 }  // namespace dapple

@@ -142,6 +142,30 @@ void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, boo
   settled_ = settled;
 }
 
+void Tracker::resume_on(const Surface& surface, std::span<const Vec3> vertices,
+                        const Samples& samples, const Samples& first,
+                        std::vector<SampleClass> classes, Context* context) {
+  check_same_length("samples", samples.size(), "the tracker's samples", samples_.size());
+  check_same_length("first", first.size(), "the tracker's samples", samples_.size());
+  Surface there = surface.deformed(vertices);
+  check_lengths(samples);
+  check_lengths(first, "first");
+  check_binding("samples", surface, samples.faces, samples.barycentric);
+  check_binding("first", surface, first.faces, first.barycentric);
+  Samples now =
+      bind_samples(there, samples.faces, samples.barycentric, samples_.ids, samples_.classes);
+  Sites then = sites_of(bind_samples(there, first.faces, first.barycentric));
+  solver_ = with_threads(solver_->options().threads, [&] {
+    return std::make_shared<const FrameSolver>(
+        solver_->on_ground(there, now, std::move(then), std::move(classes), context));
+  });
+  first_surface_ = surface;
+  surface_ = std::move(there);
+  samples_ = std::move(now);
+  measured_.reset();
+  settled_ = false;
+}
+
 /// Go on with other samples on the present frame; those of known ids keep their place in the first
 /// frame's pattern.
 void Tracker::exchange(const Samples& samples) {
