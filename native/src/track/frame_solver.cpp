@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dapple/neighbors.hpp>
 #include <optional>
 
 #include "base/hexagonal.hpp"
@@ -19,6 +20,8 @@
 
 namespace dapple {
 namespace {
+
+constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
 
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
@@ -72,20 +75,28 @@ double least_spacing(const Surface& surface, std::size_t count) {
   return hexagonal_spacing(surface.mass() / (most * static_cast<double>(count)));
 }
 
-/// Where the density has left sites farther behind than a spacing, all that would be led to its
-/// border pile up there: as many as those go where there is room. Returns which do.
-std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
-                                 std::span<const std::int32_t> mine, const Vectors& before,
-                                 Sites& sites, Context* context) {
-  const double longest = least_spacing(own, mine.size());
-  std::size_t far = 0;
-  for (const std::int32_t k : mine) {
-    const auto at = static_cast<std::size_t>(k);
-    far += (sites.positions[at] - before[at]).norm() > longest ? 1 : 0;
+/// How many sites are too many where they are: those that were led far to the border of the
+/// density, and one of two that are too near to each other.
+std::size_t count_piled(const Surface& own, const Sites& before, const Sites& now) {
+  const double spacing = least_spacing(own, now.size());
+  const std::vector<double> distances = nearest_distances(now.positions);
+  std::size_t far = 0, near = 0;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    far += (now.positions[k] - before.positions[k]).norm() > spacing ? 1 : 0;
+    near += distances[k] < kPiled * spacing ? 1 : 0;
   }
-  if (far == 0) return {};
-  const Rebalanced found =
-      rebalance(domain, select(sites, mine), mine.size(), mine.size(), context, far);
+  return std::max(far, (near + 1) / 2);
+}
+
+/// Sites that a moving density pushes pile up at its border: as many as do go where there is room.
+/// Returns which.
+std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
+                                 std::span<const std::int32_t> mine, const Sites& before,
+                                 Sites& sites, Context* context) {
+  const Sites now = select(sites, mine);
+  const std::size_t piled = count_piled(own, select(before, mine), now);
+  if (piled == 0) return {};
+  const Rebalanced found = rebalance(domain, now, mine.size(), mine.size(), context, piled);
   std::vector<bool> stays(mine.size(), false);
   for (const std::size_t k : found.stay) stays[k] = true;
   std::vector<std::int32_t> moved;
@@ -120,7 +131,7 @@ Beginning on_density(const Surface& surface, const Frame& frame,
     for (std::size_t k = 0; k < start.size(); ++k)
       if (!others[k]) members.push_back(static_cast<std::int32_t>(k));
     if (members.empty()) continue;
-    const auto moved = spread(own, domain, members, start.positions, result.start, context);
+    const auto moved = spread(own, domain, members, start, result.start, context);
     result.elsewhere.insert(result.elsewhere.end(), moved.begin(), moved.end());
   }
   homeless.insert(homeless.end(), result.elsewhere.begin(), result.elsewhere.end());
