@@ -226,6 +226,12 @@ class Baker:
         self._tracked = self.done
         return self._tracker, self._ground
 
+    @property
+    def _under(self) -> Ground:
+        """The ground, which is laid."""
+        assert self._ground is not None
+        return self._ground
+
     def _new_tracker(self) -> Any:
         ground, samples = self._begin()
         return tracked(ground, samples, self.start.settings)
@@ -262,8 +268,7 @@ class Baker:
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
         lean = self.leaning.next(self.last, turned, vertices, normals)
-        assert self._ground is not None
-        doubled = self._ground.original.doubled_faces
+        doubled = self._under.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
 

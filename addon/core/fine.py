@@ -120,14 +120,31 @@ class Obstacle:
         self._body, self._margin = Body(vertices, faces), margin
 
     def values(self, points: Floats) -> Floats:
-        return (self._body.outside(points) >= self._margin).astype(np.float64)
+        return (self._outside(points, self._margin) >= self._margin).astype(np.float64)
 
     def changes(self, points: Floats, faces: Ints) -> Flags:
         """By the corners' distances: nothing else is known of what lies between them."""
+        found = np.zeros(len(faces), dtype=bool)
+        if not len(faces):
+            return found
         corners = points[faces]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        away = np.abs(self._body.outside(points) - self._margin)[faces].min(axis=1)
-        found: Flags = away <= longest
+        near = self._body.beyond(points) <= self._margin + float(longest.max())
+        chosen = np.flatnonzero(near[faces].any(axis=1))
+        used = np.zeros(len(points), dtype=bool)
+        used[faces[chosen]] = True
+        away = np.full(len(points), np.inf)
+        away[used] = np.abs(self._outside(points[used], np.inf) - self._margin)
+        found[chosen] = away[faces[chosen]].min(axis=1) <= longest[chosen]
+        return found
+
+    def _outside(self, points: Floats, needed: float) -> Floats:
+        """Distances (k,) from the body, less than 0 inside; infinite where they are beyond what is
+        needed, as far as a box around it tells.
+        """
+        found = np.full(len(points), np.inf)
+        near = self._body.beyond(points) <= needed
+        found[near] = self._body.outside(points[near])
         return found
 
 
@@ -143,9 +160,7 @@ def at_corners(term: Term, places: Places, faces: Ints) -> Floats:
     return term.values(inside.reshape(-1, 3)).reshape(-1, 3)
 
 
-def to_cut(
-    terms: list[Term], places: Places, faces: Ints, lengths: Floats, target: float
-) -> Flags:
+def to_cut(terms: list[Term], places: Places, faces: Ints, lengths: Floats, target: float) -> Flags:
     """Faces on which some term changes, and that are larger than is good.
 
     lengths are those of the faces' longest edges, target the good one at a sharp change.

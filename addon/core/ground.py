@@ -149,13 +149,14 @@ class Ground:
 
     def _cut_for(self, terms: list[Term], count: int) -> None:
         """Halve the edges of the faces on which terms change, until they are short."""
-        self._extend(package().refine_edges(self.surface, np.inf))
 
         def long(lengths: Floats) -> NDArray[np.bool_]:
             target = _FINE * _spacing(self.surface, self._product(terms), count)
             return to_cut(terms, self._places(terms), self.surface.faces, lengths, target)
 
         self._halve(long)
+        if self._refined is None:
+            self._extend(package().refine_edges(self.surface, np.inf))
         self._take_away(terms)
 
     def _halve(self, long: Callable[[Floats], NDArray[np.bool_]]) -> None:

@@ -36,6 +36,12 @@ class Body:
             distance[inside] *= -1.0
         return distance
 
+    def beyond(self, points: Floats) -> Floats:
+        """Distances (k,) from the box around the mesh, which are no larger than from the mesh."""
+        low, high = self._box
+        found: Floats = np.linalg.norm(np.maximum(low - points, points - high).clip(0.0), axis=1)
+        return found
+
     def clear(self, distances: Floats, points: Floats) -> None:
         """Set the distances to 0 of points that are inside."""
         if self.closed:

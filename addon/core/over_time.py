@@ -39,7 +39,7 @@ def moved(before: SurfaceArrays, now: SurfaceArrays, settings: Settings) -> list
     values = value_roles(settings).items()
     found = [role for role, name in values if not _same(before.weights[name], now.weights[name])]
     found += _moved_around(before.around, now.around)
-    if _is_of_the_world(settings.density, now.around):
+    if is_of_the_world(settings.density, now.around):
         found += [] if np.array_equal(before.vertices, now.vertices) else ["shape"]
     return found
 
@@ -60,7 +60,7 @@ def _masks(density: DensitySettings) -> list[str]:
     return [name for name in _OF_THE_WORLD if mask_of(density, name) is not None]
 
 
-def _is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
+def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:
     """Whether a density is another where its surface moves."""
     beside = around.camera is not None or around.obstacles or len(around.points)
     return bool(beside or _masks(density))

@@ -130,12 +130,12 @@ class PopulationBaker(Baker):
         """Solve the frame."""
         with named(self.bound.name):
             samples, report = self._next(context)
-            now = self._ground.back(samples)
+            now = self._under.back(samples)
         there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
         # What is stored leads back to cut faces but for rounding: the population is put there too.
-        self._stands = -1 if self._ground.is_cut else self.done + 1
+        self._stands = -1 if self._under.is_cut else self.done + 1
         self._ground_then = self._ground
         self._note(there, kept)
 
@@ -167,10 +167,10 @@ class PopulationBaker(Baker):
         count = max(1, round(density * surface.mass))
         asked = replace(self.start.settings, count=count, per_area=0.0)
         asked = replace(asked, seed=asked.seed + first)
-        found = sampled(self._ground, asked, context)
+        found = sampled(self._under, asked, context)
         ids = np.arange(first, first + count, dtype=np.int32)
         samples = package().Samples(surface, found.faces, found.barycentric, ids=ids)
-        self._population = self._population_of(self._ground, samples)
+        self._population = self._population_of(self._under, samples)
         begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
         state = self._population.state | begun
         self._population.resume(surface, self._population.samples, state)
@@ -222,7 +222,9 @@ class PopulationBaker(Baker):
         if laid is bound:
             return Ground(bound, self.start.settings)
         if bound is not self.bound:
-            return Ground(laid, self.start.settings, like=Ground(bound, self.start.settings), first=bound)
+            return Ground(
+                laid, self.start.settings, like=Ground(bound, self.start.settings), first=bound
+            )
         if self._first_ground is None:
             self._first_ground = Ground(bound, self.start.settings)
         return Ground(laid, self.start.settings, like=self._first_ground, first=bound)

@@ -186,8 +186,8 @@ _BAKE = (
         Kind.CHOICE,
         "EACH_FRAME",
         "Masks",
-        "Of which frames a bake takes the density: masks, avoided objects and scatters, the camera, "
-        "attributes and images",
+        "Of which frames a bake takes the density: masks, avoided objects and scatters, the "
+        "camera, attributes and images",
         Changes.BAKE,
         choices=(
             (

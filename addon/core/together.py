@@ -133,8 +133,7 @@ class TogetherBaker(Baker):
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:
             self._tracker = self._new_tracker()
-        ground = self._ground
-        assert ground is not None  # of the first frame: what moves is not followed
+        ground = self._under  # of the first frame: what moves is not followed
         if self._tracked < len(self.reports):
             vertices = ground.vertices(self._vertices)
             ahead = [self._there(ground, one) for one in self._ahead]

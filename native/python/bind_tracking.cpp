@@ -278,10 +278,11 @@ Args:
 Raises:
     SurfaceError: vertices of another number or not finite.
     ValueError: samples of another number, or of another surface: the first that is elsewhere is named.)")
-      .def("resume_on", &resume_tracker_on, py::arg("surface"), py::arg("vertices"),
-           py::arg("samples"), py::arg("first"), py::kw_only(), py::arg("classes") = py::none(),
-           py::arg("context") = nullptr,
-           R"(Go on on other faces or another density of the same body, which has not moved since the last frame.
+      .def(
+          "resume_on", &resume_tracker_on, py::arg("surface"), py::arg("vertices"),
+          py::arg("samples"), py::arg("first"), py::kw_only(), py::arg("classes") = py::none(),
+          py::arg("context") = nullptr,
+          R"(Go on on other faces or another density of the same body, which has not moved since the last frame.
 
 Where what the density depends on moves, a surface is cut along it anew: the samples go on there, held to the evenness
 of the first frame. advance() then moves those that are where the density is 0 now to the nearest place that has some.

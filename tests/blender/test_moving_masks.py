@@ -138,3 +138,81 @@ def test_points_leave_a_scatter_that_moves_as_it_was_baked(population):
         there = scenes.positions(avoided)
         apart = np.linalg.norm(points[:, None] - there[None], axis=2).min(axis=1)
         assert apart.min() > 0.1 - 1e-4
+
+
+def panel_note(obj):
+    return addon_host.part("blender.status.contents").frozen_note(obj)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("masks_over_time", "FIRST_FRAME"), ("bake_smoothing", "BOTH_WAYS")]
+)
+def test_what_moves_and_is_not_followed_is_said(name, value):
+    surface = ground()
+    density, wrong = moving_cube()
+    obj = scatter_on(surface, **density)
+    setattr(obj.dapple, name, value)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert max(wrong(points) for points in each_frame(obj)) > 0
+    said = "The density is that of frame 1, although these move: avoided objects"
+    assert panel_note(obj) == said
+    setattr(obj.dapple, name, "EACH_FRAME" if name == "masks_over_time" else "FORWARDS")
+    assert reason(obj).startswith("Settings were changed (")
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert max(wrong(points) for points in each_frame(obj)) == 0
+    assert panel_note(obj) == ""
+
+
+def test_a_density_that_does_not_move_is_baked_as_on_the_first_frame():
+    surface = scenes.tail(frames=FRAMES)
+    surface.vertex_groups.new(name="Some").add(range(40), 1.0, "REPLACE")
+    obj = scatter_on(surface, attribute="Some")
+    found = []
+    for masks in ("FIRST_FRAME", "EACH_FRAME"):
+        obj.dapple.masks_over_time = masks
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert panel_note(obj) == ""
+        found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+    for name, values in found[0].items():
+        assert found[1][name].tobytes() == values.tobytes()
+
+
+def test_points_stay_even_beside_what_moves():
+    surface = ground()
+    density, _ = moving_cube()
+    obj = baked(surface, **density)
+    report = obj.dapple.report
+    assert report.alpha_min > 0.4
+    assert report.capacity_variation < 0.1
+
+
+def test_noise_rides_with_a_surface_that_is_masked_anew_on_each_frame():
+    surface = keyed(ground(), (0.0, 0.0, 0.0), (0.0, 7.0, 0.0))
+    keyed(cube(), (9.0, 9.0, 0.0), (9.0, 9.0, 5.0))  # far away
+    avoided = bpy.data.collections["Avoided"]
+    noise = {"use_noise": True, "noise_scale": 0.5, "noise_from": 0.5}
+    obj = baked(surface, obstacles=avoided, **noise)
+    local = [points - np.array(surface.location) for points in each_frame(obj)]
+    assert np.linalg.norm(local[-1] - local[0], axis=1).max() < 0.5 * obj.dapple.report.spacing
+
+
+def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
+    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
+    package = addon_host.part("core.native").package()
+    surface, found = ground(), []
+    density, _ = moving_cube()
+    for population in ("KEEP_COUNT", "KEEP_DENSITY"):
+        for stopped in (False, True):
+            obj = scatter_on(surface, **density)
+            obj.dapple.count_over_time = population
+            if stopped:
+                going = baking.bake_steps(bpy.context, 1, FRAMES)
+                task = next(going)
+                for _ in range(6):
+                    task = going.send(task.call(package.Context()))
+                going.close()
+            baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
+            assert baker.taken == (3 if stopped else 0)
+            found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+        for name, values in found[-2].items():
+            assert found[-1][name].tobytes() == values.tobytes()

@@ -65,6 +65,12 @@ VERBS = READERS | {
     "resume": lambda s, p: dapple.Tracker(s, own(s, len(p))).resume(s.vertices, p),
     "Population": dapple.Population,
     "Population of classes": lambda s, p: dapple.Population(s, p, classes=[1]),
+    "resume_on": lambda s, p: dapple.Tracker(s, own(s, len(p))).resume_on(
+        s, s.vertices, p, own(s, len(p))
+    ),
+    "resume_on, first": lambda s, p: dapple.Tracker(s, own(s, len(p))).resume_on(
+        s, s.vertices, own(s, len(p)), p
+    ),
     "Population.resume": lambda s, p: resume_population(s, p),
     "track_window": lambda s, p: dapple.track_window(s, [s.vertices], p),
     "track_pieces": lambda s, p: list(dapple.track_pieces(s, [s.vertices], p)),

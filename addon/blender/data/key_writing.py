@@ -71,6 +71,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
             set_input(modifier, name, None)
     obj.dapple.baked_keys = obj.dapple.baked_frames = 0
     obj.dapple.bake_fingerprint = obj.dapple.baked_settings = obj.dapple.baked_from = ""
+    obj.dapple.baked_frozen = ""
     obj.update_tag()
     once_done(lambda: _remove(stores))
 

@@ -145,7 +145,10 @@ def bake_settings_of(obj: bpy.types.Object) -> BakeSettings:
 def follows_masks(obj: bpy.types.Object) -> bool:
     """Whether a bake takes the density of each frame: where frames are solved one by one."""
     settings = obj.dapple
-    one_by_one = settings.count_over_time == "KEEP_DENSITY" or settings.bake_smoothing == "FORWARDS"
+    if settings.count_over_time == "KEEP_DENSITY":
+        one_by_one = not len(settings.classes)
+    else:
+        one_by_one = settings.bake_smoothing == "FORWARDS"
     return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
 
 

@@ -8,9 +8,11 @@ import bpy
 from ...core.solver_options import MOTION
 from ..base.labels import lines_of
 from ..base.translation import counted, told
+from ..data.scatter import follows_masks
 from ..ops.bake_operators import DAPPLE_OT_bake, DAPPLE_OT_clear_bake, DAPPLE_OT_discard_bake
 from ..ops.viewport_operators import DAPPLE_OT_preview
 from ..status import freshness
+from ..status.contents import frozen_note
 from ..status.workfiles import unsaved_note
 from ..viewport import preview
 from .base import ScatterPanel, draw_in_header
@@ -36,6 +38,9 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
             layout.prop(settings, "bake_smoothing")
         for option in MOTION:
             layout.prop(settings, option.name)
+        row = layout.row()
+        row.active = settings.masks_over_time == "FIRST_FRAME" or follows_masks(context.object)
+        row.prop(settings, "masks_over_time")
         layout.prop(settings, "key_every")
         layout.prop(settings, "on_topology_change")
         row = layout.row(align=True)
@@ -43,6 +48,8 @@ class DAPPLE_PT_animation(ScatterPanel, bpy.types.Panel):
         row.operator(DAPPLE_OT_clear_bake.bl_idname, icon="X", text="")
         if settings.baked_keys:
             lines_of(layout, baked_line(context.object), "CHECKMARK")
+            if frozen_note(context.object):
+                lines_of(layout, frozen_note(context.object), "INFO")
         else:
             lines_of(layout, told("Not baked: points stick to the surface"), "INFO")
         row = layout.row(align=True)

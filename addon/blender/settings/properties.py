@@ -115,6 +115,10 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         name="Bake Fingerprint",
         description="Digest of everything that the keyframes were solved from",
     )
+    baked_frozen: StringProperty(
+        name="Frozen in the Bake",
+        description="What moved during the bake while the density was that of its first frame",
+    )
     bake_key: StringProperty(
         name="Bake Key", description="Identifies the frames that a stopped bake left behind"
     )

@@ -75,7 +75,27 @@ def _unknown(before: Sources) -> str:
     return told("Attached to other faces since then: values of the surface are not compared")
 
 
+def frozen_note(obj: bpy.types.Object) -> str:
+    """What moved during a bake while the density was that of its first frame; empty: nothing."""
+    roles = obj.dapple.baked_frozen.split()
+    if not roles:
+        return ""
+    return told(
+        "The density is that of frame {frame}, although these move: {what}",
+        frame=obj.dapple.baked_start,
+        what=_listed(roles),
+    )
+
+
 def _note(frame: float, roles: list[str]) -> str:
+    return told(
+        "Differs from frame {frame:g}, where the points were optimized: {what}",
+        frame=frame,
+        what=_listed(roles),
+    )
+
+
+def _listed(roles: list[str]) -> str:
     labels = {
         "shape": told("shape of the surface"),
         "scale": told("shape of the surface"),
@@ -86,13 +106,11 @@ def _note(frame: float, roles: list[str]) -> str:
         "obstacles": told("avoided objects"),
         "others": told("avoided objects"),
         "targets": told("objects that a distance is measured to"),
+        "image": told("image"),
+        "uv": told("texture coordinates"),
     }
-    listed = ", ".join(dict.fromkeys(labels[role] for role in roles))
-    return told(
-        "Differs from frame {frame:g}, where the points were optimized: {what}",
-        frame=frame,
-        what=listed,
-    )
+    others = told("values of the surface")
+    return ", ".join(dict.fromkeys(labels.get(role, others) for role in roles))
 
 
 def _said(obj: bpy.types.Object, role: str) -> str:

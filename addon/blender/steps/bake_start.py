@@ -6,6 +6,7 @@ from typing import Any
 
 from ...core.bake import Baker
 from ...core.errors import ScatterError
+from ...core.over_time import is_of_the_world, may_move
 from ...core.settings import Settings
 from ...core.solve import Scattered, scatter
 from ...core.sources import Sources, differing, sources_of
@@ -53,6 +54,16 @@ def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings, fra
         now = replace(begun.sources, exact={}, near={})
     moving = {*begun.sources.moving, *differing(begun.sources, now)}
     begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))
+
+
+def frozen_in(begun: Begun, baker: Baker) -> list[str]:
+    """Roles of what moves and was not followed, though the density reads it."""
+    settings = baker.start.settings
+    if baker.follows or not may_move(settings):
+        return []
+    shaped = is_of_the_world(settings.density, baker.first_surface.around)
+    rides = {"faces", "scale", "noise", *(() if shaped else ("shape",))}
+    return [role for role in begun.sources.moving if role not in rides]
 
 
 def note_followed(begun: Begun, baker: Baker) -> None:

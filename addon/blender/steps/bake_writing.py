@@ -11,7 +11,7 @@ from ..base.meshio import to_local
 from ..data.key_writing import write_baked
 from ..data.modifier import ensure_modifier, write_surface_inputs
 from ..data.store import write_binding, write_scattered
-from .bake_start import Begun
+from .bake_start import Begun, frozen_in
 
 
 def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> None:
@@ -26,12 +26,13 @@ def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> 
         elif "REST" in (kind, obj.dapple.bound_to):
             write_binding(obj, baker.first_surface, baker.begin, rest)
         write_baked(obj, baker.baked(), baker.first, baker.report(), born, begun.sources)
-        _write_known(obj, baker)
+        _write_known(obj, begun, baker)
 
 
-def _write_known(obj: bpy.types.Object, baker: Baker) -> None:
+def _write_known(obj: bpy.types.Object, begun: Begun, baker: Baker) -> None:
     """What a bake was solved from, and all faces that it has seen."""
     obj.dapple.bake_fingerprint = baker.fingerprint
+    obj.dapple.baked_frozen = " ".join(frozen_in(begun, baker))
     known = dict.fromkeys([*obj.dapple.surface_topology.split(), *baker.topologies])
     obj.dapple.surface_topology = " ".join(known)
     write_surface_inputs(obj, ensure_modifier(obj))

@@ -95,7 +95,7 @@ def _solve(
         return
     if baker.is_bare or baker.changes(arrays):
         yield from _finish(baker, begin)
-        arrays = crossed(baker, held, surface, arrays, masks and masks.known)
+        arrays = crossed(baker, held, surface, arrays, masks.known if masks else None)
     baker.enter(arrays)
     shares = [begin + (1.0 - begin) * share for share in baker.share]
     try:

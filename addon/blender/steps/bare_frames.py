@@ -51,11 +51,11 @@ def read_frame(
     """The surface on a frame of a bake, without faces only where that may be; with what its density
     takes there, if masks are given.
     """
-    may_be_bare = _keeps_density(held.get())
+    bare = _keeps_density(held.get())
     if masks is None:
-        arrays = at_frame(surface, frame, kind=kind, may_be_bare=may_be_bare)
+        arrays = at_frame(surface, frame, kind=kind, may_be_bare=bare)
     else:
-        arrays = masks.at_frame(surface, held, frame, kind, may_be_bare)
+        arrays = masks.at_frame(surface, held, frame, kind, bare)
     if not (len(arrays.faces) or may_be_bare(held.get(), kind)):
         raise ScatterError(_refused(held.get(), surface.get().name, frame))
     return arrays

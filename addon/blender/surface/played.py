@@ -41,9 +41,7 @@ def places_now(obj: bpy.types.Object, rows: list[int], context: bpy.types.Contex
     return (1.0 - share) * before + share * after
 
 
-def points_now(
-    obj: bpy.types.Object, known: dict[int, Baked]
-) -> tuple[Floats, NDArray[np.bool_]]:
+def points_now(obj: bpy.types.Object, known: dict[int, Baked]) -> tuple[Floats, NDArray[np.bool_]]:
     """World positions (n, 3) of all points of a scatter as it is shown now, and which are there;
     as they were optimized, where its surface has other faces.
 

@@ -63,7 +63,9 @@ def read_with(
             arrays = read_surface(obj, depsgraph, names, materials)
         known.arrays = first = arrays
     weights = {name: first.weights[name] for name in still}
-    arrays = replace(arrays, weights=weights | arrays.weights, digests=first.digests | arrays.digests)
+    arrays = replace(
+        arrays, weights=weights | arrays.weights, digests=first.digests | arrays.digests
+    )
     return replace(arrays, around=read_around(settings, obj, depsgraph, own, known, arrays))
 
 

@@ -64,7 +64,7 @@ struct Frame {
 /// Where the search of a frame begins, and where its sites are held.
 struct Beginning {
   Sites start;
-  std::optional<Sites> home;  // none: where the search begins
+  std::optional<Sites> home;                 // none: where the search begins
   std::vector<std::int32_t> elsewhere = {};  // sites that begin far from where they were
 };
 
@@ -110,8 +110,8 @@ std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
 /// has some: max_slide would leave them there.
 /// \param moving whether the density moves from frame to frame
 Beginning on_density(const Surface& surface, const Frame& frame,
-                     std::span<const std::int32_t> class_of, const Sites& start,
-                     const Sites* home, bool moving, Context* context) {
+                     std::span<const std::int32_t> class_of, const Sites& start, const Sites* home,
+                     bool moving, Context* context) {
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
   std::vector<std::int32_t> homeless;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
@@ -250,9 +250,8 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
   const Beginning first =
       on_density(surface, frame, class_of_, start, home, moving_density_, context);
   const Minimum found = minimize(
-      frame.objective,
-      move(first.start, without(moves, first.elsewhere), frame.objective, context), options,
-      context,
+      frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
+      options, context,
       {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
@@ -267,11 +266,9 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   const Beginning first =
       on_density(surface, frame, class_of_, start, &home, moving_density_, context);
-  Minimum found =
-      minimize(frame.objective,
-               move(first.start, without(moves, first.elsewhere), frame.objective, context), aims(),
-               context,
-               {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
+  Minimum found = minimize(
+      frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
+      aims(), context, {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
   return {std::move(found.state.sites), found.evaluations};
 }
 

@@ -425,6 +425,49 @@ TEST(Tracker, GoesOnFromAStoredFrameWithTheSameBytes) {
   EXPECT_TRUE(same_bytes(resumed.samples(), whole.samples()));
 }
 
+/// A plate whose density is 0 in a disc that comes from the left.
+Surface plate_with_hole(const Shape& plate, double x) {
+  std::vector<double> density;
+  for (const Vec3& p : plate.vertices)
+    density.push_back((p - Vec3(x, 0.5, 0.0)).norm() < 0.2 ? 0.0 : 1.0);
+  return plate.surface().with_density({DensityAt::kVertices, density});
+}
+
+TEST(Tracker, GoesOnUnderADensityThatMoves) {
+  const Shape plate = grid(40);
+  const Surface begin = plate_with_hole(plate, 0.2);
+  Tracker tracker(begin, sample(begin, kCount));
+  const Samples first = tracker.samples();
+  for (int frame = 1; frame <= 10; ++frame) {
+    const Surface next = plate_with_hole(plate, 0.2 + 0.06 * frame);
+    tracker.resume_on(next, plate.vertices, tracker.samples(), first);
+    const Samples& now = tracker.advance(plate.vertices);
+    ASSERT_EQ(now.ids, first.ids);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      const auto face = plate.faces[static_cast<std::size_t>(now.faces[k])];
+      const std::vector<double> density = next.density();
+      double at = 0.0;
+      for (int c = 0; c < 3; ++c)
+        at += now.barycentric[k][c] * density[static_cast<std::size_t>(face[c])];
+      EXPECT_GT(at, 0.0) << frame << ' ' << k;
+    }
+    EXPECT_LT(now.report.evenness.capacity_variation, 0.15) << frame;
+    EXPECT_GT(now.report.evenness.alpha_min, 0.35) << frame;
+  }
+}
+
+TEST(Tracker, RefusesToGoOnWithSamplesOfAnotherNumber) {
+  const Shape shape = icosphere(2);
+  Tracker tracker = tracker_of(shape, 50);
+  const Samples before = tracker.samples();
+  const Samples fewer = sample(shape.surface(), 49);
+  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, fewer, before), ArgumentError);
+  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, before, fewer), ArgumentError);
+  EXPECT_THROW(tracker.resume_on(shape.surface(), shape.vertices, before, before, {{}, {}}),
+               ArgumentError);
+  expect_untouched(tracker, before, shape.vertices);
+}
+
 TEST(Tracker, RefusesToResumeFromAnotherNumber) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
