@@ -12,14 +12,13 @@ from typing import Any
 from .binding import placed_of, rebound, samples_of
 from .errors import ScatterError
 from .frames import carried, shading
-from .ground import Ground
+from .grounds import Grounds
 from .keys import Baked, Keyframes, Placed
-from .kinds import of_classes, tracked
+from .kinds import resumed_on, tracked
 from .lean import Leaning
 from .native import package
-from .over_time import arrays_of, moved, with_faces
 from .records import Binding
-from .rest import Shape, bound_at_rest, rest_columns
+from .rest import Shape, rebound_at_rest
 from .settings import Settings
 from .sidecar import Fingerprint, Sidecar, Solved
 from .solve import Report, named, report_of
@@ -59,7 +58,6 @@ class Baker:
     trouble: str = ""  # why frames are not kept
     fingerprint: str = ""  # of all frames so far
     anew: str = ""  # why the points were optimized anew first
-    moving: set[str] = field(default_factory=set)  # roles of what was followed
 
     def __post_init__(self) -> None:
         start = self.start
@@ -72,9 +70,8 @@ class Baker:
         self.leaning = Leaning()
         self._shape: Shape | None = None  # of the topology, where points are bound to its rest
         self._tracker: Any = None
-        self._ground: Ground | None = None  # that the tracker stands on; None: to be laid
-        self._first_ground: Ground | None = None  # where the topology begins
-        self._laid = self.bound  # of which frame the density is
+        self.grounds = Grounds(self.bound, start.settings)
+        self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
         self._tracked = 0  # frames after which the tracker stands
         self._solved: Solved  # the last frame that is done, and its vertices
@@ -113,12 +110,12 @@ class Baker:
         else:
             after = replace(after, rest_parts=self.bound.rest_parts)
             before = replace(self.bound, vertices=before.vertices, normals=before.normals)
-            self.last = bound_at_rest(rest_columns(last, before), after)
+            self.last = rebound_at_rest(last, before, after)
         self._chain.add(before)
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
         self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
-        self._laid, self._ground, self._first_ground = after, None, None
+        self.grounds.begin(after)
         self._begun = self.done
         self.topologies.append(after.topology)
 
@@ -138,18 +135,13 @@ class Baker:
         check_same_topology(self.bound, frame, f"frame {self.first + self.done}")
         self._now = frame
         self.fingerprint = self._chain.add(frame)
-        roles = moved(self._laid, frame, self.start.settings) if self.follows else []
-        if roles:
-            self._follow(frame, roles)
-
-    def _follow(self, frame: SurfaceArrays, roles: list[str]) -> None:
-        """Solve this frame and the next ones under its density."""
-        self.moving.update(roles)
-        self._laid, self._ground = with_faces(frame, self.bound), None
-        self._chain.note(" ".join(roles))
-        for array in arrays_of(frame):
-            self._chain.note_array(array)
-        self.fingerprint = self._chain.now()
+        if self.follows:
+            laid = self.grounds.laid
+            for array in self.grounds.follow(frame):
+                self._chain.note_array(array)
+            if laid is not self.grounds.laid:
+                self._chain.note("followed")
+                self.fingerprint = self._chain.now()
 
     def vanish(self, frame: SurfaceArrays) -> None:
         """The next frame, which has no faces: only population.py can go on behind it."""
@@ -213,54 +205,42 @@ class Baker:
         """The keys of all frames."""
         return self.keyframes.packed()
 
-    def _ready_tracker(self) -> tuple[Any, Ground]:
+    def _ready_tracker(self) -> tuple[Any, Any]:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:
             self._tracker = self._new_tracker()
-        if self._ground is None:
-            self._ground = self._on_new_ground()
+        ground = self.grounds.now
+        if ground is not self._stands_on:
+            self._go_over_to(ground)
         elif self._tracked < self.done:
-            vertices = self._ground.vertices(self._vertices)
-            samples = self._there(self._ground, self._solved)
+            vertices = ground.vertices(self._vertices)
+            samples = self._there(ground, self._solved)
             self._tracker.resume(vertices, samples, settled=self._solved.settled)
         self._tracked = self.done
-        return self._tracker, self._ground
-
-    @property
-    def _under(self) -> Ground:
-        """The ground, which is laid."""
-        assert self._ground is not None
-        return self._ground
+        return self._tracker, ground
 
     def _new_tracker(self) -> Any:
-        ground, samples = self._begin()
-        return tracked(ground, samples, self.start.settings)
+        return tracked(self.grounds.first, self._begin(), self.start.settings)
 
-    def _begin(self) -> tuple[Ground, Any]:
-        """The ground where the topology begins, and the samples on it."""
-        ground = self._first_ground = Ground(self.bound, self.start.settings)
-        if self._laid is self.bound:
-            self._ground = ground
-        return ground, self._started(ground)
+    def _begin(self) -> Any:
+        """Samples on the ground where the topology begins."""
+        self._stands_on = self.grounds.first
+        return self._started(self._stands_on)
 
-    def _started(self, ground: Ground) -> Any:
+    def _started(self, ground: Any) -> Any:
         """Samples as the topology begins, on a ground of its faces."""
         start = self.start
         return ground.there(samples_of(start.binding, ground.original, start.ids, start.classes))
 
-    def _on_new_ground(self) -> Ground:
-        """Lay the ground of the present density, and take the tracker there on the last frame."""
-        settings = self.start.settings
-        ground = Ground(self._laid, settings, like=self._first_ground, first=self.bound)
+    def _go_over_to(self, ground: Any) -> None:
+        """Take the tracker to another ground, on the last frame."""
         samples = started = self._started(ground)
         vertices = self.bound.vertices
         if self.done > self._begun:
             samples, vertices = self._there(ground, self._solved), self._vertices
-        classes = of_classes(ground, samples, settings)
-        self._tracker.resume_on(
-            ground.surface, ground.vertices(vertices), samples, started, **classes
-        )
-        return ground
+        settings = self.start.settings
+        resumed_on(self._tracker, ground, vertices, (samples, started), settings)
+        self._stands_on = ground
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:
         """Samples of the frame, turned as the last frame's were."""
@@ -268,11 +248,11 @@ class Baker:
         placed = placed_of(samples, self.bound)
         turned = carried(self.last, placed.binding, vertices, normals)
         lean = self.leaning.next(self.last, turned, vertices, normals)
-        doubled = self._under.original.doubled_faces
+        doubled = self.grounds.first.original.doubled_faces
         report = replace(report_of(samples.report), doubled_faces=doubled)
         return Solved(Placed(placed.faces, turned, lean=lean), report, settled)
 
-    def _there(self, ground: Ground, solved: Solved) -> Any:
+    def _there(self, ground: Any, solved: Solved) -> Any:
         """Samples of a solved frame on a ground, to the last bit."""
         placed, start = solved.placed, self.start
         weights = placed.binding.barycentric

@@ -44,7 +44,7 @@ class Ground:
         A ground with the same faces, `like`, saves measuring anew those that have not changed.
         What belongs to the surface is as on the first frame, if that is given.
         """
-        self._arrays, self._context, self._first = arrays, context, first
+        self.arrays, self._context, self._first = arrays, context, first
         self._refined: Any = None
         density = density_of(arrays, settings.density, first)
         self._base: Any = _measured(
@@ -105,7 +105,7 @@ class Ground:
         """Options of a dapple.SampleClass whose density is multiplied by values of the surface."""
         if not name:
             return {}
-        own, common = self._carried(self._arrays.weights[name]), _density(self.surface)
+        own, common = self._carried(self.arrays.weights[name]), _density(self.surface)
         found = own if common is None else product([own, common], self.surface.faces)
         values, place = _placed(found)
         return {"density": values, "density_at": place}
@@ -114,7 +114,7 @@ class Ground:
         """Density (m, 3) at the corners of the faces, of a class with values of that name."""
         own, common = [], _density(self.surface)
         if name:
-            own.append(self._carried(self._arrays.weights[name]))
+            own.append(self._carried(self.arrays.weights[name]))
         if common is not None:
             own.append(common)
         faces = self.surface.faces
@@ -175,7 +175,7 @@ class Ground:
                 break
 
     def _take_away(self, terms: list[Term]) -> None:
-        density, around = self._product(terms), self._arrays.around
+        density, around = self._product(terms), self.arrays.around
         surface = self.surface.with_density(density, density_at="corners")
         self._extend(
             package().refine_obstacles(

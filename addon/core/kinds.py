@@ -11,7 +11,7 @@ from .ground import Ground
 from .locked import Locked
 from .native import package
 from .settings import Settings
-from .surface import Ints
+from .surface import Floats, Ints
 
 MOST_POINTS = 20_000_000
 _PACKED = 0.55  # of the surface that discs of different sizes cover without overlapping, about
@@ -118,6 +118,17 @@ def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
     """A dapple.Tracker on the ground that keeps the classes even by themselves and together."""
     options = settings.tracker_options() | of_classes(ground, samples, settings)
     return package().Tracker(ground.surface, samples, **options)
+
+
+def resumed_on(
+    tracker: Any, ground: Ground, vertices: Floats, samples: tuple[Any, Any], settings: Settings
+) -> None:
+    """Take a tracker to another ground, at these coarse vertices; samples are those of the last
+    frame and of the first one there.
+    """
+    now, first = samples
+    classes = of_classes(ground, now, settings)
+    tracker.resume_on(ground.surface, ground.vertices(vertices), now, first, **classes)
 
 
 def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, Any]:

@@ -66,7 +66,7 @@ class PopulationBaker(Baker):
         self.ids = np.asarray(self.start.ids, dtype=np.int32)
         self._population: Any = None
         self._stands = 0  # frames after which the population stands
-        self._ground_then: Ground | None = None  # of the last frame, its topology and points
+        self._ground_then: Ground | None = None  # of the last frame, its density and points
         self._bound_then = self._laid_then = self.bound
         self._there_then: _There
         self._state: Columns = {}
@@ -97,8 +97,8 @@ class PopulationBaker(Baker):
             return
         bound = replace(bound, rest_parts=self.bound.rest_parts)
         self._note_bound(bound)
-        self.bound, self._ground, self._begins_anew, self._shape = bound, None, True, None
-        self._laid, self._first_ground = bound, None
+        self.bound, self._begins_anew, self._shape = bound, True, None
+        self.grounds.begin(bound)
         self._faces = np.full(len(self.ids), _largest_face(bound), dtype=np.int32)
         middle = np.full((len(self.ids), 3), 1.0 / 3.0)
         self.last, self.leaning = bound_to(bound, self._faces, middle), Leaning()
@@ -108,7 +108,6 @@ class PopulationBaker(Baker):
         """Bind all rows to the new topology, those too that are not there."""
         super().cross(before, after)
         self._faces = faces_with_corners(self.last.corners, after.faces)
-        self._ground = None
 
     def take(self) -> bool:
         """Whether the frame was solved before; then it is done."""
@@ -130,13 +129,13 @@ class PopulationBaker(Baker):
         """Solve the frame."""
         with named(self.bound.name):
             samples, report = self._next(context)
-            now = self._under.back(samples)
+            now = self.grounds.now.back(samples)
         there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
         # What is stored leads back to cut faces but for rounding: the population is put there too.
-        self._stands = -1 if self._under.is_cut else self.done + 1
-        self._ground_then = self._ground
+        self._stands = -1 if self.grounds.now.is_cut else self.done + 1
+        self._ground_then = self.grounds.now
         self._note(there, kept)
 
     def _kept(self, there: _There, report: Report, state: Columns) -> Solved:
@@ -148,7 +147,7 @@ class PopulationBaker(Baker):
     def _note(self, there: _There, kept: Solved) -> None:
         """The frame is done."""
         self._there_then, self._state = there, kept.more
-        self._bound_then, self._laid_then = self.bound, self._laid
+        self._bound_then, self._laid_then = self.bound, self.grounds.laid
         if self._begins_anew:
             self._begins_anew, self._began = False, (self.bound, there)
         self._add(Solved(self._rows(there), kept.report))
@@ -167,10 +166,10 @@ class PopulationBaker(Baker):
         count = max(1, round(density * surface.mass))
         asked = replace(self.start.settings, count=count, per_area=0.0)
         asked = replace(asked, seed=asked.seed + first)
-        found = sampled(self._under, asked, context)
+        found = sampled(self.grounds.now, asked, context)
         ids = np.arange(first, first + count, dtype=np.int32)
         samples = package().Samples(surface, found.faces, found.barycentric, ids=ids)
-        self._population = self._population_of(self._under, samples)
+        self._population = self._population_of(self.grounds.now, samples)
         begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
         state = self._population.state | begun
         self._population.resume(surface, self._population.samples, state)
@@ -181,7 +180,8 @@ class PopulationBaker(Baker):
         if self._population is None:
             self._population = self._new_population()
         if self._stands < self.done:
-            ground = self._ground_then or self._new_ground_then()
+            ground = self._ground_then or self.grounds.of(self._laid_then, self._bound_then)
+            self._stands_on = ground
             there = ground.there(_samples(ground, self._there_then))
             surface = ground.surface.deformed(ground.vertices(self._vertices))
             who = {"ids": there.ids, "classes": there.classes}
@@ -196,45 +196,25 @@ class PopulationBaker(Baker):
             bound, there = self._began
             ground = Ground(bound, self.start.settings)
             return self._population_of(ground, ground.there(_samples(ground, there)))
-        settings, start = self.start.settings, self.start
-        ground = Ground(self.first_surface, settings)
+        ground, start = self.grounds.of(self.first_surface, self.first_surface), self.start
         samples = samples_of(self.begin, ground.original, start.ids, start.classes)
-        samples = ground.there(samples)
         if self._laid_then is self.first_surface:
             self._ground_then = ground
-        if self._laid is self.first_surface:
-            self._ground = ground
-        return self._population_of(ground, samples)
+        self._stands_on = ground
+        return self._population_of(ground, ground.there(samples))
 
     def _population_of(self, ground: Ground, samples: Any) -> Any:
         settings = self.start.settings
         options = settings.tracker_options() | of_classes(ground, samples, settings)
         return package().Population(ground.surface, samples, fade=self.fade, **options)
 
-    def _new_ground_then(self) -> Ground:
-        ground = self._ground_of(self._laid_then, self._bound_then)
-        if self._laid_then is self._laid:
-            self._ground = ground
-        return ground
-
-    def _ground_of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> Ground:
-        """Of the density of a frame, whose faces begin where they were bound."""
-        if laid is bound:
-            return Ground(bound, self.start.settings)
-        if bound is not self.bound:
-            return Ground(
-                laid, self.start.settings, like=Ground(bound, self.start.settings), first=bound
-            )
-        if self._first_ground is None:
-            self._first_ground = Ground(bound, self.start.settings)
-        return Ground(laid, self.start.settings, like=self._first_ground, first=bound)
-
     def _surface(self) -> Any:
         """Vertices of the ground in the frame, or a dapple.Surface where its faces are others."""
-        if self._ground is None:
-            self._ground = self._ground_of(self._laid, self.bound)
-            return self._ground.surface
-        return self._ground.vertices(self._now.vertices)
+        ground = self.grounds.now
+        if ground is self._stands_on:
+            return ground.vertices(self._now.vertices)
+        self._stands_on = ground
+        return ground.surface
 
     def born(self) -> Born | None:
         """The points that were not there at the start."""

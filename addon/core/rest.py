@@ -61,6 +61,11 @@ def bound_at_rest(columns: Columns, surface: SurfaceArrays) -> Binding:
     return replace(found, carry=local.angle(direction))
 
 
+def rebound_at_rest(binding: Binding, before: SurfaceArrays, after: SurfaceArrays) -> Binding:
+    """The binding to the same places of the rest shape, of points bound to other faces."""
+    return bound_at_rest(rest_columns(binding, before), after)
+
+
 def with_distinct_parts(binding: Binding, surface: SurfaceArrays) -> SurfaceArrays:
     """The surface with as few parts of its rest shape as keep the places of these points distinct.
 

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 from .bake import Baker
 from .binding import placed_of
-from .ground import Ground
 from .kinds import of_classes
 from .native import package
 from .sidecar import Solved
@@ -129,11 +128,11 @@ class TogetherBaker(Baker):
         self._ahead, self.fingerprint = ahead, fingerprint
         del self._held[:done]
 
-    def _ready_tracker(self) -> tuple[Any, Ground]:
+    def _ready_tracker(self) -> tuple[Any, Any]:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:
             self._tracker = self._new_tracker()
-        ground = self._under  # of the first frame: what moves is not followed
+        ground = self.grounds.first  # what moves is not followed
         if self._tracked < len(self.reports):
             vertices = ground.vertices(self._vertices)
             ahead = [self._there(ground, one) for one in self._ahead]
@@ -141,7 +140,8 @@ class TogetherBaker(Baker):
         return self._tracker, ground
 
     def _new_tracker(self) -> Any:
-        (ground, samples), settings = self._begin(), self.start.settings
+        samples, settings = self._begin(), self.start.settings
+        ground = self.grounds.first
         options = settings.tracker_options() | of_classes(ground, samples, settings)
         options["stickiness"] = max(options["stickiness"], 1.0)
         return package().WindowTracker(ground.surface, samples, closed=self.closed, **options)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake starts with: the points of the first frame, and what they were solved from."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,6 +32,19 @@ class Begun:
     anew: str = ""  # why
     progress: float = 0.0  # of the bake, so far
 
+    def note_moving(self, held: Held, surface: Held, settings: Settings, frame: int) -> None:
+        """Note what is on a frame not as in the first one: later that is no sign of a change."""
+        try:
+            now = sources_of(at_frame(surface, frame, settings=settings, own=held), settings)
+        except ScatterError:  # a density of the first frame only
+            now = replace(self.sources, exact={}, near={})
+        self.note(differing(self.sources, now))
+
+    def note(self, roles: Iterable[str]) -> None:
+        """Note that these move."""
+        moving = {*self.sources.moving, *roles}
+        self.sources = replace(self.sources, moving=tuple(sorted(moving)))
+
 
 def begin_bake(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
     """The points of the first frame: those that are stored, where they are of these settings and
@@ -46,16 +60,6 @@ def begin_bake(held: Held, arrays: SurfaceArrays, settings: Settings) -> Any:
     return Begun(arrays, sources, solved, reason, _SOLVING)
 
 
-def note_moving(begun: Begun, held: Held, surface: Held, settings: Settings, frame: int) -> None:
-    """Note what is on a frame not as in the first one: later that is no sign of a change."""
-    try:
-        now = sources_of(at_frame(surface, frame, settings=settings, own=held), settings)
-    except ScatterError:  # a density of the first frame only
-        now = replace(begun.sources, exact={}, near={})
-    moving = {*begun.sources.moving, *differing(begun.sources, now)}
-    begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))
-
-
 def frozen_in(begun: Begun, baker: Baker) -> list[str]:
     """Roles of what moves and was not followed, though the density reads it."""
     settings = baker.start.settings
@@ -64,9 +68,3 @@ def frozen_in(begun: Begun, baker: Baker) -> list[str]:
     shaped = is_of_the_world(settings.density, baker.first_surface.around)
     rides = {"faces", "scale", "noise", *(() if shaped else ("shape",))}
     return [role for role in begun.sources.moving if role not in rides]
-
-
-def note_followed(begun: Begun, baker: Baker) -> None:
-    """Note what was another on any frame, where that was followed."""
-    moving = {*begun.sources.moving, *baker.moving}
-    begun.sources = replace(begun.sources, moving=tuple(sorted(moving)))

@@ -16,6 +16,7 @@ from .bake_start import Begun, frozen_in
 
 def write_bake(obj: bpy.types.Object, begun: Begun, baker: Baker, kind: str) -> None:
     """Store what a baker has solved; what cannot be stored is found before anything is lost."""
+    begun.note(baker.grounds.moving)
     rest = at_rest(baker.begin, baker.first_surface) if kind == "REST" else None
     born = baker.born() if isinstance(baker, PopulationBaker) else None
     if born is not None:

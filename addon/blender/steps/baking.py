@@ -16,8 +16,7 @@ from ..base.translation import reported
 from ..data.scatter import settings_of, surface_of
 from ..surface.reading import at_frame, frame_kept
 from ..surface.resting import rest_position
-from ..surface.surroundings import Known
-from .bake_start import begin_bake, note_followed, note_moving
+from .bake_start import begin_bake
 from .bake_writing import write_bake
 from .bakers import new_baker
 from .bare_frames import begin_of, read_frame
@@ -65,7 +64,7 @@ def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Mea
     begun = yield from begin_bake(held, arrays, settings)
     count = frames.last - first + 1
     baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
-    masks = Masks(settings, arrays, Known(arrays)) if baker.follows else None
+    masks = Masks(settings, arrays) if baker.follows else None
     baker.anew, there = begun.anew, begin
     for frame in range(first, frames.last + 1):
         meanwhile.check()
@@ -73,9 +72,8 @@ def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Mea
             arrays = read_frame(held, surface, frame, kind, masks)
         there = frame if len(arrays.faces) else there
         if frame in frames.noted:
-            note_moving(begun, held, surface, settings, there)
+            begun.note_moving(held, surface, settings, there)
         yield from _solve(baker, held, surface, arrays, begun.progress, masks)
-    note_followed(begun, baker)
     yield from _finish(baker, begun.progress)
     check_unchanged(begun.arrays, at_frame(surface, begin, settings=settings, own=held))
     return begun, baker

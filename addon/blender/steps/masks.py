@@ -17,7 +17,10 @@ class Masks:
 
     settings: Settings
     last: SurfaceArrays  # with which it was read
-    known: Known = field(default_factory=Known)
+    known: Known = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.known = Known(self.last)
 
     def at_frame(
         self, surface: Held, held: Held, frame: int, kind: str, may_be_bare: bool

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ground of a bake: laid where a topology begins, and anew where what its density reads is
+another than before.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from .ground import Ground
+from .over_time import arrays_of, moved, with_faces
+from .settings import Settings
+from .surface import SurfaceArrays
+
+
+class Grounds:
+    """Lays grounds when they are asked for; takes no more of a frame than it is told."""
+
+    def __init__(self, bound: SurfaceArrays, settings: Settings) -> None:
+        self._settings = settings
+        self.moving: set[str] = set()  # roles of what was another on some frame
+        self.begin(bound)
+
+    def begin(self, bound: SurfaceArrays) -> None:
+        """A topology begins."""
+        self.bound = self.laid = bound  # laid: the frame whose density holds
+        self._first: Ground | None = None
+        self._now: Ground | None = None
+
+    def follow(self, frame: SurfaceArrays) -> Iterator[Any]:
+        """Have the density of a frame hold, if it is another; what it is made of, for digests."""
+        roles = moved(self.laid, frame, self._settings)
+        if not roles:
+            return
+        self.moving.update(roles)
+        self.laid, self._now = with_faces(frame, self.bound), None
+        yield from arrays_of(frame)
+
+    @property
+    def first(self) -> Ground:
+        """Where the topology begins."""
+        if self._first is None:
+            self._first = Ground(self.bound, self._settings)
+        return self._first
+
+    @property
+    def now(self) -> Ground:
+        """Of the density that holds."""
+        if self._now is None:
+            self._now = self._laid_on(self.laid, self.first)
+        return self._now
+
+    def of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> Ground:
+        """Of the density of a frame, on the topology that began at another one."""
+        if bound is not self.bound:
+            return self._laid_on(laid, Ground(bound, self._settings))
+        return self.now if laid is self.laid else self._laid_on(laid, self.first)
+
+    def _laid_on(self, laid: SurfaceArrays, first: Ground) -> Ground:
+        if laid is first.arrays:
+            return first
+        return Ground(laid, self._settings, like=first, first=first.arrays)
