@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets: settings of a scatter under a name, as JSON files that can be read and mailed.
 
-Data-blocks (surface, objects, pictures) are not in them, nor is the list of classes.
+Data-blocks (surface, objects, pictures) are not in them. Object types are, without their objects.
 """
 
 import json
@@ -12,7 +12,7 @@ from typing import Any
 
 from .errors import ScatterError
 from .older_names import rename
-from .settings import DensitySettings, Settings
+from .settings import ClassSettings, DensitySettings, Settings
 from .tables import GROUPS
 
 SCHEMA = 1
@@ -21,7 +21,9 @@ NAMES = {
     group: tuple(setting.name for setting in GROUPS[group] if setting.in_presets)
     for group in ("", "density", "tiles")
 }
-Values = dict[str, dict[str, Any]]  # by group, then by name
+CLASSES = "classes"  # the group that is a list; not there: types stay as they are
+CLASS_NAMES = ("name", *(setting.name for setting in GROUPS[CLASSES] if setting.in_presets))
+Values = dict[str, Any]  # by group, then by name; of object types a list of such
 
 
 def names(folder: Path) -> list[str]:
@@ -49,16 +51,15 @@ def load(folder: Path, name: str) -> Values:
         stored = json.loads(path.read_text())
         if not isinstance(stored["settings"], dict) or stored["schema"] > SCHEMA:
             raise ValueError(f"schema {stored['schema']} is not known")
-        for group, own in stored["settings"].items():
-            rename(group, own)
-        return {
-            group: {
-                one: stored["settings"].get(group, {})[one]
-                for one in known
-                if one in stored["settings"].get(group, {})
-            }
-            for group, known in NAMES.items()
+        groups = stored["settings"]
+        for group in NAMES:
+            rename(group, groups.get(group, {}))
+        found: Values = {
+            group: _known(groups.get(group, {}), names) for group, names in NAMES.items()
         }
+        if groups.get(CLASSES):
+            found[CLASSES] = [_known(own, CLASS_NAMES) for own in groups[CLASSES]]
+        return found
     except FileNotFoundError as error:
         raise ScatterError(f"There is no preset '{name}'") from error
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
@@ -81,7 +82,33 @@ def settings_with(values: Values) -> Settings:
     if own.get("amount") == "PER_AREA":
         (unset,) = (one.default for one in GROUPS[""] if one.name == "points_per_area")
         settings = replace(settings, per_area=own.get("points_per_area", unset))
-    return replace(settings, density=DensitySettings(**values.get("density", {})))
+    return replace(
+        settings,
+        density=DensitySettings(**values.get("density", {})),
+        classes=tuple(map(_type_with, values.get(CLASSES, ()))),
+    )
+
+
+def _type_with(own: dict[str, Any]) -> ClassSettings:
+    """An object type without objects: bounds give it no radius."""
+    defaults = {setting.name: setting.default for setting in GROUPS[CLASSES]}
+    values = {name: own.get(name, default) for name, default in defaults.items()}
+    radius = 0.0 if values["radius_from_bounds"] else values["radius"]
+    return ClassSettings(
+        count=values["count"] if values["use_count"] else 0,
+        share=0.0 if values["use_count"] else values["share"],
+        density=values["density"],
+        radius=radius,
+        most_room=radius,
+        shrinks=values["radius_from_bounds"] and values["fit"] == 1.0,
+    )
+
+
+def _known(stored: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    """What this version knows of a group."""
+    if not isinstance(stored, dict):
+        raise TypeError(f"{stored!r} holds no settings")
+    return {name: stored[name] for name in names if name in stored}
 
 
 def _path(folder: Path, name: str) -> Path:

@@ -42,6 +42,111 @@ def test_settings_come_back_on_another_scatter(folder):
     assert not list(folder.iterdir())
 
 
+def with_types(obj, *types):
+    for values in types:
+        bpy.ops.dapple.edit_classes(action="ADD")
+        for name, value in values.items():
+            setattr(obj.dapple.classes[-1], name, value)
+    return obj
+
+
+def thing(name):
+    bpy.ops.mesh.primitive_cube_add(size=0.3)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+TYPES = (
+    {"name": "Rocks", "use_count": True, "count": 5, "radius": 0.25, "scale": 2.0},
+    {"name": "Grass", "share": 3.0, "tilt": 0.125, "offset": -0.5, "density_scale": 0.75},
+)
+
+
+def test_object_types_come_back_on_another_scatter(folder):
+    with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
+    bpy.ops.dapple.save_preset(name="Meadow")
+    other = scenes.scattered(scenes.sphere(), count=30)
+    bpy.ops.dapple.load_preset(name="Meadow")
+    assert [kind.name for kind in other.dapple.classes] == ["Rocks", "Grass"]
+    for kind, values in zip(other.dapple.classes, TYPES, strict=True):
+        assert {name: getattr(kind, name) for name in values} == values
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    kinds = [one.value for one in other.data.attributes["dapple_class"].data]
+    assert np.bincount(kinds).tolist() == [5, 35]
+    assert len(scenes.instance_matrices(other)) == 40
+
+
+def test_object_types_keep_the_objects_that_they_have_here(folder):
+    with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES, {"name": "Moss"})
+    bpy.ops.dapple.save_preset(name="Meadow")
+    grass, stone, left = thing("Blade"), thing("Stone"), thing("Left")
+    own = ({"name": "Grass", "instance": grass}, {"name": "Boulders", "instance": stone})
+    other = with_types(scenes.scattered(scenes.sphere(), count=30), *own)
+    bpy.ops.dapple.load_preset(name="Meadow")
+    found = {kind.name: kind.instance for kind in other.dapple.classes}
+    assert found == {"Rocks": stone, "Grass": grass, "Moss": None}
+    other.dapple.classes[2].instance = left
+    bpy.ops.dapple.load_preset(name="Meadow")
+    assert [kind.instance for kind in other.dapple.classes] == [stone, grass, left]
+
+
+def test_a_preset_without_object_types_leaves_those_that_are_there(folder):
+    scenes.scattered(scenes.sphere(), count=40)
+    bpy.ops.dapple.save_preset(name="Plain")
+    other = with_types(scenes.scattered(scenes.sphere(), count=30), *TYPES)
+    bpy.ops.dapple.load_preset(name="Plain")
+    assert [kind.name for kind in other.dapple.classes] == ["Rocks", "Grass"]
+
+
+def test_a_radius_from_a_preset_is_no_longer_that_of_the_bounds(folder):
+    with_types(scenes.scattered(scenes.sphere(), count=40), {"name": "Rocks", "radius": 0.25})
+    bpy.ops.dapple.save_preset(name="Meadow")
+    rock = thing("Rock")
+    other = scenes.scattered(scenes.sphere(), count=30)
+    with_types(other, {"name": "Rocks", "instance": rock, "radius_from_bounds": True})
+    assert other.dapple.classes[0].radius == pytest.approx(0.15 * np.sqrt(2))
+    bpy.ops.dapple.load_preset(name="Meadow")
+    assert other.dapple.classes[0].radius == 0.25
+
+
+def test_new_scatters_begin_with_the_object_types_of_the_default(folder):
+    bounds = {"name": "Trees", "radius_from_bounds": True, "fit": 1.0, "share": 1.0}
+    with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES, bounds)
+    bpy.ops.dapple.save_preset(name="Default")
+    scenes.sphere()
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    new = bpy.context.object
+    assert [kind.name for kind in new.dapple.classes] == ["Rocks", "Grass", "Trees"]
+    kinds = [one.value for one in new.data.attributes["dapple_class"].data]
+    assert np.bincount(kinds).tolist() == [5, 26, 9]
+    assert addon_host.part("blender.data.scatter").settings_reason(new) == ""
+
+
+def test_a_default_whose_object_type_does_not_fit_is_told(folder, capfd):
+    obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
+    obj.dapple.classes[1].density = "Clearing"
+    bpy.ops.dapple.save_preset(name="Default")
+    scenes.sphere()
+    assert bpy.ops.dapple.add() == {"FINISHED"}
+    assert "no attribute or vertex group 'Clearing'" in capfd.readouterr().out
+    kinds = bpy.context.object.dapple.classes
+    assert [(kind.name, kind.density) for kind in kinds] == [("Rocks", ""), ("Grass", "")]
+
+
+def test_a_preset_with_a_broken_object_type_is_told_and_changes_nothing(folder):
+    obj = with_types(scenes.scattered(scenes.sphere(), count=40), *TYPES)
+    bpy.ops.dapple.save_preset(name="Meadow")
+    path = folder / "Meadow.json"
+    path.write_text(path.read_text().replace('"tilt": 0.125', '"tilt": "steep"'))
+    obj.dapple.classes[0].scale, obj.dapple.seed = 4.0, 9
+    with pytest.raises(RuntimeError, match="'Grass' cannot have tilt 'steep'"):
+        bpy.ops.dapple.load_preset(name="Meadow")
+    assert (obj.dapple.classes[0].scale, obj.dapple.seed) == (4.0, 9)
+    path.write_text(json.dumps({"schema": 1, "settings": {"classes": {"name": "Rocks"}}}))
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        bpy.ops.dapple.load_preset(name="Meadow")
+
+
 def test_new_scatters_begin_with_the_default(folder):
     obj = scenes.scattered(scenes.sphere(), count=40)
     obj.dapple.density.use_height, obj.dapple.density.height_from = True, 0.0

@@ -663,6 +663,39 @@ def test_a_stopped_bake_over_a_finished_one_is_said_to_go_on(tmp_path):
     expect_to_go_on(obj, kept)
 
 
+def test_a_scatter_that_took_the_place_of_another_is_baked(tmp_path):
+    obj = saved_scatter(tmp_path / "replaced.blend")
+    surface = obj.dapple.surface
+    for count in (40, 50):
+        assert going_on(obj) == 0, "what is known of the one is not of the next"
+        assert bpy.ops.dapple.remove_scatter() == {"FINISHED"}
+        bpy.context.view_layer.objects.active = surface
+        assert bpy.ops.dapple.add(count=count) == {"FINISHED"}
+        obj = bpy.context.object
+        assert bpy.ops.dapple.bake() == {"FINISHED"}
+        assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
+
+
+def test_a_copy_by_a_script_has_work_files_of_its_own(tmp_path):
+    obj = saved_scatter(tmp_path / "copied.blend")
+    files_of(obj)
+    cube = bpy.data.objects.new("Cube", None)
+    files_of(obj)
+    bpy.data.objects.remove(cube)
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    assert files_of(copy).folder != files_of(obj).folder
+
+
+def test_a_bake_begins_with_points_that_a_script_has_changed(tmp_path):
+    obj = saved_scatter(tmp_path / "changed.blend")
+    before = files_of(obj).folder
+    ids = obj.data.attributes["id"].data
+    ids[0].value, ids[1].value = ids[1].value, ids[0].value  # no update handler hears of that
+    assert files_of(obj).folder != before
+
+
 def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, monkeypatch):
     obj = stopped(tmp_path / "first.blend")
     kept = going_on(obj)

@@ -19,6 +19,7 @@ import bpy
 from ...core.errors import ScatterError
 from ...core.native import missing
 from ...core.records import ROW_ATTRIBUTES
+from ...core.settings import Settings
 from ...core.sidecar import Sidecar, start_digest
 from ..base.handlers import Handlers
 from ..base.timers import call_off, call_within
@@ -28,6 +29,7 @@ from ..data.scatter import is_scatter, settings_of
 
 _FOLDER = re.compile(r".*?-([0-9a-f]{8})(-[0-9a-f]{8})?")
 _KEY = re.compile("[0-9a-f]{8}")
+_Way = tuple[Settings, str, int]  # what a bake begins with besides the points
 _START_COLUMNS = {**ROW_ATTRIBUTES, "id": "INT", "dapple_class": "INT"}
 
 
@@ -36,8 +38,6 @@ class _Known:
     """What is looked up once, as the panel asks at every redraw."""
 
     base: Path | None = None  # where the work files are, until the next saving
-    keys: dict[int, str] = field(default_factory=dict)  # by the scatter's session_uid
-    objects: int = -1  # so many there were then
     edits: dict[int, int] = field(default_factory=dict)  # how often a scatter's points changed
     starts: dict[int, tuple[Any, str]] = field(default_factory=dict)
     counts: dict[int, tuple[Any, tuple[int, int]]] = field(default_factory=dict)
@@ -48,7 +48,11 @@ _known = _Known()
 
 def work_files(obj: bpy.types.Object, first: int | None = None) -> Sidecar:
     """The sidecar of a bake that begins with the scatter as it is, at a frame or the scene's."""
-    key, start = _keys()[obj.session_uid], _start(obj, first)
+    return _that_begin(obj, _start(obj, _way(obj, first)))
+
+
+def _that_begin(obj: bpy.types.Object, start: str) -> Sidecar:
+    key = _keys()[obj.session_uid]
     for folder in _folders(_base(), key):
         if folder.name.endswith(f"-{key}-{start}"):
             return Sidecar(folder)
@@ -115,38 +119,43 @@ def _keyed(base: Path) -> Iterator[tuple[Path, str]]:
 
 
 def _keys() -> dict[int, str]:
-    """Keys of the file's scatters: a copy has not that of what it is a copy of."""
-    if _known.objects != len(bpy.data.objects):
-        _known.keys, seen = {}, set()
-        for obj in filter(is_scatter, bpy.data.objects):  # by name: copies come later
-            key = obj.dapple.bake_key
-            if not _KEY.fullmatch(key):  # of an older version, or no name for a folder
-                key = _digest(obj.name)
-            key = _digest(key + obj.name) if key in seen else key
-            seen.add(key)
-            _known.keys[obj.session_uid] = key
-        _known.objects = len(bpy.data.objects)
-    return _known.keys
+    """Keys of the file's scatters, by session_uid: a copy has not that of what it is a copy of."""
+    keys: dict[int, str] = {}
+    seen = set()
+    for obj in filter(is_scatter, bpy.data.objects):  # by name: copies come later
+        key = obj.dapple.bake_key
+        if not _KEY.fullmatch(key):  # of an older version, or no name for a folder
+            key = _digest(obj.name)
+        key = _digest(key + obj.name) if key in seen else key
+        seen.add(key)
+        keys[obj.session_uid] = key
+    return keys
 
 
 def _digest(text: str) -> str:
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
-def _start(obj: bpy.types.Object, first: int | None) -> str:
-    """Digest of settings and points; of a scatter that cannot be baked, none that a bake has."""
-    settings = settings_of(obj)
+def _way(obj: bpy.types.Object, first: int | None = None) -> _Way:
     first = bpy.context.scene.frame_start if first is None else first
-    edits = _known.edits.get(obj.session_uid, 0)
-    way = _way_of_baking(obj)
-    token = (settings, way, first, obj.data.session_uid, len(obj.data.vertices), edits)
+    return settings_of(obj), _way_of_baking(obj), first
+
+
+def _start(obj: bpy.types.Object, way: _Way) -> str:
+    """Digest of settings and points; of a scatter that cannot be baked, none that a bake has."""
+    try:
+        return start_digest(*way, own_columns(obj, _START_COLUMNS))
+    except ScatterError:
+        return _digest("")
+
+
+def _known_start(obj: bpy.types.Object) -> str:
+    """The same, as far as handlers have noticed changes of points."""
+    way, edits = _way(obj), _known.edits.get(obj.session_uid, 0)
+    token = (way, obj.data.session_uid, len(obj.data.vertices), edits)
     known = _known.starts.get(obj.session_uid)
     if known is None or known[0] != token:
-        try:
-            start = start_digest(settings, way, first, own_columns(obj, _START_COLUMNS))
-        except ScatterError:
-            start = _digest("")
-        known = _known.starts[obj.session_uid] = token, start
+        known = _known.starts[obj.session_uid] = token, _start(obj, way)
     return known[1]
 
 
@@ -163,7 +172,7 @@ def _counted(obj: bpy.types.Object) -> tuple[int, int]:
     found = all_work_files(obj)
     if not found or missing():
         return 0, 0
-    own = work_files(obj).folder
+    own = _that_begin(obj, _known_start(obj)).folder
     times = tuple((files.folder.name, files.folder.stat().st_mtime_ns) for files in found)
     token = (own, obj.dapple.bake_fingerprint, times)
     known = _known.counts.get(obj.session_uid)
@@ -197,7 +206,6 @@ def saved(path: str, *_arguments: Any) -> None:
     """Have the work files follow, and remove those of bakes that the file now holds."""
     if not bpy.data.filepath or Path(path) != Path(bpy.data.filepath):
         return  # a copy, or the startup file: the work files are still those of the open one
-    _known.objects = -1
     before, _known.base = _known.base or _temporary(), _base()
     try:
         if before != _known.base:
@@ -255,7 +263,6 @@ def _loaded(*_arguments: Any) -> None:
 
 
 def _forget(*_arguments: Any) -> None:
-    _known.objects = -1
     for cache in (_known.edits, _known.starts, _known.counts):
         cache.clear()
 

@@ -15,14 +15,13 @@ from ...core.solve import Scattered, scatter
 from ...core.steps import Steps, Task
 from ...core.surface import SurfaceArrays
 from ..base.held import Held
-from ..base.translation import reported
 from ..data.store import new_scatter
 from ..status.workfiles import new_key
 from ..surface.bound import rest_of
 from ..surface.reading import as_read, read
 from ..surface.resting import kind_of_binding, rest_position, rest_position_kept
 from .joining import home_of, surface_over
-from .preset_fit import first_values, left_out_note
+from .preset_fit import first_values, left_out_note, less_and_less
 from .presets import apply
 from .remembered import write_solved
 
@@ -63,7 +62,7 @@ def add_steps(
 def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) -> Any:
     """The first of what the preset makes with less and less of it, and what is said of that."""
     first: ScatterError | None = None
-    for values, left_out in _less_and_less(preset, chosen):
+    for values, left_out in less_and_less(preset, chosen):
         try:
             solved = yield from _solved(surface, _with_chosen(values, chosen))
         except ChangedError:
@@ -75,21 +74,6 @@ def _as_far_as_it_fits(surface: Held, preset: Values, chosen: dict[str, Any]) ->
         else:
             return solved, left_out and left_out_note(f"{left_out} ({first})")
     raise AssertionError("without a preset the error is raised")
-
-
-def _less_and_less(preset: Values, chosen: dict[str, Any]) -> Iterator[tuple[Values, str]]:
-    """Values of a preset without more and more of them, and what they are without."""
-    yield preset, ""
-    if not preset:
-        return
-    bound = {name: value for name, value in preset.get("", {}).items() if name != "bind_to"}
-    even = {name: group for name, group in preset.items() if name != "density"}
-    if "bind_to" in preset.get("", {}) and "bind_to" not in chosen:
-        yield {**preset, "": bound}, reported("attachment")
-    if "density" in preset:
-        yield even, reported("density")
-        yield {**even, "": bound}, reported("attachment and density")
-    yield {}, reported("all settings")
 
 
 def _with_chosen(values: Values, chosen: dict[str, Any]) -> Values:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much of the Default preset fits a surface: values that it cannot have are left out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import bpy
@@ -12,7 +12,7 @@ from ..base.translation import reported
 from ..surface.surface_mesh import evaluated_mesh
 from ..surface.surroundings import check_camera, uv_layer
 from ..surface.weights import read_weights
-from .presets import folder
+from .presets import fits, folder, type_properties
 
 
 def first_values(
@@ -42,25 +42,44 @@ def left_out_note(reasons: str) -> str:
     )
 
 
+def less_and_less(
+    preset: presets.Values, chosen: dict[str, Any]
+) -> Iterator[tuple[presets.Values, str]]:
+    """Values of a preset without more and more of them, and what they are without."""
+    yield preset, ""
+    if not preset:
+        return
+    bound = {name: value for name, value in preset.get("", {}).items() if name != "bind_to"}
+    even = {name: group for name, group in preset.items() if name != "density"}
+    if presets.CLASSES in even:
+        even[presets.CLASSES] = [{**own, "density": ""} for own in even[presets.CLASSES]]
+    if "bind_to" in preset.get("", {}) and "bind_to" not in chosen:
+        yield {**preset, "": bound}, reported("attachment")
+    if even != preset:
+        yield even, reported("density")
+        yield {**even, "": bound}, reported("attachment and density")
+    yield {}, reported("all settings")
+
+
 def _valid(values: presets.Values, reasons: list[str]) -> presets.Values:
     """The values that a scatter can have; the others are added to the reasons."""
     own = bpy.types.Object.bl_rna.properties["dapple"].fixed_type.properties
     found: presets.Values = {}
-    for group, stored in values.items():
+    for group in presets.NAMES:
         known = own[group].fixed_type.properties if group else own
-        found[group] = {name: one for name, one in stored.items() if _fits(one, known[name])}
-        reasons += [f"{name} ({one!r})" for name, one in stored.items() if name not in found[group]]
+        found[group] = _fitting(values.get(group, {}), known, reasons)
+    if presets.CLASSES in values:
+        found[presets.CLASSES] = [
+            _fitting(one, type_properties(), reasons) for one in values[presets.CLASSES]
+        ]
     return found
 
 
-def _fits(value: Any, known: bpy.types.Property) -> bool:
-    """Whether a property can have a value."""
-    if known.type == "ENUM":
-        return isinstance(value, str) and value in known.enum_items
-    if known.type in {"STRING", "BOOLEAN"}:
-        return isinstance(value, str if known.type == "STRING" else bool)
-    number = isinstance(value, int if known.type == "INT" else (int, float))
-    return number and not isinstance(value, bool) and known.hard_min <= value <= known.hard_max
+def _fitting(stored: dict[str, Any], known: Any, reasons: list[str]) -> dict[str, Any]:
+    """The values that a group of properties can have; the others are added to the reasons."""
+    found = {name: one for name, one in stored.items() if fits(one, known[name])}
+    reasons += [f"{name} ({one!r})" for name, one in stored.items() if name not in found]
+    return found
 
 
 def met(
@@ -69,7 +88,7 @@ def met(
     context: bpy.types.Context,
     reasons: list[str],
 ) -> presets.Values:
-    """The values without what a density asks of this surface and scene that is not there."""
+    """The values without what densities ask of this surface and scene that is not there."""
     density = dict(values.get("density", {}))
     asked: dict[str, Callable[[bpy.types.Mesh], Any]] = {
         "attribute": lambda mesh: read_weights(surface, mesh, density["attribute"]),
@@ -84,4 +103,24 @@ def met(
         except ScatterError as error:
             del density[name]
             reasons.append(str(error))
-    return {**values, "density": density} if density else values
+    found = {**values, "density": density} if density else dict(values)
+    if presets.CLASSES in values:
+        found[presets.CLASSES] = [
+            _with_density_of(one, surface, context, reasons) for one in values[presets.CLASSES]
+        ]
+    return found
+
+
+def _with_density_of(
+    own: dict[str, Any], surface: bpy.types.Object, context: bpy.types.Context, reasons: list[str]
+) -> dict[str, Any]:
+    """An object type, without a density that the surface does not have."""
+    if not own.get("density"):
+        return own
+    try:
+        with evaluated_mesh(surface, context.evaluated_depsgraph_get()) as mesh:
+            read_weights(surface, mesh, own["density"])
+    except ScatterError as error:
+        reasons.append(str(error))
+        return {name: value for name, value in own.items() if name != "density"}
+    return own
