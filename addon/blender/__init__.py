@@ -12,7 +12,7 @@ from . import copies, ui
 from .base import recent, renders, translation, under_way
 from .command import entry
 from .data import older_files
-from .live import instanced, modifier_tab, placing, watcher
+from .live import copied, instanced, modifier_tab, placing, watcher
 from .ops import (
     add_operators,
     asset_operators,
@@ -91,7 +91,7 @@ def _steps() -> list[Step]:
     early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
     edge: Any = (keymaps, point_tool, export_operators, entry)
-    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, *edge)
+    last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, copied, *edge)
     return [
         *((module.register, module.unregister) for module in first),
         (_add_classes, _remove_classes),

@@ -120,7 +120,7 @@ def unequal():
 def overlapping():
     obj = scatter()
     assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
-    obj.dapple.classes[0].radius = 0.3
+    obj.dapple.classes[0].radius = 0.34
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.worst_overlap > 0
 

@@ -19,6 +19,7 @@ from ..base.held import Held
 from ..base.quiet import quiet
 
 _CELLS = 8  # of rest positions in a row
+SUFFIX = " Surface"  # of the names of joined surfaces
 _GAP = 2.0  # sides of a part between two of them
 _TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 Rest = tuple[float, Offset]  # scale and shift of rest positions
@@ -87,6 +88,25 @@ def write_pieces(surface: bpy.types.Object, pieces: list[Piece]) -> None:
                 joined.cells += 1
         _write_entries(joined, pieces, known)
         _write_group(surface)
+
+
+def copied_with(
+    surface: bpy.types.Object, copies: dict[bpy.types.Object, bpy.types.Object]
+) -> bpy.types.Object:
+    """A joined surface of copies of the parts, each at the rest positions of what it is a copy of;
+    of a collection it is no more.
+    """
+    copy = surface.copy()
+    copy.data = surface.data.copy()
+    joined = copy.dapple.joined
+    joined.collection = None
+    for entry in joined.entries:
+        entry.object = copies.get(entry.object, entry.object)
+    _modifier(copy).node_group = None
+    first = joined.entries[0].object
+    copy.name = copy.data.name = f"{first.name if first else surface.name}{SUFFIX}"
+    _write_group(copy)
+    return copy
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from .property_groups import (
     DAPPLE_PG_density,
     DAPPLE_PG_joined,
     DAPPLE_PG_part,
+    DAPPLE_PG_parts,
     DAPPLE_PG_report,
     DAPPLE_PG_tiles,
     DAPPLE_PG_weight,
@@ -89,6 +90,11 @@ class DAPPLE_PG_scatter(bpy.types.PropertyGroup):
         name="Joined Surface",
         description="Parts of a surface that is made of several objects",
         type=DAPPLE_PG_joined,
+    )
+    parts: PointerProperty(
+        name="Parts",
+        description="Parts of the surface that the scatter is on, if that is made of several",
+        type=DAPPLE_PG_parts,
     )
     report: PointerProperty(
         name="Report",
@@ -164,6 +170,7 @@ CLASSES = (
     DAPPLE_PG_density,
     DAPPLE_PG_tiles,
     DAPPLE_PG_part,
+    DAPPLE_PG_parts,
     DAPPLE_PG_joined,
     DAPPLE_PG_scatter,
 )

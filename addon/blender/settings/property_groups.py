@@ -203,6 +203,19 @@ class DAPPLE_PG_part(bpy.types.PropertyGroup):
     )
 
 
+class DAPPLE_PG_parts(bpy.types.PropertyGroup):
+    """The parts of the joined surface that a scatter is on. Where it is copied together with them,
+    Blender has these be the copies: the surface itself is in no collection, so never copied.
+    """
+
+    surface: PointerProperty(
+        name="Surface", description="Surface that the parts are of", type=bpy.types.Object
+    )
+    entries: CollectionProperty(
+        name="Parts", description="Objects that are one surface", type=DAPPLE_PG_part
+    )
+
+
 class DAPPLE_PG_joined(bpy.types.PropertyGroup):
     """What a joined surface consists of; empty of other objects."""
 

@@ -14,13 +14,11 @@ from ...core.errors import ScatterError
 from ...nodes import get_input, has_input
 from ..base.held import Held
 from ..base.quiet import quiet
-from ..data.joined import Piece, is_joined, pieces_kept, pieces_of, write_pieces
+from ..data.joined import SUFFIX, Piece, is_joined, pieces_kept, pieces_of, write_pieces
 from ..data.library import open_collections, read_only
 from ..data.members import is_member, pieces_in, pieces_of_collection, wanted
 from ..data.modifier import scatter_modifier
 from ..data.scatter import is_scatter, is_surface, surface_of
-
-_SUFFIX = " Surface"  # of the names of joined surfaces
 
 
 def chosen(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -138,7 +136,7 @@ def _known(pieces: list[Piece], collection: bpy.types.Collection | None) -> Held
 def _new(pieces: list[Piece], collection: bpy.types.Collection | None) -> Iterator[Held]:
     groups = set(bpy.data.node_groups)
     named = collection or (*pieces[0].path, pieces[0].object)[0]
-    name = f"{named.name}{_SUFFIX}"
+    name = f"{named.name}{SUFFIX}"
     obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     try:
         obj.dapple.joined.collection = collection
@@ -192,7 +190,7 @@ def home_of(
     if not is_joined(surface):
         return _open_collection(surface, context), surface.name
     return _open_collection(_first(surface), context, surface.dapple.joined.collection), (
-        surface.name.removesuffix(_SUFFIX)
+        surface.name.removesuffix(SUFFIX)
     )
 
 
