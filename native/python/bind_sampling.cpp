@@ -63,11 +63,13 @@ std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples&
 
 std::shared_ptr<Samples> relax_samples(const Surface& surface, const Samples& samples,
                                        const py::object& changed, const py::kwargs& keywords) {
-  const Keywords given(kRelax, keywords, {"count", "locked", "context"});
+  const Keywords given(kRelax, keywords, {"classes", "count", "locked", "context"});
   RelaxOptions options = given.options();
   if (const py::object count = given.other("count"); !count.is_none())
     read("count", {0.0, static_cast<double>(kMostSamples)}, count, options.count.emplace());
   options.locked = locked_rows(given.other("locked"));
+  if (const py::object classes = given.other("classes"); !classes.is_none())
+    options.classes = classes_on(surface, classes.cast<py::sequence>());
   const IntArray faces = integers("changed", changed, 0);
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
@@ -299,7 +301,7 @@ Raises:
 
   def_verb(
       m, kRelax, &relax_samples,
-      R"(relax(surface: Surface, samples: Samples, changed: ArrayLike, *, {signature}, count: int | None = None, locked: ArrayLike | None = None, context: Context | None = None) -> Samples
+      R"(relax(surface: Surface, samples: Samples, changed: ArrayLike, *, {signature}, classes: Sequence[SampleClass | int] | None = None, count: int | None = None, locked: ArrayLike | None = None, context: Context | None = None) -> Samples
 
 Make samples even again where something has changed: the density, some vertices, what is blocked.
 
@@ -309,21 +311,24 @@ little, it grows. The time follows the size of the change, not that of the surfa
 
 Args:
     surface: the Surface as it is now, of the same faces.
-    samples: Samples of one class; where vertices have moved, their faces carry them.
+    samples: Samples of one class, or of those that `classes` lists; where vertices have moved, their faces carry them.
     changed: (m,) indices of the faces where something has changed, such as changed_faces(before, surface); none: nothing moves.
     {options}
-    count: number of samples wanted: the difference comes and goes where something has changed. None: there become as
-        many as have the capacity of the samples around.
+    classes: what each class is to be, as for sample_classes(); its count is the number of samples wanted of it, unless
+        free_counts. Rare classes are relaxed first, the others around them. None: samples are of one class.
+    count: number of samples wanted of one class: the difference comes and goes where something has changed. None: there
+        become as many as have the capacity of the samples around.
     locked: (k,) indices of samples that stay where they are, or None; new ones may come between them.
     context: a Context to watch and cancel it by.
 
 Returns:
     Samples: those that stay first, in their order and with their ids; new ids follow the largest. Their report measures
-    those that were free to move and those beside them; its count and spacing are of all.
+    those that were free to move and those beside them, of each class if there are several; its count and spacing are of
+    all.
 
 Raises:
-    ValueError: samples that are not of the surface or of several classes, an index or an option out of range, or a count
-        that the region cannot reach.
+    ValueError: samples that are not of the surface or of a class that is not listed, an index or an option out of range,
+        or a count that the region cannot reach.
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("samples"), py::arg("changed"));
   m.def("changed_faces", &faces_that_differ, py::arg("before"), py::arg("after"),

@@ -329,6 +329,21 @@ TEST(Watched, AnotherNumberOfSamples) {
   });
 }
 
+TEST(Watched, ClassesThatAreMadeEvenAgain) {
+  const Surface surface = blob(3).surface();
+  const std::vector<SampleClass> classes = {{.count = 20, .radius = 0.1}, {.count = 150}};
+  const Samples samples = sample_classes(surface, classes);
+  std::vector<double> density;
+  for (const Vec3& x : surface.vertices()) density.push_back(x.z() > 0.7 ? 3.0 : 1.0);
+  const Surface after = surface.with_density({DensityAt::kVertices, density});
+  const std::vector<std::int32_t> changed = changed_faces(surface, after);
+  const Work work = [&](Context* context) {
+    (void)relax(after, samples, changed, {.optimizer = few_steps(), .classes = classes}, context);
+  };
+  expect_watched(work);
+  cancel_everywhere(work, [] {});
+}
+
 TEST(Watched, APartThatIsMadeEvenAgain) {
   const Surface surface = blob(3).surface();
   const Samples samples = sample(surface, 200);

@@ -237,6 +237,19 @@ Prepare relaxing(int threads) {
   });
 }
 
+Prepare relaxing_classes(int threads) {
+  const Surface surface = blob(2).surface();
+  const std::vector<SampleClass> classes = {{.count = 10, .radius = 0.1}, {.count = 70}};
+  std::vector<double> density;
+  for (const Vec3& x : surface.vertices()) density.push_back(x.z() > 0.7 ? 3.0 : 1.0);
+  const Surface after = surface.with_density({DensityAt::kVertices, density});
+  const Samples samples = sample_classes(surface, classes);
+  return again([surface, after, samples, classes, threads](Hash& hash) {
+    hash.add(relax(after, samples, changed_faces(surface, after),
+                   {.optimizer = few_steps(), .classes = classes, .threads = threads}));
+  });
+}
+
 TrackerOptions tracking(int threads) {
   return {.optimizer = few_steps(), .longest_motion = 0.1, .threads = threads};
 }
@@ -484,6 +497,7 @@ constexpr std::array kCases = {
     Case{"Stipple", stippling},
     Case{"Resample", resampling},
     Case{"Relax", relaxing},
+    Case{"RelaxClasses", relaxing_classes},
     Case{"NewTracker", beginning_to_track},
     Case{"Frame", tracking_a_frame},
     Case{"Resume", resuming},

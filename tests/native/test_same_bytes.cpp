@@ -118,6 +118,17 @@ void hash_relax(Hash& hash, int threads) {
   hash.add(relax(after, start(threads), changed_faces(before, after), {.threads = threads}));
 }
 
+void hash_relax_classes(Hash& hash, int threads) {
+  const Surface before = ring().surface();
+  const std::vector<SampleClass> classes = {{.count = 30, .radius = 0.1}, {.count = 220}};
+  std::vector<double> density(ring().vertices.size(), 1.0);
+  std::fill_n(density.begin(), 40, 3.0);
+  const Surface after = before.with_density({DensityAt::kVertices, density});
+  const Samples samples = sample_classes(before, classes, {.sample = {.threads = threads}});
+  hash.add(relax(after, samples, changed_faces(before, after),
+                 {.classes = classes, .threads = threads}));
+}
+
 void hash_stipple(Hash& hash, int threads) {
   Image ink{12, 16, {}};
   for (std::size_t k = 0; k < ink.rows * ink.columns; ++k)
@@ -145,6 +156,7 @@ void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 constexpr std::array kCases = {
     Case{"sample", hash_sample},   Case{"classes", hash_classes},   Case{"tracker", hash_tracker},
     Case{"window", hash_window},   Case{"resample", hash_resample}, Case{"relax", hash_relax},
+    Case{"relax_classes", hash_relax_classes},
     Case{"stipple", hash_stipple}, Case{"mosaic", hash_mosaic},
 };
 

@@ -16,16 +16,20 @@ namespace dapple {
 /// count the region grows until its samples need not come nearer to each other, or farther apart,
 /// by more than 1 % of their number: to all samples, if so many come or go.
 ///
+/// Several classes are relaxed one after another, rare ones first: each even by itself and with
+/// those that are as rare or rarer, its discs apart from theirs. More common ones then make room
+/// where these have moved. A class that is within 10 % of what it is to be stays as it is.
+///
 /// Those that stay come first, in their order and with their ids; new ids follow the largest. The
-/// report measures the samples that were free to move and those beside them; its count and spacing
-/// are of all, its slides of those that were free and stay.
-/// \param samples of one class, on a surface of the same faces; they are carried by their faces
-///                where vertices have moved
+/// report measures the samples that were free to move and those beside them, of each class if there
+/// are several; its count and spacing are of all, its slides of those that were free and stay.
+/// \param samples of one class or of those in the options, on a surface of the same faces; they are
+///                carried by their faces where vertices have moved
 /// \param changed the caller's indices of the faces where something has changed, see
 ///                changed_faces(); none: nothing moves unless the count is another, and then
 ///                samples may come and go everywhere
-/// \throw ArgumentError if the samples are not of the surface, or of several classes; naming the
-///        first face or locked index out of range; for options out of range, a count below the
+/// \throw ArgumentError if the samples are not of the surface, or of a class that is not in the
+///        options; naming the first face or locked index out of range; for options out of range, a count below the
 ///        number of locked samples, or a surface that has grown so much that it asks for more
 ///        samples than there can be; Cancelled
 [[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,

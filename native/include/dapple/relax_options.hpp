@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/optimizer_options.hpp>
+#include <dapple/class_options.hpp>
 #include <optional>
 #include <vector>
 
@@ -15,12 +15,24 @@ struct RelaxOptions {
   std::optional<std::size_t> count = {};
   /// Indices of samples that stay where they are. New ones may come between them.
   std::vector<std::int32_t> locked = {};
+  /// What each class is to be; `locked` says which samples stay. None: they are of one class.
+  std::vector<SampleClass> classes = {};
+  /// Whether there become as many samples of a class as fit those around, not as many as it counts.
+  bool free_counts = false;
+  double union_weight = 1.0;
   int threads = 0;
 };
 
-inline constexpr std::tuple kRelaxOptions = {seed_option(&RelaxOptions::seed),
-                                             Group{&RelaxOptions::optimizer},
-                                             threads_option(&RelaxOptions::threads)};
+inline constexpr std::tuple kRelaxOptions = {
+    seed_option(&RelaxOptions::seed), union_weight_option(&RelaxOptions::union_weight),
+    Option{"free_counts",
+           &RelaxOptions::free_counts,
+           {},
+           "",
+           Level::kExpert,
+           "Classes get as many samples as fit those "
+           "around, not as many as they count."},
+    Group{&RelaxOptions::optimizer}, threads_option(&RelaxOptions::threads)};
 
 constexpr const auto& options_of(const RelaxOptions&) { return kRelaxOptions; }
 

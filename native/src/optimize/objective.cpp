@@ -105,6 +105,13 @@ void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chose
   }
 }
 
+void append(Sites& sites, const Sites& more) {
+  sites.positions.insert(sites.positions.end(), more.positions.begin(), more.positions.end());
+  sites.faces.insert(sites.faces.end(), more.faces.begin(), more.faces.end());
+  sites.barycentric.insert(sites.barycentric.end(), more.barycentric.begin(),
+                           more.barycentric.end());
+}
+
 double Objective::total_weight() const {
   double sum = 0.0;
   for (const Term& term : terms) sum += term.weight;

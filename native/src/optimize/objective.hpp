@@ -57,6 +57,9 @@ void select(const Sites& sites, std::span<const std::int32_t> members, Sites& ch
 /// Put chosen sites back: the inverse of select().
 void put(Sites& sites, std::span<const std::int32_t> members, const Sites& chosen);
 
+/// Put more sites after those that are there.
+void append(Sites& sites, const Sites& more);
+
 /// One term at given sites.
 struct Part {
   Sites sites;  ///< of the term; empty if it has all

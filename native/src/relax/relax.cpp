@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <dapple/relax.hpp>
-#include <dapple/resample.hpp>
-#include <map>
-#include <numeric>
 
 #include "base/parallel.hpp"
+#include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "relax/relaxation.hpp"
+#include "optimize/discs.hpp"
+#include "relax/class_relaxation.hpp"
 #include "sample/outcome.hpp"
 #include "sample/timed_call.hpp"
 #include "sample/validate_samples.hpp"
-#include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
-#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -23,18 +20,44 @@ using Indices = std::vector<std::int32_t>;
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-std::vector<OrderedFace> ordered_faces(const Surface& surface,
-                                       std::span<const std::int32_t> faces) {
-  std::vector<OrderedFace> result;
-  result.reserve(faces.size());
-  for (const std::int32_t face : faces) result.push_back(surface.ordered().counted_face(face));
-  std::sort(result.begin(), result.end());
-  return result;
+void check_one_class(const Samples& samples) {
+  for (std::size_t k = 0; k < samples.classes.size(); ++k)
+    if (samples.classes[k] != samples.classes[0])
+      throw ArgumentError(entry("samples.classes", k) + " is " +
+                          std::to_string(samples.classes[k]) + " and the first is " +
+                          std::to_string(samples.classes[0]) +
+                          ": say by classes what each class is to be");
+}
+
+void check_classes(const Surface& surface, const Samples& samples, const RelaxOptions& options) {
+  const std::size_t count = options.classes.size();
+  if (options.count)
+    throw ArgumentError("count is " + std::to_string(*options.count) +
+                        " and there are classes: each has its own count");
+  std::size_t sum = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    const SampleClass& one = options.classes[c];
+    check_count(entry("classes", c) + ".count", one.count);
+    check_at_least((entry("classes", c) + ".radius").c_str(), one.radius, 0.0);
+    if (one.surface && !one.surface->same_faces(surface))
+      throw ArgumentError(entry("classes", c) +
+                          " has a surface of other faces: make it by with_density()");
+    if (one.locked.size() > 0)
+      throw ArgumentError(entry("classes", c) +
+                          ".locked: indices of samples are needed, as locked");
+    sum += one.count;
+  }
+  check_count("the sum of all counts", sum);
+  for (std::size_t k = 0; k < samples.classes.size(); ++k)
+    if (samples.classes[k] < 0 || at(samples.classes[k]) >= count)
+      throw ArgumentError(entry("samples.classes", k) + " is " +
+                          std::to_string(samples.classes[k]) + ", outside 0.." +
+                          std::to_string(count - 1));
 }
 
 void check(const Surface& surface, const Samples& samples, std::span<const std::int32_t> changed,
            const RelaxOptions& options) {
-  check_options(options.optimizer);
+  check_options(options);
   check_binding("samples", surface, samples.faces, samples.barycentric);
   check_lengths(samples);
   check_face_indices("changed", changed, surface.face_count());
@@ -42,34 +65,8 @@ void check(const Surface& surface, const Samples& samples, std::span<const std::
     if (options.locked[k] < 0 || at(options.locked[k]) >= samples.size())
       throw ArgumentError(entry("locked", k) + " is " + std::to_string(options.locked[k]) +
                           ", outside 0.." + std::to_string(samples.size() - 1));
-  for (std::size_t k = 0; k < samples.classes.size(); ++k)
-    if (samples.classes[k] != samples.classes[0])
-      throw ArgumentError(entry("samples.classes", k) + " is " +
-                          std::to_string(samples.classes[k]) + " and the first is " +
-                          std::to_string(samples.classes[0]) +
-                          ": samples of one class alone can be relaxed");
   if (options.count) check_count("count", *options.count);
-}
-
-/// The faces where something has changed, and those of samples that are where the density is 0; all
-/// faces where only the count is to be another.
-std::vector<OrderedFace> faces_to_relax(const Surface& surface, const Sites& sites,
-                                        std::span<const std::int32_t> changed,
-                                        const RelaxOptions& options) {
-  const bool resized = options.count && *options.count != sites.size();
-  Indices faces(changed.begin(), changed.end());
-  if (faces.empty() && resized) {
-    faces.resize(surface.face_count());
-    std::iota(faces.begin(), faces.end(), 0);
-  }
-  std::vector<bool> locked(sites.size(), surface.uniform());
-  for (const std::int32_t k : options.locked) locked[at(k)] = true;
-  for (std::size_t k = 0; k < sites.size(); ++k)
-    if (!locked[k] && !is_on_density(surface, sites.faces[k], sites.barycentric[k]))
-      faces.push_back(sites.faces[k]);
-  std::vector<OrderedFace> result = ordered_faces(surface, faces);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
+  options.classes.empty() ? check_one_class(samples) : check_classes(surface, samples, options);
 }
 
 /// The samples on changed faces where these have carried them, all others as they are.
@@ -85,38 +82,18 @@ Sites carried(const Surface& surface, const Samples& samples,
   return sites;
 }
 
-/// Add a first site where a component without any has got a density.
-void settle_components(const Surface& surface, std::span<const OrderedFace> changed, Sites& sites) {
-  const OrderedSurface& mesh = surface.ordered();
-  if (mesh.components() < 2) return;
-  std::vector<bool> settled(at(mesh.components()), false);
-  for (const std::int32_t face : sites.faces)
-    settled[at(mesh.component(mesh.ordered_face(face)))] = true;
-  std::map<std::int32_t, OrderedFace> largest;  // the changed face of most capacity, by component
-  for (const OrderedFace face : changed) {
-    if (settled[at(mesh.component(face))]) continue;
-    OrderedFace& most = largest.try_emplace(mesh.component(face), face).first->second;
-    if (mesh.geometry(face).moments.capacity > mesh.geometry(most).moments.capacity) most = face;
-  }
-  const Vec3 middle = Vec3::Constant(1.0 / 3.0);
-  for (const auto& [component, face] : largest) {
-    if (!(mesh.geometry(face).moments.capacity > 0.0)) continue;
-    sites.positions.push_back(mesh.point(face, middle));
-    sites.faces.push_back(mesh.original_face(face));
-    sites.barycentric.push_back(middle);
-  }
-}
-
 /// Per welded vertex of the surface's own order, whether it is a corner of a changed face.
-std::vector<bool> touched_vertices(const Surface& surface, std::span<const OrderedFace> changed) {
+std::vector<bool> touched_vertices(const Surface& surface, std::span<const std::int32_t> changed) {
   std::vector<bool> touched(surface.vertex_count(), false);
-  for (const OrderedFace face : changed)
-    for (const std::int32_t v : surface.ordered().welded_corners(face)) touched[at(v)] = true;
+  for (const std::int32_t face : changed)
+    for (const std::int32_t v :
+         surface.ordered().welded_corners(surface.ordered().counted_face(face)))
+      touched[at(v)] = true;
   return touched;
 }
 
 /// The normals of samples that have moved or have come, or where a vertex's normal may be another.
-void renew_normals(const Surface& surface, std::span<const OrderedFace> changed,
+void renew_normals(const Surface& surface, std::span<const std::int32_t> changed,
                    const std::vector<bool>& moved, Samples& samples) {
   const std::vector<bool> touched = touched_vertices(surface, changed);
   Indices which, faces;
@@ -140,43 +117,74 @@ std::int64_t last_id(const Samples& samples) {
   return samples.ids.empty() ? -1 : *std::max_element(samples.ids.begin(), samples.ids.end());
 }
 
-/// The samples that are left, then the new ones.
+/// A sample of a class, and its place among those given; those put in have none.
+struct Row {
+  const RelaxedClass* of;
+  std::size_t k;
+  std::size_t given;
+
+  [[nodiscard]] bool is_old() const { return k < of->rows.size(); }
+  [[nodiscard]] bool has_moved() const { return of->free[k]; }
+};
+
+/// Those that are left in their order, then the new ones, class by class.
+std::vector<Row> rows_of(std::span<const RelaxedClass> classes, std::size_t given) {
+  std::vector<Row> old(given, Row{}), rows;
+  for (const RelaxedClass& one : classes)
+    for (std::size_t k = 0; k < one.rows.size(); ++k)
+      if (one.alive[k]) old[at(one.rows[k])] = {&one, k, at(one.rows[k])};
+  for (const Row& row : old)
+    if (row.of) rows.push_back(row);
+  for (const RelaxedClass& one : classes)
+    for (std::size_t k = one.rows.size(); k < one.sites.size(); ++k)
+      if (one.alive[k]) rows.push_back({&one, k, 0});
+  return rows;
+}
+
+/// The pair of discs that overlaps most.
+void note_overlap(const RelaxOptions& options, Samples& result) {
+  std::vector<double> radii;
+  if (!options.classes.empty())
+    for (const std::int32_t c : result.classes) radii.push_back(options.classes[at(c)].radius);
+  if (std::all_of(radii.begin(), radii.end(), [](double radius) { return radius == 0.0; })) return;
+  const Sites sites{result.positions, result.faces, result.barycentric};
+  const Repulsion discs = evaluate_disc_repulsion({sites, result.normals, radii}, 1.0);
+  const ClosePair* worst = worst_pair(discs);
+  if (!worst) return;
+  result.report.worst_overlap = worst->overlap;
+  result.report.overlapping = {worst->i, worst->j};
+}
+
 Samples assemble(const Surface& surface, const Samples& before, const Sites& carried,
-                 const Relaxation& found, std::span<const OrderedFace> changed) {
+                 std::span<const RelaxedClass> classes, std::span<const std::int32_t> changed) {
+  const std::vector<Row> rows = rows_of(classes, before.size());
   Samples result;
-  result.report = found.report();
   std::vector<bool> moved;
   Vectors now, then;
-  const Sites& sites = found.sites();
   std::int64_t id = last_id(before);
-  check_ids_left(id, sites.size() - before.size());
-  for (std::size_t k = 0; k < sites.size(); ++k) {
-    if (!found.is_alive(k)) continue;
-    const bool old = k < before.size();
-    result.positions.push_back(sites.positions[k]);
-    result.faces.push_back(sites.faces[k]);
-    result.barycentric.push_back(sites.barycentric[k]);
-    result.normals.push_back(old ? before.normals[k] : Vec3::Zero());
-    result.ids.push_back(old ? before.ids[k] : static_cast<std::int32_t>(++id));
-    result.classes.push_back(before.classes[old ? k : 0]);
-    if (!before.fade.empty()) result.fade.push_back(old ? before.fade[k] : 1.0);
-    moved.push_back(found.is_free(k));
-    if (!old || !found.is_free(k)) continue;
-    now.push_back(sites.positions[k]);
-    then.push_back(carried.positions[k]);
+  check_ids_left(id, static_cast<std::size_t>(std::count_if(
+                         rows.begin(), rows.end(), [](const Row& row) { return !row.is_old(); })));
+  for (const Row& row : rows) {
+    const bool old = row.is_old();
+    const Sites& sites = row.of->sites;
+    result.positions.push_back(sites.positions[row.k]);
+    result.faces.push_back(sites.faces[row.k]);
+    result.barycentric.push_back(sites.barycentric[row.k]);
+    result.normals.push_back(old ? before.normals[row.given] : Vec3::Zero());
+    result.ids.push_back(old ? before.ids[row.given] : static_cast<std::int32_t>(++id));
+    result.classes.push_back(row.of->name);
+    if (!before.fade.empty()) result.fade.push_back(old ? before.fade[row.given] : 1.0);
+    moved.push_back(row.has_moved());
+    if (!old || !row.has_moved()) continue;
+    now.push_back(sites.positions[row.k]);
+    then.push_back(carried.positions[row.given]);
   }
   renew_normals(surface, changed, moved, result);
+  result.report = report_of(classes);
   result.report.count = result.size();
   result.report.spacing = surface.spacing(result.size());
   measure_slide(result.report, now, then);
   return result;
-}
-
-Samples from_nothing(const Surface& surface, const Samples& samples, const RelaxOptions& options,
-                     Context* context) {
-  return resample(
-      surface, samples, *options.count,
-      {.seed = options.seed, .optimizer = options.optimizer, .threads = options.threads}, context);
 }
 
 }  // namespace
@@ -187,27 +195,21 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
   if (context) context->check();
   check(surface, samples, changed, options);
   const Sites before = carried(surface, samples, changed);
-  if (samples.size() == 0)
-    return options.count.value_or(0) > 0 ? from_nothing(surface, samples, options, context)
-                                         : samples;
-  const std::vector<OrderedFace> faces = faces_to_relax(surface, before, changed, options);
-  if (faces.empty()) return samples;
-  Samples result = with_threads(options.threads, [&] {
-    Sites sites = before;
-    const CellSurface on =
-        cell_surface(surface, options.count.value_or(sites.size()), Cells::kConnected);
-    const Surface& sided = on.uncut(surface);
-    settle_components(sided, faces, sites);
-    std::vector<bool> locked(sites.size(), false);
-    for (const std::int32_t k : options.locked) locked[at(k)] = true;
-    Relaxation relaxation(sided, std::move(sites), std::move(locked), options);
-    in_stage(call.context(), Stage::kStart, [&] { relaxation.run(faces, call.context()); });
-    return in_stage(call.context(), Stage::kReporting,
-                    [&] { return assemble(surface, samples, before, relaxation, faces); });
+  const std::optional<Samples> result = with_threads(options.threads, [&] {
+    ClassRelaxation relaxation(surface, samples, before, changed, options);
+    in_stage(call.context(), Stage::kStart, [&] { relaxation.run(call.context()); });
+    if (!relaxation.has_relaxed()) return std::optional<Samples>();
+    return std::optional(in_stage(call.context(), Stage::kReporting, [&] {
+      Samples found = assemble(surface, samples, before, relaxation.classes(), changed);
+      note_overlap(options, found);
+      return found;
+    }));
   });
-  call.write(result.report);
+  if (!result) return samples;
+  Samples relaxed = *result;
+  call.write(relaxed.report);
   if (context) context->advance(1.0);
-  return result;
+  return relaxed;
 }
 
 std::vector<std::int32_t> changed_faces(const Surface& before, const Surface& after) {

@@ -37,6 +37,7 @@ constexpr double kRounding = 0.5;  // ... but for a part of a sample ...
 constexpr std::size_t kHalf = 2;   // ... and all of them where that is more than one of so many
 // Cells in these shares of the capacity even out without samples that come and go.
 constexpr double kSmallest = 0.2, kLargest = 3.0;
+constexpr double kSettled = 0.1;   // of the capacity: a class among others that is so even stays
 constexpr double kFewMore = 1.25;  // of the sites: so many are put in beside others
 // Of the progress: the region is known, it has its number of sites, it is even for the first time;
 // then half of the rest each.
@@ -50,6 +51,9 @@ std::vector<std::size_t> which_are(const std::vector<bool>& values) {
     if (values[k]) result.push_back(k);
   return result;
 }
+
+/// Of the class that is relaxed, not of all that are around it.
+const Energy& own_energy(const Minimum& found) { return found.state.parts.back().energy; }
 
 /// \param members per cell: a fixed one gets no others beside it
 /// \throw ArgumentError if samples of that capacity are more than there can be
@@ -67,53 +71,11 @@ void check_wanted(std::span<const Member> members, const RestrictedVoronoi& diag
 
 }  // namespace
 
-/// The sites of one round: a part of the surface and what lies on it.
-struct Relaxation::Region {
-  struct Member {
-    std::int32_t site;
-    bool fixed;
-    bool open;      // others may come into its cell, even if it is locked
-    bool measured;  // it may move, or is beside one that may
-  };
-
-  SurfacePart part;
-  std::vector<Member> members = {};
-  Sites sites = {};  // on the part
-
-  /// \param face of the part
-  void add(const Member& member, const Sites& from, std::size_t k, std::int32_t face) {
-    members.push_back(member);
-    sites.positions.push_back(from.positions[k]);
-    sites.faces.push_back(face);
-    sites.barycentric.push_back(from.barycentric[k]);
-  }
-
-  [[nodiscard]] std::vector<bool> fixed() const {
-    return which([](const Member& member) { return member.fixed; });
-  }
-  [[nodiscard]] std::vector<bool> free() const {
-    return which([](const Member& member) { return !member.fixed; });
-  }
-  [[nodiscard]] std::vector<bool> open() const {
-    return which([](const Member& member) { return member.open; });
-  }
-  [[nodiscard]] SharedCells shared(const RestrictedVoronoi& diagram) const {
-    return {diagram.cells, open(), fixed()};
-  }
-
- private:
-  [[nodiscard]] std::vector<bool> which(const auto& is) const {
-    std::vector<bool> result;
-    result.reserve(members.size());
-    for (const Member& member : members) result.push_back(is(member));
-    return result;
-  }
-};
-
 Relaxation::Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
-                       const RelaxOptions& options)
+                       const RelaxOptions& options, const Company* company)
     : surface_(surface),
       options_(options),
+      company_(company),
       given_(sites.size()),
       sites_(std::move(sites)),
       alive_(given_, true),
@@ -126,20 +88,33 @@ void Relaxation::run(std::span<const OrderedFace> changed, Context* context) {
   Stretch first(context, kBalanced, kFirst);
   changed_ = changed;
   owners_ = region_ = rings_.owners(changed, context);
-  for (int k = 0; k < kFreeRings; ++k) region_ = rings_.grown(region_, context);
+  for (int k = 0; k < (company_ ? 1 : kFreeRings); ++k) region_ = rings_.grown(region_, context);
   std::vector<OrderedFace> faces = faces_around(context);
   if (is_void(faces) && !options_.count) return empty();
   for (; is_void(faces); faces = faces_around(context)) widen(context);
   Region region = cut_out(faces, finding.context());
   balance(region, balancing.context());
-  if (region.members.empty()) return;
+  if (region.members.empty() || is_settled(region)) return;
   Indices uneven = even_out(region, first.context());
   double done = kFirst;
-  for (int k = 0; k < kGrowths && !uneven.empty(); ++k) {
+  for (int k = 0; !company_ && k < kGrowths && !uneven.empty(); ++k) {
     const double before = std::exchange(done, done + kGrown * (1.0 - done));
     Stretch step(context, before, done);
     uneven = grow_at(uneven, step.context());
   }
+}
+
+/// Whether nothing has come or gone and cells are about as large as they are to be: where other
+/// classes follow this one, what changes by little is not worth moving them all.
+bool Relaxation::is_settled(const Region& region) const {
+  if (!company_ || sites_.size() > given_ ||
+      std::find(alive_.begin(), alive_.end(), false) != alive_.end() ||
+      discs_overlap(region, *company_))
+    return false;
+  return std::all_of(region.members.begin(), region.members.end(), [&](const auto& member) {
+    const double off = first_capacities_.at(member.site) / share_ - 1.0;
+    return member.fixed || std::abs(off) < kSettled;
+  });
 }
 
 /// Those that have changed, and those of the cells of the region and of two fixed rings around it,
@@ -224,7 +199,8 @@ void Relaxation::empty() {
 }
 
 /// What lies on faces, as a surface of its own.
-Relaxation::Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* context) {
+Region Relaxation::cut_out(const std::vector<OrderedFace>& faces, Context* context) {
+  faces_ = faces;
   Region region{SurfacePart(surface_, faces, context)};
   for (std::size_t s = 0; s < sites_.size(); ++s) {
     const std::int32_t face = region.part.inside(sites_.faces[s]);
@@ -449,8 +425,20 @@ void Relaxation::add(const Sites& fresh, Region& region) {
 Relaxation::Indices Relaxation::even_out(const Region& region, Context* context) {
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  const PartDomain share(domain, share_, region.members.size());
+  const Minimum found = minimum(region, domain, context);
+  store(region, found.state.sites);
+  note(region, found);
+  return uneven(region, own_energy(found).diagram);
+}
+
+Minimum Relaxation::minimum(const Region& region, const SurfaceDomain& domain,
+                            Context* context) const {
   const OptimizerOptions& optimizer = options_.optimizer;
+  if (company_) {
+    const Self self{&region, &domain, share_};
+    return even_among({&self, 1}, *company_, optimizer, context);
+  }
+  const PartDomain share(domain, share_, region.members.size());
   const Objective objective{.capacity_weight = optimizer.capacity_weight,
                             .terms = {{.domain = &share,
                                        .repulsion_radius = optimizer.repulsion_radius,
@@ -458,10 +446,7 @@ Relaxation::Indices Relaxation::even_out(const Region& region, Context* context)
                             .locked = region.fixed()};
   Sites start = region.sites;
   dapple::lead_to_density(region.part.surface(), domain, start, objective.locked);
-  const Minimum found = minimize(objective, start, optimizer, context);
-  store(region, found.state.sites);
-  note(region, found);
-  return uneven(region, found.state.diagram());
+  return minimize(objective, start, optimizer, context);
 }
 
 void Relaxation::store(const Region& region, const Sites& found) {
@@ -504,12 +489,13 @@ Relaxation::Indices Relaxation::grow_at(const Indices& uneven, Context* context)
 
 /// As analyze() would.
 void Relaxation::measure_all(const Region& region, const Minimum& found) {
-  const Sites& sites = found.state.sites;
-  Indices faces;
+  Indices mine(region.members.size()), faces;
+  std::iota(mine.begin(), mine.end(), 0);
+  const Sites sites = select(found.state.sites, mine);
   for (const std::int32_t face : sites.faces) faces.push_back(region.part.outside(face));
   const SurfaceDomain domain(region.part.surface(), Cells::kConnected, Steps::kConnected,
                              /*sides=*/nullptr, EmptyFaces::kLeft);
-  const Energy& energy = found.state.parts[0].energy;  // in the unit of the part's share
+  const Energy& energy = own_energy(found);  // in the unit of the part's share
   static_cast<Quality&>(report_) =
       measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
   const double owned = domain.mass() * owned_share(energy.diagram, domain.mass());
@@ -519,7 +505,7 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
 
 /// What the last round found; its evaluations and iterations are added to those before.
 void Relaxation::note(const Region& region, const Minimum& found) {
-  const RestrictedVoronoi& all = found.state.diagram();
+  const RestrictedVoronoi& all = own_energy(found).diagram;
   RestrictedVoronoi measured;
   std::vector<Vec3> normals;
   double energy = 0.0;

@@ -5,8 +5,9 @@
 #include <dapple/samples.hpp>
 
 #include "optimize/minimizer.hpp"
+#include "relax/company.hpp"
+#include "relax/region.hpp"
 #include "relax/rings.hpp"
-#include "relax/surface_part.hpp"
 
 namespace dapple {
 
@@ -17,10 +18,11 @@ struct Thinned;
 /// sites at its border are uneven.
 class Relaxation {
  public:
-  /// \param surface, options must outlive the relaxation
+  /// \param surface, options, company must outlive the relaxation
   /// \param locked per site, whether it stays where it is
+  /// \param company the other classes; null if there are none
   Relaxation(const Surface& surface, Sites sites, std::vector<bool> locked,
-             const RelaxOptions& options);
+             const RelaxOptions& options, const Company* company = nullptr);
 
   /// \param changed faces; sorted
   /// \throw ArgumentError for a count that the region cannot reach; Cancelled
@@ -31,16 +33,18 @@ class Relaxation {
   [[nodiscard]] bool is_alive(std::size_t site) const { return alive_[site]; }
   /// Whether it could move.
   [[nodiscard]] bool is_free(std::size_t site) const { return free_[site]; }
+  /// Those that it was solved on last; sorted.
+  [[nodiscard]] const std::vector<OrderedFace>& faces() const { return faces_; }
   /// Of the free sites and those beside them.
   [[nodiscard]] const Report& report() const { return report_; }
 
  private:
   using Indices = std::vector<std::int32_t>;
-  struct Region;
 
   [[nodiscard]] std::vector<OrderedFace> faces_around(const Context* context);
   [[nodiscard]] std::vector<OrderedFace> all_faces() const;
   [[nodiscard]] bool is_everything() const { return region_.size() == given_; }
+  [[nodiscard]] bool is_settled(const Region& region) const;
   void widen(const Context* context);
   [[nodiscard]] std::size_t free_count() const;
   [[nodiscard]] double spare_samples(const Region& region, const RestrictedVoronoi& diagram) const;
@@ -68,11 +72,14 @@ class Relaxation {
   void store(const Region& region, const Sites& found);
   [[nodiscard]] Indices uneven(const Region& region, const RestrictedVoronoi& diagram) const;
   [[nodiscard]] Indices grow_at(const Indices& uneven, Context* context);
+  [[nodiscard]] Minimum minimum(const Region& region, const SurfaceDomain& domain,
+                                Context* context) const;
   void measure_all(const Region& region, const Minimum& found);
   void note(const Region& region, const Minimum& found);
 
   const Surface& surface_;
   const RelaxOptions& options_;
+  const Company* company_;
   std::size_t given_;  // sites; new ones follow
   Sites sites_;
   std::vector<bool> alive_;
@@ -80,11 +87,12 @@ class Relaxation {
   std::vector<bool> free_;
   Rings rings_;  // of the sites as they were given
   std::span<const OrderedFace> changed_;
-  Indices owners_;         // of what has changed; sorted
-  Indices region_;         // the given sites that are even again, or gone; sorted
-  Indices border_;         // those and the sites beside them; sorted
-  double capacity_ = 0.0;  // of a site around the region, as the domains' integrals
-  double share_ = 0.0;     // of one in it: another than around where a count is wanted
+  std::vector<OrderedFace> faces_;  // of the last region
+  Indices owners_;                  // of what has changed; sorted
+  Indices region_;                  // the given sites that are even again, or gone; sorted
+  Indices border_;                  // those and the sites beside them; sorted
+  double capacity_ = 0.0;           // of a site around the region, as the domains' integrals
+  double share_ = 0.0;              // of one in it: another than around where a count is wanted
   std::unordered_map<std::int32_t, double> first_capacities_;  // before anything has moved
   Report report_;
 };

@@ -142,6 +142,16 @@ Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> 
   return objective;
 }
 
+void leave_out_locked(Objective& objective) {
+  std::vector<Term> left;
+  for (Term& term : objective.terms)
+    if (term.members.empty() || std::any_of(term.members.begin(), term.members.end(), [&](auto k) {
+          return !objective.locked[static_cast<std::size_t>(k)];
+        }))
+      left.push_back(std::move(term));
+  objective.terms = std::move(left);
+}
+
 Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed, Context* context,
                  std::size_t* along) {
   const StageSpan starting(context, Stage::kStart);

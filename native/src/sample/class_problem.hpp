@@ -40,6 +40,10 @@ void check(const ClassProblem& problem, const ClassOptions& options);
                                        std::vector<std::int32_t> classes,
                                        const ClassOptions& options, std::vector<bool> locked = {});
 
+/// Without the terms of classes whose sites are all locked: nothing that moves is of them. That of
+/// all stays.
+void leave_out_locked(Objective& objective);
+
 /// Where an optimization begins, class by class.
 /// \param along see poisson_start()
 [[nodiscard]] Sites make_start(const ClassProblem& problem, Start kind, std::uint64_t seed,

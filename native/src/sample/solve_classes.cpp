@@ -191,24 +191,6 @@ std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& proble
   return groups;
 }
 
-/// Without the classes whose sites are all locked: nothing that moves is of them.
-void leave_out_locked(Objective& objective) {
-  std::vector<Term> left;
-  for (Term& term : objective.terms)
-    if (term.members.empty() || std::any_of(term.members.begin(), term.members.end(), [&](auto k) {
-          return !objective.locked[static_cast<std::size_t>(k)];
-        }))
-      left.push_back(std::move(term));
-  objective.terms = std::move(left);
-}
-
-void append(Sites& sites, const Sites& more) {
-  sites.positions.insert(sites.positions.end(), more.positions.begin(), more.positions.end());
-  sites.faces.insert(sites.faces.end(), more.faces.begin(), more.faces.end());
-  sites.barycentric.insert(sites.barycentric.end(), more.barycentric.begin(),
-                           more.barycentric.end());
-}
-
 /// Places classes one group after another, each around those that are there already.
 class InTurn {
  public:

@@ -55,6 +55,24 @@ RelaxOptions take_relax_options(Bytes& bytes, const Samples& samples) {
   return options;
 }
 
+/// Deal the samples out to two or three classes, after all that was read before there were any.
+void take_classes(Bytes& bytes, Samples& samples, RelaxOptions& options) {
+  if (options.count || !bytes.one_in(4)) return;
+  const int classes = 2 + bytes.below(2);
+  for (std::int32_t& c : samples.classes) c = bytes.below(classes);
+  for (int c = 0; c < classes; ++c)
+    options.classes.push_back({.count = take_count(bytes) / 2,
+                               .radius = bytes.one_in(2) ? bytes.between(0.0, 0.2) : 0.0});
+  options.free_counts = bytes.one_in(2);
+}
+
+void expect_counts(const Samples& samples, const RelaxOptions& options) {
+  for (std::size_t c = 0; c < options.classes.size() && !options.free_counts; ++c)
+    EXPECT_EQ(std::count(samples.classes.begin(), samples.classes.end(), static_cast<int>(c)),
+              static_cast<std::ptrdiff_t>(options.classes[c].count))
+        << "class " << c;
+}
+
 std::vector<std::int32_t> ids_of(const Samples& samples, std::span<const std::int32_t> rows) {
   std::vector<std::int32_t> result;
   for (const std::int32_t k : rows) result.push_back(samples.ids[static_cast<std::size_t>(k)]);
@@ -73,11 +91,12 @@ void fuzz_relax(Bytes& bytes) {
   const Shape shape = take_shape(bytes);
   const auto surface = take_surface(bytes, shape);
   if (!surface) return;
-  const auto before = take_solved(bytes, *surface);
+  auto before = take_solved(bytes, *surface);
   if (!before) return;
   const Surface after = take_changed(bytes, *surface);
   const std::vector<std::int32_t> changed = take_changed_faces(bytes, *surface, after);
   RelaxOptions options = take_relax_options(bytes, *before);
+  take_classes(bytes, *before, options);
   const auto samples = answer_of_threads([&](int threads) {
     options.threads = threads;
     return relax(after, *before, changed, options);
@@ -87,6 +106,7 @@ void fuzz_relax(Bytes& bytes) {
   if (options.count) {
     EXPECT_EQ(samples->size(), *options.count);
   }
+  expect_counts(*samples, options);
   expect_locked(*before, *samples, options.locked);
   const std::vector<std::int32_t> locked = ids_of(*before, options.locked);
   expect_where_dense(after, *samples, locked);

@@ -16,6 +16,9 @@ from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
 
 
+CLASS_METAVAR = "COUNT|spacing=S[:radius=R,density=D]"
+
+
 @dataclass(frozen=True)
 class Wanted:
     """One class, as it stands on the command line."""
@@ -74,7 +77,7 @@ class WantedType(click.ParamType):
     type=WantedType(),
     multiple=True,
     required=True,
-    metavar="COUNT|spacing=S[:radius=R,density=D]",
+    metavar=CLASS_METAVAR,
     help="Once for each class. S, in place of a number, is the distance between its points where "
     "the density is largest. R >= 0 keeps things apart by the sum of their radii; with 0 they are "
     "points, which stay outside the things of others. Both are in the units of MESH. D is a "

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import dapple3d as dapple
 from dapple3d.cli import indices, meshes, options, points
 from dapple3d.cli.attributes import with_attributes
+from dapple3d.cli.commands.classes import CLASS_METAVAR, Wanted, WantedType
 from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
@@ -45,6 +46,15 @@ from dapple3d.cli.work import Work
     "[default: as the points around ask for]",
 )
 @click.option(
+    "--class",
+    "wanted",
+    type=WantedType(),
+    multiple=True,
+    metavar=CLASS_METAVAR,
+    help="Once for each class of POINTS, in their order, as for `dapple classes`: what it is to be. "
+    "Rare classes come first, the others make room.",
+)
+@click.option(
     "--locked",
     type=indices.IndicesType(),
     metavar=indices.METAVAR,
@@ -64,6 +74,7 @@ def command(
     density_before: str | None,
     changed: NDArray[np.int64] | Path | None,
     count: int | None,
+    wanted: tuple[Wanted, ...],
     locked: NDArray[np.int64] | Path | None,
     density: str | None,
     density_at: meshes.Place | None,
@@ -84,6 +95,8 @@ def command(
     Examples:
       dapple relax hills.npz points.npz new.npz --density road --density-before plain
       dapple relax dented.ply points.npz new.npz --before round.ply
+      dapple relax hills.npz plants.npz new.npz --density road --density-before plain
+        --class 50:radius=1 --class 2000
     """
     reporter = Reporter(json_out, quiet)
     points.check_extension(out)
@@ -91,6 +104,7 @@ def command(
         raise click.UsageError("give either --changed, or --before and --density-before")
     files = [mesh, source, before, options.density_file(density)]
     files += [options.density_file(density_before), indices.file_of(changed)]
+    files += [options.density_file(one.density) for one in wanted]
     check_outputs([*files, indices.file_of(locked)], [out, reporter.file])
     loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
     surface = loaded.surface
@@ -103,15 +117,19 @@ def command(
         where = found
     old = points.bound(then, source)
     old = dapple.Samples(surface, old.faces, old.barycentric, ids=old.ids, classes=old.classes)
+    classes = [one.on(loaded) for one in wanted] or None
     stay = indices.indices("--locked", locked, len(old), "points")
     chosen = options.given(solver)
-    solving = partial(dapple.relax, surface, old, where, count=count, locked=stay, **chosen)
+    solving = partial(
+        dapple.relax, surface, old, where, classes=classes, count=count, locked=stay, **chosen
+    )
     with Work("relaxing", quiet=quiet) as work:
         samples = work.run(solving)
     made = points.points_of(samples)
     points.write_points(out, with_attributes(loaded.mesh, samples, made) if attributes else made)
     settings = {
         "count": count,
+        "classes": [one.settings(made.count) for one, made in zip(wanted, classes or [], strict=True)],
         "locked": 0 if stay is None else len(stay),
         **options.library_defaults("relax"),
     }

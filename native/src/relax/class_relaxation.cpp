@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "relax/class_relaxation.hpp"
+
+#include <algorithm>
+#include <dapple/resample.hpp>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "base/progress.hpp"
+#include "relax/relaxation.hpp"
+#include "surface/on_density.hpp"
+#include "surface/ordered_surface.hpp"
+#include "voronoi/cell_surface.hpp"
+
+namespace dapple {
+namespace {
+
+using Indices = std::vector<std::int32_t>;
+
+constexpr double kRarer = 3.0;   // times as many samples: such a class follows the rarer one
+constexpr double kStill = 0.01;  // spacings of all: who moves by less does not stir the others
+
+std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+double wanted(const RelaxedClass& one) {
+  return static_cast<double>(one.count.value_or(one.sites.size()));
+}
+
+std::vector<OrderedFace> ordered_faces(const Surface& surface,
+                                       std::span<const std::int32_t> faces) {
+  std::vector<OrderedFace> result;
+  result.reserve(faces.size());
+  for (const std::int32_t face : faces) result.push_back(surface.ordered().counted_face(face));
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+Indices all_faces(const Surface& surface) {
+  Indices faces(surface.face_count());
+  std::iota(faces.begin(), faces.end(), 0);
+  return faces;
+}
+
+/// Add a first site where a component without any has got a density.
+void settle_components(const Surface& surface, std::span<const OrderedFace> changed, Sites& sites) {
+  const OrderedSurface& mesh = surface.ordered();
+  if (mesh.components() < 2) return;
+  std::vector<bool> settled(at(mesh.components()), false);
+  for (const std::int32_t face : sites.faces)
+    settled[at(mesh.component(mesh.ordered_face(face)))] = true;
+  std::map<std::int32_t, OrderedFace> largest;  // the changed face of most capacity, by component
+  for (const OrderedFace face : changed) {
+    if (settled[at(mesh.component(face))]) continue;
+    OrderedFace& most = largest.try_emplace(mesh.component(face), face).first->second;
+    if (mesh.geometry(face).moments.capacity > mesh.geometry(most).moments.capacity) most = face;
+  }
+  const Vec3 middle = Vec3::Constant(1.0 / 3.0);
+  for (const auto& [component, face] : largest)
+    if (mesh.geometry(face).moments.capacity > 0.0)
+      append(sites, {{mesh.point(face, middle)}, {mesh.original_face(face)}, {middle}});
+}
+
+Sites left_of(const RelaxedClass& one) {
+  Indices alive;
+  for (std::size_t k = 0; k < one.sites.size(); ++k)
+    if (one.alive[k]) alive.push_back(static_cast<std::int32_t>(k));
+  return select(one.sites, alive);
+}
+
+Companion companion(const RelaxedClass& one) {
+  return {&one.surface, wanted(one) / one.surface.mass(), one.radius};
+}
+
+/// What lies on the faces; those that were free when the class was relaxed alone still are.
+Region region_on(const RelaxedClass& one, std::span<const OrderedFace> faces, Context* context) {
+  Region region{SurfacePart(one.surface, faces, context)};
+  for (std::size_t k = 0; k < one.sites.size(); ++k) {
+    const std::int32_t face = region.part.inside(one.sites.faces[k]);
+    if (face >= 0 && one.alive[k])
+      region.add({static_cast<std::int32_t>(k), !one.free[k], false, false}, one.sites, k, face);
+  }
+  return region;
+}
+
+}  // namespace
+
+Report report_of(std::span<const RelaxedClass> classes) {
+  Report result = classes.back().report;
+  if (classes.size() < 2) return result;
+  result = {};
+  for (const RelaxedClass& one : classes) {
+    result.evaluations += one.report.evaluations;
+    result.iterations += one.report.iterations;
+    result.converged = result.converged && one.report.converged;
+    result.classes.push_back(one.report);
+  }
+  return result;
+}
+
+ClassRelaxation::ClassRelaxation(const Surface& surface, const Samples& samples, const Sites& sites,
+                                 std::span<const std::int32_t> changed, const RelaxOptions& options)
+    : options_(options), changed_(changed.begin(), changed.end()) {
+  std::size_t count = 0;
+  for (const SampleClass& one : options.classes) count += one.count;
+  if (options.classes.empty()) count = options.count.value_or(samples.size());
+  sides_ = sides_for(surface, count, Cells::kConnected);
+  if (options.classes.empty())
+    add(samples.classes.empty() ? 0 : samples.classes[0], surface, options.count, 0.0);
+  for (std::size_t c = 0; c < options.classes.size(); ++c) {
+    const SampleClass& one = options.classes[c];
+    add(static_cast<std::int32_t>(c), one.surface ? *one.surface : surface,
+        options.free_counts ? std::nullopt : std::optional(one.count), one.radius);
+  }
+  deal_out(samples, sites);
+}
+
+void ClassRelaxation::add(std::int32_t name, const Surface& surface,
+                          std::optional<std::size_t> count, double radius) {
+  classes_.push_back({.name = name,
+                      .surface = *sides_ ? with_sides_of(**sides_, surface)->all : surface,
+                      .count = count,
+                      .radius = radius});
+}
+
+/// Each class gets its samples.
+void ClassRelaxation::deal_out(const Samples& samples, const Sites& sites) {
+  std::vector<bool> locked(samples.size(), false);
+  for (const std::int32_t k : options_.locked) locked[at(k)] = true;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    RelaxedClass& one = classes_[options_.classes.empty() ? 0 : at(samples.classes[k])];
+    one.rows.push_back(static_cast<std::int32_t>(k));
+    one.locked.push_back(locked[k]);
+  }
+  for (RelaxedClass& one : classes_) {
+    one.sites = select(sites, one.rows);
+    one.alive.resize(one.rows.size(), true);
+    one.free.resize(one.rows.size(), false);
+  }
+}
+
+void ClassRelaxation::run(Context* context) {
+  const std::vector<std::vector<std::size_t>> groups = groups_by_count();
+  done_.resize(classes_.size(), false);
+  double begun = 0.0;
+  for (const std::vector<std::size_t>& group : groups) {
+    const double end =
+        begun + static_cast<double>(group.size()) / static_cast<double>(classes_.size());
+    Stretch alone(context, begun, group.size() > 1 ? std::midpoint(begun, end) : end);
+    Stretch together(context, std::midpoint(begun, end), end);
+    for (const std::size_t c : group) {
+      relax(c, alone.context());
+      done_[c] = true;
+    }
+    if (group.size() > 1) relax_together(group, together.context());
+    begun = end;
+  }
+}
+
+/// Rare classes first; those of about the same number are one group.
+std::vector<std::vector<std::size_t>> ClassRelaxation::groups_by_count() const {
+  std::vector<std::size_t> order(classes_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto rarer = [this](std::size_t a, std::size_t b) {
+    const double left = wanted(classes_[a]), right = wanted(classes_[b]);
+    return left != right ? left < right : a < b;
+  };
+  std::sort(order.begin(), order.end(), rarer);
+  std::vector<std::vector<std::size_t>> groups;
+  for (const std::size_t c : order) {
+    if (groups.empty() || wanted(classes_[c]) >= kRarer * wanted(classes_[groups.back()[0]]))
+      groups.emplace_back();
+    groups.back().push_back(c);
+  }
+  return groups;
+}
+
+/// The faces where something has changed, and those of samples that are where the density is 0; all
+/// faces where only the count is to be another.
+std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one) const {
+  Indices faces = changed_;
+  if (faces.empty() && one.count && *one.count != one.sites.size()) faces = all_faces(one.surface);
+  if (!one.surface.uniform())
+    for (std::size_t k = 0; k < one.sites.size(); ++k)
+      if (!one.locked[k] &&
+          !is_on_density(one.surface, one.sites.faces[k], one.sites.barycentric[k]))
+        faces.push_back(one.sites.faces[k]);
+  return ordered_faces(one.surface, faces);
+}
+
+/// Those that are done, and others of about the same number; more common ones make room later.
+Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
+  Company company{{}, {}, options_.union_weight};
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t c : selves) {
+    company.selves.push_back(companion(classes_[c]));
+    least = std::min(least, wanted(classes_[c]));
+  }
+  for (std::size_t k = 0; k < classes_.size(); ++k) {
+    if (std::find(selves.begin(), selves.end(), k) != selves.end() || wanted(classes_[k]) == 0.0 ||
+        (!done_[k] && wanted(classes_[k]) >= kRarer * least))
+      continue;
+    company.others.push_back(companion(classes_[k]));
+    company.others.back().sites = left_of(classes_[k]);
+  }
+  return company;
+}
+
+/// A class without samples gets its first ones.
+void ClassRelaxation::begin(RelaxedClass& one, Context* context) const {
+  const Samples found = resample(one.surface, {}, *one.count,
+                                 {.seed = options_.seed, .optimizer = options_.optimizer}, context);
+  one.sites = {found.positions, found.faces, found.barycentric};
+  one.locked.resize(found.size(), false);
+  one.alive.resize(found.size(), true);
+  one.free.resize(found.size(), true);
+  one.report = found.report;
+}
+
+void ClassRelaxation::relax(std::size_t c, Context* context) {
+  RelaxedClass& one = classes_[c];
+  std::vector<OrderedFace> faces = faces_to_relax(one);
+  if (one.sites.size() == 0) {
+    if (one.count.value_or(0) == 0) return;
+    relaxed_ = true;
+    begin(one, context);
+    if (classes_.size() == 1) return;
+    faces = ordered_faces(one.surface, all_faces(one.surface));
+  }
+  if (faces.empty()) return;
+  relaxed_ = true;
+  const Sites before = one.sites;
+  settle_components(one.surface, faces, one.sites);
+  one.locked.resize(one.sites.size(), false);
+  const Company company = company_of({&c, 1});
+  const RelaxOptions options{
+      .seed = options_.seed, .optimizer = options_.optimizer, .count = one.count};
+  Relaxation relaxation(one.surface, one.sites, one.locked, options,
+                        classes_.size() > 1 ? &company : nullptr);
+  relaxation.run(faces, context);
+  one.sites = relaxation.sites();
+  one.faces = relaxation.faces();
+  one.report = relaxation.report();
+  one.alive.clear();
+  one.free.clear();
+  for (std::size_t k = 0; k < one.sites.size(); ++k) {
+    one.alive.push_back(relaxation.is_alive(k));
+    one.free.push_back(relaxation.is_free(k));
+  }
+  note_moves(one, before);
+}
+
+/// One after another each has found its number and about its places; the last one had to take what
+/// the others had left.
+void ClassRelaxation::relax_together(std::span<const std::size_t> group, Context* context) {
+  std::vector<OrderedFace> faces;
+  for (const std::size_t c : group) {
+    const std::vector<OrderedFace>& more = classes_[c].faces;
+    const std::vector<OrderedFace> before = std::exchange(faces, {});
+    std::set_union(before.begin(), before.end(), more.begin(), more.end(),
+                   std::back_inserter(faces));
+  }
+  if (faces.empty()) return;
+  std::vector<Region> regions;
+  std::vector<std::unique_ptr<const SurfaceDomain>> domains;
+  for (const std::size_t c : group) regions.push_back(region_on(classes_[c], faces, context));
+  std::vector<Self> selves;
+  const Company company = company_of(group);
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto& domain = domains.emplace_back(std::make_unique<const SurfaceDomain>(
+        regions[k].part.surface(), Cells::kConnected, Steps::kConnected, /*sides=*/nullptr,
+        EmptyFaces::kLeft));
+    selves.push_back(
+        {&regions[k], domain.get(), domain->density_unit() / company.selves[k].weight});
+  }
+  const Minimum found = even_among(selves, company, options_.optimizer, context);
+  store(group, regions, found);
+}
+
+void ClassRelaxation::store(std::span<const std::size_t> group, const std::vector<Region>& regions,
+                            const Minimum& found) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    RelaxedClass& one = classes_[group[k]];
+    const Sites before = one.sites;
+    for (std::size_t m = 0; m < regions[k].members.size(); ++m) {
+      const Region::Member& member = regions[k].members[m];
+      if (member.fixed) continue;
+      const std::size_t s = at(member.site), at_end = first + m;
+      one.sites.positions[s] = found.state.sites.positions[at_end];
+      one.sites.faces[s] = regions[k].part.outside(found.state.sites.faces[at_end]);
+      one.sites.barycentric[s] = found.state.sites.barycentric[at_end];
+    }
+    first += regions[k].members.size();
+    note_moves(one, before);
+  }
+  RelaxedClass& last = classes_[group.back()];
+  last.report.evaluations += found.evaluations;
+  last.report.iterations += found.iterations;
+  last.report.converged = found.converged;
+}
+
+/// Others have to make room where samples have come, gone or moved.
+void ClassRelaxation::note_moves(const RelaxedClass& one, const Sites& before) {
+  std::size_t count = 0;
+  for (const RelaxedClass& each : classes_) count += each.count.value_or(each.sites.size());
+  const double still = kStill * one.surface.spacing(count);
+  for (std::size_t k = 0; k < one.sites.size(); ++k) {
+    const bool old = k < one.rows.size();
+    if (old && one.alive[k] && (one.sites.positions[k] - before.positions[k]).norm() <= still)
+      continue;
+    if (!old && !one.alive[k]) continue;
+    if (old) changed_.push_back(before.faces[k]);
+    if (one.alive[k]) changed_.push_back(one.sites.faces[k]);
+  }
+}
+
+}  // namespace dapple

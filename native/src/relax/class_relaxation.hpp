@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <dapple/relax_options.hpp>
+#include <dapple/samples.hpp>
+
+#include "relax/company.hpp"
+#include "surface/ordered_face.hpp"
+
+namespace dapple {
+
+/// The samples of one class while they are relaxed.
+struct RelaxedClass {
+  std::int32_t name;                 ///< see Samples::classes
+  Surface surface;                   ///< with its density, and the sides of walls
+  std::optional<std::size_t> count;  ///< wanted; none: as many as fit those around
+  double radius = 0.0;
+  std::vector<std::int32_t> rows = {};  ///< of the samples given; those that are put in follow
+  Sites sites = {};
+  std::vector<bool> locked = {}, alive = {}, free = {};
+  std::vector<OrderedFace> faces = {};  ///< that it was relaxed on last; sorted
+  Report report = {};
+};
+
+/// Of all classes: what it took, and how even each is.
+[[nodiscard]] Report report_of(std::span<const RelaxedClass> classes);
+
+/// Relaxes one class after another, rare ones first: each among those that are as rare or rarer,
+/// where something has changed and where these have moved.
+class ClassRelaxation {
+ public:
+  /// \param samples, options must outlive this
+  /// \param sites   of the samples, where they are now
+  /// \param changed the caller's faces
+  ClassRelaxation(const Surface& surface, const Samples& samples, const Sites& sites,
+                  std::span<const std::int32_t> changed, const RelaxOptions& options);
+
+  /// \throw ArgumentError for a count that cannot be reached; Cancelled
+  void run(Context* context);
+
+  /// Whether there was anything to relax.
+  [[nodiscard]] bool has_relaxed() const { return relaxed_; }
+  [[nodiscard]] std::span<const RelaxedClass> classes() const { return classes_; }
+
+ private:
+  void add(std::int32_t name, const Surface& surface, std::optional<std::size_t> count,
+           double radius);
+  [[nodiscard]] std::vector<std::vector<std::size_t>> groups_by_count() const;
+  void deal_out(const Samples& samples, const Sites& sites);
+  [[nodiscard]] std::vector<OrderedFace> faces_to_relax(const RelaxedClass& one) const;
+  [[nodiscard]] Company company_of(std::span<const std::size_t> selves) const;
+  void begin(RelaxedClass& one, Context* context) const;
+  void relax(std::size_t c, Context* context);
+  void relax_together(std::span<const std::size_t> group, Context* context);
+  void store(std::span<const std::size_t> group, const std::vector<Region>& regions,
+             const Minimum& found);
+  void note_moves(const RelaxedClass& one, const Sites& before);
+
+  const RelaxOptions& options_;
+  std::vector<std::int32_t> changed_;  // the caller's, and where classes have moved
+  KnownSides sides_;
+  std::vector<RelaxedClass> classes_;
+  std::vector<bool> done_;
+  bool relaxed_ = false;
+};
+
+}  // namespace dapple

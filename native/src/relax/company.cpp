@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "relax/company.hpp"
+
+#include <algorithm>
+
+#include "optimize/discs.hpp"
+#include "relax/part_domain.hpp"
+#include "sample/lead_to_density.hpp"
+#include "sample/solve_classes.hpp"
+#include "surface/ordered_surface.hpp"
+
+namespace dapple {
+namespace {
+
+constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enough
+
+std::vector<const Companion*> all_of(const Company& company) {
+  std::vector<const Companion*> result;
+  for (const Companion& self : company.selves) result.push_back(&self);
+  for (const Companion& other : company.others) result.push_back(&other);
+  return result;
+}
+
+/// The part with the sum of the classes' densities, and the capacity of a site on it.
+struct Together {
+  Surface surface;
+  double share;
+};
+
+Together together_on(const SurfacePart& part, const Company& company) {
+  const std::vector<const Companion*> all = all_of(company);
+  double weights = 0.0;
+  for (const Companion* one : all) weights += one->weight;
+  if (std::all_of(all.begin(), all.end(), [](const auto* one) { return one->surface->uniform(); }))
+    return {part.surface(), 1.0 / weights};
+  std::vector<double> values;
+  for (std::size_t f = 0; f < part.surface().face_count(); ++f) {
+    Vec3 sum = Vec3::Zero();
+    for (const Companion* one : all) {
+      const OrderedSurface& mesh = one->surface->ordered();
+      const std::int32_t face = part.outside(static_cast<std::int32_t>(f));
+      sum += one->weight * mesh.densities(mesh.ordered_face(face));
+    }
+    values.insert(values.end(), {sum[0], sum[1], sum[2]});
+  }
+  return {part.surface().with_density({DensityAt::kCorners, values}), 1.0};
+}
+
+/// Those that are on the part, as its sites.
+Sites on_part(const SurfacePart& part, const Sites& sites) {
+  std::vector<std::int32_t> inside;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    if (part.inside(sites.faces[k]) >= 0) inside.push_back(static_cast<std::int32_t>(k));
+  Sites result = select(sites, inside);
+  for (std::int32_t& face : result.faces) face = part.inside(face);
+  return result;
+}
+
+/// Classes on the part, those that are relaxed first, with what they own.
+struct Gathered {
+  ClassProblem problem;
+  Sites start;
+  std::vector<bool> locked;
+};
+
+Gathered gather(std::span<const Self> selves, const Company& company) {
+  Gathered result;
+  std::vector<ClassProblem::Member>& classes = result.problem.classes;
+  for (std::size_t c = 0; c < selves.size(); ++c) {
+    const Region& region = *selves[c].region;
+    const std::size_t count = region.members.size();
+    classes.push_back(
+        {std::make_shared<const PartDomain>(*selves[c].domain, selves[c].share, count), count,
+         company.selves[c].radius});
+    Sites own = region.sites;
+    const std::vector<bool> fixed = region.fixed();
+    lead_to_density(region.part.surface(), *selves[c].domain, own, fixed);
+    append(result.start, own);
+    result.locked.insert(result.locked.end(), fixed.begin(), fixed.end());
+  }
+  for (const Companion& other : company.others) {
+    const Sites around = on_part(selves[0].region->part, other.sites);
+    classes.push_back({classes[0].domain, around.size(), other.radius});
+    append(result.start, around);
+    result.locked.resize(result.start.size(), true);
+  }
+  return result;
+}
+
+}  // namespace
+
+bool discs_overlap(const Region& region, const Company& company) {
+  Sites sites = region.sites;
+  std::vector<double> radii(sites.size(), company.selves[0].radius);
+  for (const Companion& other : company.others) {
+    append(sites, on_part(region.part, other.sites));
+    radii.resize(sites.size(), other.radius);
+  }
+  if (std::all_of(radii.begin(), radii.end(), [](double radius) { return radius == 0.0; }))
+    return false;
+  Vectors normals;
+  const OrderedSurface& mesh = region.part.surface().ordered();
+  for (const std::int32_t face : sites.faces)
+    normals.push_back(mesh.geometry(mesh.ordered_face(face)).normal);
+  const Repulsion close = evaluate_disc_repulsion({sites, normals, radii}, 1.0);
+  const ClosePair* worst = worst_pair(close);
+  return worst && worst->overlap > kOverlap;
+}
+
+Minimum even_among(std::span<const Self> selves, const Company& company,
+                   const OptimizerOptions& options, Context* context) {
+  Gathered gathered = gather(selves, company);
+  ClassProblem& problem = gathered.problem;
+  const Together together = together_on(selves[0].region->part, company);
+  const SurfaceDomain cells(together.surface, Cells::kConnected, Steps::kConnected,
+                            /*sides=*/nullptr, EmptyFaces::kLeft);
+  problem.all = problem.classes[0].domain;
+  if (gathered.start.size() > problem.classes[0].count)
+    problem.all = std::make_shared<const PartDomain>(cells, together.share * cells.density_unit(),
+                                                     gathered.start.size());
+  Objective objective =
+      make_objective(problem, class_of_sites(problem),
+                     {.sample = {.optimizer = options}, .union_weight = company.union_weight},
+                     std::move(gathered.locked));
+  leave_out_locked(objective);
+  objective.holds_discs = !objective.discs.empty();
+  return solve(std::move(objective), gathered.start, options, context).minimum;
+}
+
+}  // namespace dapple

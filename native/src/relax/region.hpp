@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "relax/surface_part.hpp"
+#include "sample/among_locked.hpp"
+
+namespace dapple {
+
+/// The sites of one round: a part of the surface and what lies on it.
+struct Region {
+  struct Member {
+    std::int32_t site;
+    bool fixed;
+    bool open;      // others may come into its cell, even if it is locked
+    bool measured;  // it may move, or is beside one that may
+  };
+
+  SurfacePart part;
+  std::vector<Member> members = {};
+  Sites sites = {};  // on the part
+
+  /// \param face of the part
+  void add(const Member& member, const Sites& from, std::size_t k, std::int32_t face) {
+    members.push_back(member);
+    sites.positions.push_back(from.positions[k]);
+    sites.faces.push_back(face);
+    sites.barycentric.push_back(from.barycentric[k]);
+  }
+
+  [[nodiscard]] std::vector<bool> fixed() const {
+    return which([](const Member& member) { return member.fixed; });
+  }
+  [[nodiscard]] std::vector<bool> free() const {
+    return which([](const Member& member) { return !member.fixed; });
+  }
+  [[nodiscard]] std::vector<bool> open() const {
+    return which([](const Member& member) { return member.open; });
+  }
+  [[nodiscard]] SharedCells shared(const RestrictedVoronoi& diagram) const {
+    return {diagram.cells, open(), fixed()};
+  }
+
+ private:
+  [[nodiscard]] std::vector<bool> which(const auto& is) const {
+    std::vector<bool> result;
+    result.reserve(members.size());
+    for (const Member& member : members) result.push_back(is(member));
+    return result;
+  }
+};
+
+}  // namespace dapple
