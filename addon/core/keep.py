@@ -17,7 +17,7 @@ from .details import Details, details_of
 from .forward import pointing
 from .frames import carried, shading
 from .ground import Ground
-from .kinds import counted, sampled
+from .kinds import class_counts, classes_of, counted, sampled, shrunk
 from .locked import Locked
 from .native import package
 from .records import Binding, Columns, own_random
@@ -30,6 +30,8 @@ KEEPING = {"count", "per_area", "density", "forward"}  # settings that may be ot
 _SAME = 1e-5  # of a surface's extent: vertices that are moved by less are where they were
 _SPARE_POINTS, _SPARE = 2, 0.001  # points by area that may be missing, in all and as a share
 _EFFORT = ("evaluations", "milliseconds", "converged")  # figures that are no measure of points
+_OVERLAP = ("worst_overlap", "overlap_first", "overlap_second")
+_ROUGH = 5e-4  # tolerance of classes while they are shown before their counts are right
 _HANDFUL = 3  # points that come or go at a place without many others giving way
 _RINGS = 3.0  # spacings around those points, within which others make room for them
 _YIELDS = 0.015  # of its area, by which a point gives way to others that come or go
@@ -38,8 +40,6 @@ _TRIES = 4  # to have no point where the density is 0
 _STRANDED = 0.5  # of all points: where more have no density any more, all are placed anew
 _MOST = 1.0  # of all points: where more have to come from elsewhere, all are placed anew
 _MANY = 0.05  # of all points: where more have to come from elsewhere, all are moved at once
-
-_ODD = 2 * np.random.default_rng(1).integers(2**62, size=22, dtype=np.uint64) + np.uint64(1)
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Before:
 
 
 def keeps(settings: Settings, changed: list[str], same_faces: bool) -> bool:
-    """Whether points can be kept at all: of one class, on the same faces, from the same seed."""
-    return same_faces and not settings.classes and KEEPING.issuperset(changed)
+    """Whether points can be kept at all: on the same faces, of the same classes and seed."""
+    return same_faces and KEEPING.issuperset(changed)
 
 
 def kept(
@@ -72,10 +72,13 @@ def kept(
         like = before.solved.ground if before.solved else None
         ground = Ground(arrays, settings, context, like)
         if locked is not None:
-            locked.of_classes([_wanted(ground, settings)])  # an error if they are more
-        given, changed = _given(before, arrays, ground)
+            locked.of_classes(_counts(ground, settings))  # an error if they are more
+        given, changed = _given(before, arrays, ground, settings)
         touched = _touched(before, arrays, ground)
-        if len(touched) and not len(changed):
+        if settings.classes:
+            changed = np.union1d(changed, touched).astype(np.int32)
+            solved = fine = _classes_relaxed(ground, given, changed, settings, context, locked)
+        elif len(touched) and not len(changed):
             solved = _evened_around(ground, given, touched, settings, context, locked)
             solved = _off_nothing(ground, solved, settings, context, locked)
             fine = _with_ids_of(given, solved, ground)
@@ -119,9 +122,12 @@ def is_whole(scattered: Scattered, before: Before | None = None) -> bool:
     assert solved is not None
     if settings.per_area and before is not None and before.touched is not None:
         return True
-    wanted = _wanted(solved.ground, settings)
-    spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
-    return abs(len(solved.samples) - wanted) <= spare
+    there = np.bincount(solved.samples.classes, minlength=max(len(settings.classes), 1))
+    for count, wanted in zip(there, _counts(solved.ground, settings), strict=True):
+        spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
+        if abs(count - wanted) > spare:
+            return False
+    return True
 
 
 def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
@@ -130,8 +136,11 @@ def evened(before: Scattered, context: Any, locked: Locked | None) -> Scattered:
     assert solved is not None
     ground, arrays = solved.ground, solved.arrays
     with named(arrays.name):
-        fine = _resampled(ground, solved.samples, settings, context, locked)
-        fine = _off_nothing(ground, fine, settings, context, locked)
+        if settings.classes:
+            fine = _with_counts(ground, solved.samples, settings, context, locked)
+        else:
+            fine = _resampled(ground, solved.samples, settings, context, locked)
+            fine = _off_nothing(ground, fine, settings, context, locked)
         stored = Before(before.binding, before.columns, solved)
         found = _scattered(stored, arrays, ground, solved.samples, fine, settings, locked)
     spent = before.report.milliseconds + found.report.milliseconds
@@ -150,7 +159,7 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
         )
         density = ground.densities(samples)
         gaps = details_of(samples, density).gaps
-    effort = {name: getattr(scattered.report, name) for name in _EFFORT}
+    effort = {name: getattr(scattered.report, name) for name in (*_EFFORT, *_OVERLAP)}
     report = replace(found, doubled_faces=ground.original.doubled_faces, **effort)
     return replace(scattered, report=report, details=Details(gaps=gaps))
 
@@ -173,7 +182,9 @@ def _is_of_corners(values: Floats) -> bool:
     return values.ndim == 2 and values.shape[1] == 3
 
 
-def _given(before: Before, arrays: SurfaceArrays, ground: Ground) -> tuple[Any, Ints]:
+def _given(
+    before: Before, arrays: SurfaceArrays, ground: Ground, settings: Settings
+) -> tuple[Any, Ints]:
     """dapple.Samples of the ground that are there, and the faces on which something changed."""
     solved, everything = before.solved, np.arange(len(ground.surface.faces), dtype=np.int32)
     ids, classes = before.columns["id"], before.columns["dapple_class"]
@@ -184,6 +195,9 @@ def _given(before: Before, arrays: SurfaceArrays, ground: Ground) -> tuple[Any, 
     if not (ground.is_cut or solved.ground.is_cut):
         surface = solved.ground.surface.deformed(vertices)
         changed: Ints = package().changed_faces(surface, ground.surface)
+        for name in _densities(settings):
+            other = solved.ground.at_corners(name) != ground.at_corners(name)
+            changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
         samples = solved.samples
         if vertices is not solved.arrays.vertices or not np.array_equal(samples.ids, ids):
             places = (samples.faces, samples.barycentric)
@@ -192,7 +206,8 @@ def _given(before: Before, arrays: SurfaceArrays, ground: Ground) -> tuple[Any, 
     coarse = solved.ground.back(solved.samples)
     places = (coarse.faces, coarse.barycentric)
     samples = package().Samples(ground.original, *places, ids=ids, classes=classes)
-    return ground.there(samples), _changed_pieces(solved.ground, vertices, ground, arrays)
+    old = replace(solved.arrays, vertices=vertices)
+    return ground.there(samples), _changed_pieces(solved.ground, old, ground, arrays, settings)
 
 
 def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
@@ -210,18 +225,33 @@ def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
     return found
 
 
+def _densities(settings: Settings) -> list[str]:
+    """Names of the values that multiply the densities of object types."""
+    return sorted({kind.density for kind in settings.classes if kind.density})
+
+
 def _changed_pieces(
-    before: Ground, vertices: Floats, ground: Ground, arrays: SurfaceArrays
+    before: Ground, old: SurfaceArrays, ground: Ground, arrays: SurfaceArrays, settings: Settings
 ) -> Ints:
     """Pieces of cut faces where there is another density or shape than before."""
-    now = _pieces(ground, arrays.vertices, arrays.faces)
-    same = np.isin(now, _pieces(before, vertices, arrays.faces))
-    alike = (vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
+    names = _densities(settings)
+    now = _pieces(ground, arrays, names)
+    same = np.isin(now, _pieces(before, old, names))
+    alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
     alike &= (before.uncut == ground.uncut).all(axis=1)
+    for name in names:
+        alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
     parents = before.pieces[0][~_is_plain(before)]
     alike[parents] = False
     same |= _is_plain(ground) & alike[ground.pieces[0]]  # it is merely cut otherwise
     return np.flatnonzero(~same).astype(np.int32)
+
+
+def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
+    """Values (m, 3) at the corners of the faces."""
+    values = arrays.weights[name]
+    found: Floats = values[arrays.faces] if values.ndim == 1 else values
+    return np.broadcast_to(found, arrays.faces.shape)
 
 
 def _is_plain(ground: Ground) -> NDArray[np.bool_]:
@@ -232,17 +262,19 @@ def _is_plain(ground: Ground) -> NDArray[np.bool_]:
     return found
 
 
-def _pieces(ground: Ground, vertices: Floats, faces: Ints) -> NDArray[np.uint64]:
+def _pieces(ground: Ground, arrays: SurfaceArrays, names: list[str]) -> NDArray[np.uint64]:
     """Numbers (m,) that are the same where a piece lies at the same place of the same face that was
-    read, with the same density.
+    read, with the same density of all and of object types with values of these names.
     """
     parents, corners = ground.pieces
     count = len(parents)
-    places = vertices[faces[parents]].reshape(count, 9)
-    rows = np.concatenate([corners.reshape(count, 9), ground.at_corners(), places], axis=1)
+    places = arrays.vertices[arrays.faces[parents]].reshape(count, 9)
+    densities = [ground.at_corners(name) for name in ("", *names)]
+    rows = np.concatenate([corners.reshape(count, 9), places, *densities], axis=1)
     bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
-    mixed = parents.astype(np.uint64) * _ODD[0]
-    for column, factor in zip(bits.T, _ODD[1:], strict=True):
+    odd = 2 * np.random.default_rng(1).integers(2**62, size=1 + bits.shape[1], dtype=np.uint64) + 1
+    mixed = parents.astype(np.uint64) * odd[0]
+    for column, factor in zip(bits.T, odd[1:], strict=True):
         mixed = (mixed ^ column) * factor
         mixed ^= mixed >> np.uint64(29)
     return mixed
@@ -275,6 +307,48 @@ def _relaxed(
     if missing and missing <= _FEW * np.count_nonzero(~_stays(given, found)):
         return package().relax(ground.surface, given, changed, count=wanted, **options)
     return found
+
+
+def _classes_relaxed(
+    ground: Ground,
+    given: Any,
+    changed: Ints,
+    settings: Settings,
+    context: Any,
+    locked: Locked | None,
+) -> Any:
+    """Several classes where something has changed; anew where that is everywhere."""
+    if len(changed) == len(ground.surface.faces) or not len(given):
+        return sampled(ground, settings, context, locked)
+    if locked is None and _stranded(ground, given) > _STRANDED:
+        return sampled(ground, settings, context)
+    options = settings.sample_options()
+    options["tolerance"] = max(options.get("tolerance", 0.0), _ROUGH)
+    return package().relax(
+        ground.surface,
+        given,
+        changed,
+        classes=classes_of(ground, settings, _counts(ground, settings)),
+        free_counts=True,
+        locked=_rows(given, locked),
+        context=context,
+        **options,
+    )
+
+
+def _with_counts(
+    ground: Ground, given: Any, settings: Settings, context: Any, locked: Locked | None
+) -> Any:
+    """Several classes, each with its count and even over the whole surface."""
+    return package().relax(
+        ground.surface,
+        given,
+        [],
+        classes=classes_of(ground, settings, _counts(ground, settings)),
+        locked=_rows(given, locked),
+        context=context,
+        **settings.sample_options(),
+    )
 
 
 def _stranded(ground: Ground, given: Any) -> float:
@@ -389,6 +463,12 @@ def _wanted(ground: Ground, settings: Settings) -> int:
     return int(counted(ground.surface, settings).count)
 
 
+def _counts(ground: Ground, settings: Settings) -> list[int]:
+    """How many points each class is to have; one class if there are no object types."""
+    sized = counted(ground.surface, shrunk(settings, ground.surface))
+    return class_counts(sized) or [sized.count]
+
+
 def _rows(samples: Any, locked: Locked | None) -> Ints:
     """Rows of the samples that are locked."""
     ids = np.empty(0, dtype=np.int32) if locked is None else locked.ids
@@ -410,13 +490,14 @@ def _scattered(
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     columns["dapple_locked"][_rows(samples, locked)] = True
     columns["dapple_density"] = ground.shares(ground.densities(fine))
-    columns["dapple_room"] = rooms(fine.positions, samples.classes, settings)
+    sized = shrunk(settings, ground.surface)
+    columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
     new = own_random(settings.seed, samples.ids, 4)
     columns["dapple_rank"] = np.where(old < 0, new, before.columns["dapple_rank"][old])
     binding = _with_directions(before.binding, binding_of(samples, arrays), old, stays, arrays)
     binding = pointing(binding, arrays, settings.forward)
     report = replace(
-        report_of(samples.report),
+        report_of(fine.report).of_ids(samples.ids),
         count=len(samples),
         measured=False,
         doubled_faces=ground.original.doubled_faces,

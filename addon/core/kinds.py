@@ -110,7 +110,7 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
         return package().sample(
             ground.surface, settings.count, context=context, locked=kept[0], **options
         )
-    classes = _native_classes(ground, settings, counts, kept)
+    classes = classes_of(ground, settings, counts, kept)
     return package().sample_classes(ground.surface, classes, context=context, **options)
 
 
@@ -141,17 +141,19 @@ def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, An
         return {}
     settings = shrunk(settings, ground.surface)
     counts = _counts_of(samples.classes, settings)
-    return {"classes": _native_classes(ground, settings, counts, [None] * len(counts))}
+    return {"classes": classes_of(ground, settings, counts)}
 
 
-def _native_classes(
-    ground: Ground, settings: Settings, counts: list[int], locked: list[Any]
+def classes_of(
+    ground: Ground, settings: Settings, counts: list[int], locked: list[Any] | None = None
 ) -> list[Any]:
+    """A dapple.SampleClass for each class that the settings list, with so many samples."""
+    kinds = shrunk(settings, ground.surface).classes
     return [
         package().SampleClass(
             count, radius=kind.radius, locked=kept, **ground.class_density(kind.density)
         )
-        for count, kept, kind in zip(counts, locked, settings.classes, strict=True)
+        for count, kept, kind in zip(counts, locked or [None] * len(counts), kinds, strict=True)
     ]
 
 

@@ -170,13 +170,14 @@ def _enabling(options: argparse.Namespace) -> None:
 
 def _following(options: argparse.Namespace) -> None:
     """The pause without a change is in what is told."""
-    for sites, faces, goal in CASES:
+    for sites, faces, types, goal in CASES:
         if sites > options.sites:
             continue
         _empty_file()
-        taken = measure_following(sites, faces, options.rounds)
+        taken = measure_following(sites, faces, options.rounds, types)
         shown, done = taken.pop("points"), taken.pop("all")
-        print(f"a stroke with {sites} points on {faces} triangles: {_judged(shown, goal)}")
+        kinds = f" of {types} object types" if types > 1 else ""
+        print(f"a stroke with {sites} points{kinds} on {faces} triangles: {_judged(shown, goal)}")
         print(f"  new points after {_ms(shown)}, all measured after {_ms(done)}")
         for name, seconds in taken.items():
             print(f"    {name}: {_ms(seconds)}")

@@ -18,17 +18,25 @@ from addon.blender.steps import keeping, updating
 from addon.core import keep
 from addon.core.steps import Stepper
 
-CASES = ((2_000, 25_000, 0.15), (20_000, 100_000, 0.5), (100_000, 100_000, 1.0))
+# Points, faces, object types, seconds that are the goal.
+CASES = (
+    (2_000, 25_000, 1, 0.15),
+    (20_000, 100_000, 1, 0.5),
+    (100_000, 100_000, 1, 1.0),
+    (12_300, 500_000, 1, 0.5),
+    (12_300, 500_000, 3, 0.5),
+)
+TYPES = ((300, 0.02), (2_000, 0.008), (10_000, 0.0))  # weights and radii on a surface of 2 x 2
 _GROUP = "Density"
 _RADIUS = 0.05  # of a stroke, on a surface of 2 x 2
 _LIMIT = 600.0  # seconds
 _EVENTS = 0.002  # seconds that Blender is presumed to take for events, between two calls of a timer
 
 
-def measure_following(sites: int, faces: int, rounds: int) -> dict[str, float]:
+def measure_following(sites: int, faces: int, rounds: int, types: int = 1) -> dict[str, float]:
     """Median seconds from a stroke until points are shown and all is done, and of its parts."""
     surface = _surface(faces)
-    scatter = _scatter(surface, sites)
+    scatter = _scatter(surface, sites, types)
     watcher.enabled = True
     taken: dict[str, list[float]] = defaultdict(list)
     for number in range(rounds):
@@ -48,12 +56,15 @@ def _surface(faces: int) -> bpy.types.Object:
     return surface
 
 
-def _scatter(surface: bpy.types.Object, sites: int) -> bpy.types.Object:
+def _scatter(surface: bpy.types.Object, sites: int, types: int) -> bpy.types.Object:
     bpy.ops.dapple.add(count=10)
     scatter = bpy.context.object
     scatter.dapple.auto_update_choice = "ON"
     scatter.dapple.amount, scatter.dapple.points_per_area = "PER_AREA", sites / 4.0
     scatter.dapple.density.attribute = _GROUP
+    for weight, radius in TYPES[:types] if types > 1 else ():
+        bpy.ops.dapple.edit_classes(action="ADD")
+        scatter.dapple.classes[-1].share, scatter.dapple.classes[-1].radius = weight, radius
     bpy.ops.dapple.optimize()
     return scatter
 
@@ -113,6 +124,7 @@ def _parts() -> Iterator[dict[str, float]]:
         (Stepper, "run_for", "main thread"),
         (keep, "Ground", "  surface"),
         (keep, "_relaxed", "  relaxing"),
+        (keep, "_classes_relaxed", "  relaxing"),
         (keep, "_scattered", "  columns"),
         (keeping, "before_of", "reading points"),
     ]

@@ -198,3 +198,65 @@ def test_a_change_between_the_parts_of_an_update_loses_nothing(live, obj):
     live.settle()
     assert len(obj.data.vertices) == 701
     assert reason(obj) == ""
+
+
+@pytest.fixture
+def mixed(live, obj):
+    """Few large discs, more of smaller ones, and points."""
+    obj.dapple.amount, obj.dapple.count = "COUNT", 900
+    for count, radius in ((25, 0.12), (120, 0.04), (0, 0.0)):
+        assert bpy.ops.dapple.edit_classes(action="ADD") == {"FINISHED"}
+        kind = obj.dapple.classes[-1]
+        kind.use_count, kind.count, kind.radius = count > 0, max(count, 1), radius
+    live.settle()
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    live.settle()
+    return obj
+
+
+def kinds_of(obj):
+    return addon_host.part("blender.data.points").point_columns_of(obj)["dapple_class"]
+
+
+def test_object_types_keep_their_counts_and_ids_after_a_stroke(live, mixed):
+    before, middle = stored(mixed), np.array([0.0, 0.0, 1.0])
+    stroke(mixed.dapple.surface, middle, 0.3, 0.2)
+    assert live.settle() == 1
+    assert reason(mixed) == ""
+    assert np.bincount(kinds_of(mixed)).tolist() == [25, 120, 755]
+    assert len(before.keys() & stored(mixed).keys()) > 850
+    assert mixed.dapple.report.worst_overlap < 5e-3
+    assert mixed.dapple.report.measured
+    assert mixed.dapple.report.capacity_variation < 0.2
+
+
+def test_object_types_by_area_leave_what_is_far_from_a_stroke(live, mixed):
+    for kind, share in zip(mixed.dapple.classes, (0.03, 0.15, 0.82), strict=True):
+        kind.use_count, kind.share = False, share
+    mixed.dapple.amount, mixed.dapple.points_per_area = "PER_AREA", 60.0
+    live.settle()
+    middle, before = np.array([0.0, 0.0, 1.0]), stored(mixed)
+    points = addon_host.part("blender.base.meshio").read_points(mixed.data)
+    there = dict(zip(before, points, strict=True))
+    stroke(mixed.dapple.surface, middle, 0.3, 0.9)
+    assert live.settle() == 1
+    far = [key for key, place in there.items() if np.linalg.norm(place - middle) > 1.5]
+    after = stored(mixed)
+    assert np.mean([before[key] == after.get(key) for key in far]) > 0.9
+    assert len(before.keys() & after.keys()) > 0.95 * len(before)
+
+
+def test_an_object_type_follows_the_stroke_on_its_own_density(live, mixed):
+    own = mixed.dapple.surface.vertex_groups.new(name="Rocks")
+    own.add(range(len(mixed.dapple.surface.data.vertices)), 1.0, "REPLACE")
+    mixed.dapple.classes[0].density = "Rocks"
+    live.settle()
+    before = stored(mixed)
+    away = scenes.world_vertices(mixed.dapple.surface)[:, 2] > 0.0
+    own.add(np.flatnonzero(away).tolist(), 0.0, "REPLACE")
+    mixed.dapple.surface.data.update()
+    assert live.settle() == 1
+    rocks = addon_host.part("blender.base.meshio").read_points(mixed.data)[kinds_of(mixed) == 0]
+    assert len(rocks) == 25
+    assert rocks[:, 2].max() < 0.1
+    assert len(before.keys() & stored(mixed).keys()) > 800

@@ -154,10 +154,15 @@ struct Case {
 void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
 
 constexpr std::array kCases = {
-    Case{"sample", hash_sample},   Case{"classes", hash_classes},   Case{"tracker", hash_tracker},
-    Case{"window", hash_window},   Case{"resample", hash_resample}, Case{"relax", hash_relax},
+    Case{"sample", hash_sample},
+    Case{"classes", hash_classes},
+    Case{"tracker", hash_tracker},
+    Case{"window", hash_window},
+    Case{"resample", hash_resample},
+    Case{"relax", hash_relax},
     Case{"relax_classes", hash_relax_classes},
-    Case{"stipple", hash_stipple}, Case{"mosaic", hash_mosaic},
+    Case{"stipple", hash_stipple},
+    Case{"mosaic", hash_mosaic},
 };
 
 std::string recorded(const std::string& name) {

@@ -83,6 +83,20 @@ def test_relaxes_as_the_library_does(files, tmp_path):
     expect_same(out, dapple.relax(after, old, where, count=300, locked=[3, 4, 5]))
 
 
+def test_relaxes_classes_as_the_library_does(files, tmp_path):
+    mesh, source = files[0], tmp_path / "plants.npz"
+    done("classes", mesh, source, "--class", "30:radius=0.1", "--class", 270)
+    out, after = tmp_path / "out.npz", loaded(mesh, "half")
+    old = points.bound(after, source)
+    arguments = ("relax", mesh, source, out, "--density", "half", "--density-before", "plain")
+    done(*arguments, "--class", "20:radius=0.1", "--class", 200)
+    where = np.flatnonzero(np.load(mesh)["half"] == 0)
+    classes = [dapple.SampleClass(20, radius=0.1), dapple.SampleClass(200)]
+    expect_same(out, dapple.relax(after, old, where, classes=classes))
+    assert np.bincount(points.read_points(out).classes).tolist() == [20, 200]
+    assert "say by classes what each class is to be" in refused(*arguments)
+
+
 def test_relaxes_where_vertices_have_moved(files, tmp_path):
     mesh, source = files
     vertices, faces = np.load(mesh)["vertices"], np.load(mesh)["faces"]

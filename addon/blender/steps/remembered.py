@@ -38,7 +38,7 @@ def write_solved(
     """Store a result, and remember how it was solved."""
     with all_or_nothing(bpy.context, [obj]):
         write_scattered(obj, arrays, scattered, rest)
-    if scattered.solved is not None and not scattered.settings.classes:
+    if scattered.solved is not None:
         _remember(obj.dapple.solved_points, scattered.solved, scattered.columns["id"])
 
 

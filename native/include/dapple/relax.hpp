@@ -29,9 +29,9 @@ namespace dapple {
 ///                changed_faces(); none: nothing moves unless the count is another, and then
 ///                samples may come and go everywhere
 /// \throw ArgumentError if the samples are not of the surface, or of a class that is not in the
-///        options; naming the first face or locked index out of range; for options out of range, a count below the
-///        number of locked samples, or a surface that has grown so much that it asks for more
-///        samples than there can be; Cancelled
+///        options; naming the first face or locked index out of range; for options out of range, a
+///        count below the number of locked samples, or a surface that has grown so much that it
+///        asks for more samples than there can be; Cancelled
 [[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,
                             std::span<const std::int32_t> changed, const RelaxOptions& options = {},
                             Context* context = nullptr);

@@ -175,7 +175,7 @@ TEST(RelaxedClasses, RefuseWhatTheyCannotBe) {
   const Relaxed r;
   const auto refused = [&](const RelaxOptions& options, const std::string& words) {
     expect_message<ArgumentError>([&] { (void)relax(r.after, r.samples, r.changed, options); },
-                                 {words});
+                                  {words});
   };
   refused(relaxing({{.count = 5}}), "samples.classes[60] is 1, outside 0..0");
   refused(relaxing({{.count = 5}, {.count = 5, .radius = -1.0}, {.count = 5}}),

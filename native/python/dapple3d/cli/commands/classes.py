@@ -15,7 +15,6 @@ from dapple3d.cli.files import check_outputs
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.work import Work
 
-
 CLASS_METAVAR = "COUNT|spacing=S[:radius=R,density=D]"
 
 

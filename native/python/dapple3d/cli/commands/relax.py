@@ -51,8 +51,8 @@ from dapple3d.cli.work import Work
     type=WantedType(),
     multiple=True,
     metavar=CLASS_METAVAR,
-    help="Once for each class of POINTS, in their order, as for `dapple classes`: what it is to be. "
-    "Rare classes come first, the others make room.",
+    help="Once for each class of POINTS, in their order, as for `dapple classes`: what it is to "
+    "be. Rare classes come first, the others make room.",
 )
 @click.option(
     "--locked",
@@ -129,7 +129,9 @@ def command(
     points.write_points(out, with_attributes(loaded.mesh, samples, made) if attributes else made)
     settings = {
         "count": count,
-        "classes": [one.settings(made.count) for one, made in zip(wanted, classes or [], strict=True)],
+        "classes": [
+            one.settings(made.count) for one, made in zip(wanted, classes or [], strict=True)
+        ],
         "locked": 0 if stay is None else len(stay),
         **options.library_defaults("relax"),
     }
