@@ -21,6 +21,7 @@
 namespace dapple {
 namespace {
 
+constexpr double kThin = 0.05;  // of the largest density: as little as a spacing is known for
 constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
 
 /// The samples of each class; all of them one class if none is given.
@@ -68,22 +69,36 @@ struct Beginning {
   std::vector<std::int32_t> elsewhere = {};  // sites that begin far from where they were
 };
 
-/// The mean spacing of so many samples where a surface is densest.
-double least_spacing(const Surface& surface, std::size_t count) {
-  const std::vector<double> density = surface.density();
-  const double most = density.empty() ? 1.0 : *std::max_element(density.begin(), density.end());
-  return hexagonal_spacing(surface.mass() / (most * static_cast<double>(count)));
+/// The spacing around each of so many sites, as their density asks for; no more than where it is a
+/// share of the largest one.
+std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
+  const std::vector<double> all = surface.density();
+  const double most = *std::max_element(all.begin(), all.end());
+  std::vector<double> result;
+  for (std::size_t k = 0; k < sites.size(); ++k) {
+    const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
+    const double density = sites.barycentric[k].dot(surface.ordered().densities(face));
+    result.push_back(hexagonal_spacing(surface.mass() / (std::max(density, kThin * most) *
+                                                         static_cast<double>(sites.size()))));
+  }
+  return result;
 }
 
 /// How many sites are too many where they are: those that were led far to the border of the
 /// density, and one of two that are too near to each other.
 std::size_t count_piled(const Surface& own, const Sites& before, const Sites& now) {
-  const double spacing = least_spacing(own, now.size());
-  const std::vector<double> distances = nearest_distances(now.positions);
+  const std::vector<double> spacings = spacings_at(own, now);
+  const Neighbors tree(now.positions);
+  std::vector<Neighbor> found;
   std::size_t far = 0, near = 0;
   for (std::size_t k = 0; k < now.size(); ++k) {
-    far += (now.positions[k] - before.positions[k]).norm() > spacing ? 1 : 0;
-    near += distances[k] < kPiled * spacing ? 1 : 0;
+    far += (now.positions[k] - before.positions[k]).norm() > spacings[k] ? 1 : 0;
+    tree.nearest(now.positions[k], 2, found);
+    if (found.size() < 2) continue;
+    const auto other = static_cast<std::size_t>(
+        found[0].index == static_cast<std::int32_t>(k) ? found[1].index : found[0].index);
+    const double apart = kPiled * std::min(spacings[k], spacings[other]);
+    near += found[1].squared_distance < apart * apart ? 1 : 0;
   }
   return std::max(far, (near + 1) / 2);
 }
