@@ -75,6 +75,7 @@ class Tracker {
   std::shared_ptr<const FrameSolver> solver_;
   std::optional<Report> measured_;  // on the present frame; empty: nobody has asked how even it is
   bool settled_ = true;             // the first frame is what the others are held against
+  bool moved_density_ = false;      // since the last frame
 };
 
 }  // namespace dapple

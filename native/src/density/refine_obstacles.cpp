@@ -43,6 +43,7 @@ class Balls {
     const double rounding = kRounding * largest_coordinate(surface);
     for (const double radius : obstacles.radii)
       radii_.push_back(radius > 0.0 ? radius + rounding : radius);
+    if (points_.empty()) return;
     const auto reached = Projector(surface).faces_within(points_, radii_);
     for (std::size_t k = 0; k < reached.size(); ++k)
       for (const std::int32_t face : reached[k])
@@ -73,6 +74,16 @@ class Balls {
   std::vector<std::vector<std::size_t>> of_face_;
 };
 
+/// A surface that is cut already, as refine() returns it where nothing is to be cut.
+Refined uncut(const Surface& surface) {
+  Refined refined{surface, surface, {}, {}, {}, true};
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    refined.parents.push_back(static_cast<std::int32_t>(f));
+    refined.barycentric.push_back({Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()});
+  }
+  return refined;
+}
+
 EdgeMarks longer_than(double limit, const std::array<Vec3, 3>& t) {
   return {(t[1] - t[0]).norm() > limit, (t[2] - t[1]).norm() > limit, (t[0] - t[2]).norm() > limit};
 }
@@ -94,14 +105,18 @@ Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,
   };
   const Balls balls(surface, obstacles);
   Stretch cutting(context, 0.0, kCut);
-  Refined refined = refine(
-      surface,
-      [&](const Piece& piece) {
-        if (in_area(piece.parent)) return EdgeMarks{};
-        return longer_than(options.edge * balls.crossing_radius(piece.parent, piece.corners),
-                           piece.corners);
-      },
-      options.max_faces, cutting.context());
+  const bool nothing_to_cut = obstacles.points.empty() && !surface.merge_doubled();
+  Refined refined =
+      nothing_to_cut ? uncut(surface)
+                     : refine(
+                           surface,
+                           [&](const Piece& piece) {
+                             if (in_area(piece.parent)) return EdgeMarks{};
+                             return longer_than(
+                                 options.edge * balls.crossing_radius(piece.parent, piece.corners),
+                                 piece.corners);
+                           },
+                           options.max_faces, cutting.context());
   const OrderedSurface& fine = refined.surface.ordered();
   Stretch filling(context, kCut, kFilled), measuring(context, kFilled, 1.0);
   std::vector<double> density;

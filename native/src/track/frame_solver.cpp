@@ -22,6 +22,7 @@ namespace dapple {
 namespace {
 
 constexpr double kThin = 0.05;  // of the largest density: as little as a spacing is known for
+constexpr double kMovingVariation = 0.02, kMovingAlpha = 0.5;  // even enough where it moves
 constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
 
 /// The samples of each class; all of them one class if none is given.
@@ -78,8 +79,8 @@ std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
     const double density = sites.barycentric[k].dot(surface.ordered().densities(face));
-    result.push_back(hexagonal_spacing(surface.mass() / (std::max(density, kThin * most) *
-                                                         static_cast<double>(sites.size()))));
+    result.push_back(hexagonal_spacing(
+        surface.mass() / (std::max(density, kThin * most) * static_cast<double>(sites.size()))));
   }
   return result;
 }
@@ -248,6 +249,15 @@ bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const
   return false;
 }
 
+/// Where the density moves, no frame is as even as on the first one: the next one moves it again.
+Restoration FrameSolver::restoration(bool moving) const {
+  Restoration aim = restoration_;
+  if (!moving) return aim;
+  aim.variation = std::max(aim.variation, kMovingVariation);
+  aim.alpha = std::min(aim.alpha, kMovingAlpha);
+  return aim;
+}
+
 OptimizerOptions FrameSolver::aims() const {
   OptimizerOptions options = options_.optimizer;
   if (options.method == Method::kLineSearch)  // which knows no restoration
@@ -257,17 +267,16 @@ OptimizerOptions FrameSolver::aims() const {
 
 FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
                                            const Vectors& moves, const Sites* home, bool idle,
-                                           Context* context) const {
+                                           Context* context, bool moving) const {
   check_extent(surface, start);
+  const Restoration aim = restoration(moving);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Beginning first =
-      on_density(surface, frame, class_of_, start, home, moving_density_, context);
+  const Beginning first = on_density(surface, frame, class_of_, start, home, moving, context);
   const Minimum found = minimize(
       frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
-      options, context,
-      {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
+      options, context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
@@ -275,15 +284,15 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
 }
 
 FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
-                                      const Vectors& moves, const Sites& home,
-                                      Context* context) const {
+                                      const Vectors& moves, const Sites& home, Context* context,
+                                      bool moving) const {
   check_extent(surface, start);
+  const Restoration aim = restoration(moving);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
-  const Beginning first =
-      on_density(surface, frame, class_of_, start, &home, moving_density_, context);
+  const Beginning first = on_density(surface, frame, class_of_, start, &home, moving, context);
   Minimum found = minimize(
       frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
-      aims(), context, {.home = first.home ? &*first.home : nullptr, .restoration = &restoration_});
+      aims(), context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});
   return {std::move(found.state.sites), found.evaluations};
 }
 
@@ -312,9 +321,9 @@ FrameSolver FrameSolver::on_ground(const Surface& surface, const Samples& now, S
   FrameSolver result = *this;
   result.classes_ = counted(std::move(classes), now.classes);
   check_same_length("classes", result.classes_.size(), "those of before", classes_.size());
-  result.sides_ = sides_for(surface, now.size(), options_.cells, context);
+  if (!sides_ || *sides_)  // a body without walls has none later either
+    result.sides_ = sides_for(surface, now.size(), options_.cells, context);
   result.first_ = std::move(first);
-  result.moving_density_ = true;
   return result;
 }
 

@@ -39,8 +39,10 @@ class FrameSolver {
   /// \param start, moves where the search begins: at the sites, moved
   /// \param home where max_slide and stickiness hold them; null: where the search begins
   /// \param idle whether to measure only
+  /// \param moving whether the density is another than on the last frame
   [[nodiscard]] Restored restore(const Surface& surface, const Sites& start, const Vectors& moves,
-                                 const Sites* home, bool idle, Context* context) const;
+                                 const Sites* home, bool idle, Context* context,
+                                 bool moving = false) const;
 
   struct Passed {
     Sites sites;
@@ -48,7 +50,7 @@ class FrameSolver {
   };
   /// Even sites part of the way to a frame, where nobody asks how even.
   [[nodiscard]] Passed pass(const Surface& surface, const Sites& start, const Vectors& moves,
-                            const Sites& home, Context* context) const;
+                            const Sites& home, Context* context, bool moving = false) const;
 
   /// For other samples of the same body.
   /// \param origin per sample its index so far, or -1 for one that is new
@@ -85,6 +87,7 @@ class FrameSolver {
 
  private:
   [[nodiscard]] OptimizerOptions aims() const;
+  [[nodiscard]] Restoration restoration(bool moving) const;
   [[nodiscard]] FrameSolver with(const Samples& now) const;
 
   TrackerOptions options_;
@@ -96,7 +99,6 @@ class FrameSolver {
   double target_energy_ = 0.0;
   Restoration restoration_;
   Report first_report_;
-  bool moving_density_ = false;  // whether the density is that of each frame
 };
 
 }  // namespace dapple

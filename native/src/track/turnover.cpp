@@ -28,10 +28,9 @@ Turnover turn_over(const Surface& surface, const Domain& domain, const Transferr
                    std::size_t before, std::size_t count, std::uint64_t seed, Context* context) {
   if (there.which.empty() || count == 0)
     return {poisson_start(surface, count, seed, context), std::vector<std::int32_t>(count, -1)};
-  const Rebalanced found = rebalance(domain, there.sites, count, seed, context,
-                                     surface.uniform()
-                                         ? spare_pairs(before, there.which.size(), count)
-                                         : kAnyNumber);
+  const Rebalanced found =
+      rebalance(domain, there.sites, count, seed, context,
+                surface.uniform() ? spare_pairs(before, there.which.size(), count) : kAnyNumber);
   Turnover result;
   const auto add = [&](const Sites& from, std::size_t k, std::int32_t origin) {
     result.sites.positions.push_back(from.positions[k]);
