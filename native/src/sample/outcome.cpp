@@ -27,23 +27,6 @@ std::int32_t term_of(const Objective& objective, std::size_t c) {
   return objective.terms.size() == 1 && !objective.classes.empty() && is_of_class(0) ? 0 : -1;
 }
 
-/// Each island's samples share its mass at best.
-double whole_count_variation(const Surface& surface, const Sites& sites) {
-  const Islands islands(surface);
-  if (islands.count() < 2 || sites.size() == 0) return 0.0;
-  std::vector<double> counts(islands.count(), 0.0);
-  for (const std::int32_t face : sites.faces)
-    ++counts[islands.at(surface.ordered().ordered_face(face))];
-  const double mean = surface.ordered().unit_mass() / static_cast<double>(sites.size());
-  double sum = 0.0;
-  for (std::size_t c = 0; c < islands.count(); ++c) {
-    if (counts[c] == 0.0) continue;
-    const double off = islands.masses()[c] / (counts[c] * mean) - 1.0;
-    sum += counts[c] * (off * off);
-  }
-  return std::sqrt(sum / static_cast<double>(sites.size()));
-}
-
 Quality measure_class(const Objective& objective, const Minimum& found, std::size_t c,
                       std::span<const Vec3> normals) {
   const std::int32_t t = term_of(objective, c);
@@ -59,6 +42,23 @@ Quality measure_class(const Objective& objective, const Minimum& found, std::siz
 
 }  // namespace
 
+double whole_count_variation(const Domain& domain, const Sites& sites) {
+  const Surface surface = domain.sampling_surface(sites.size());
+  const Islands islands(surface);
+  if (islands.count() < 2 || sites.size() == 0) return 0.0;
+  std::vector<double> counts(islands.count(), 0.0);
+  for (const std::int32_t face : domain.to_sampling_surface(sites).faces)
+    ++counts[islands.at(surface.ordered().ordered_face(face))];
+  const double mean = surface.ordered().unit_mass() / static_cast<double>(sites.size());
+  double sum = 0.0;
+  for (std::size_t c = 0; c < islands.count(); ++c) {
+    if (counts[c] == 0.0) continue;
+    const double off = islands.masses()[c] / (counts[c] * mean) - 1.0;
+    sum += counts[c] * (off * off);
+  }
+  return std::sqrt(sum / static_cast<double>(sites.size()));
+}
+
 Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
                 std::span<const Vec3> normals) {
   return {
@@ -67,8 +67,7 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
       .evenness = measure_evenness(energy.diagram),
       .bond_order = bond_order(energy.diagram, normals, domain.on_border(sites, energy.diagram)),
       .energy = energy.normalized,
-      .whole_count_variation = whole_count_variation(domain.sampling_surface(sites.size()),
-                                                     domain.to_sampling_surface(sites))};
+      .whole_count_variation = whole_count_variation(domain, sites)};
 }
 
 Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,

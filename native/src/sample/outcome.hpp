@@ -12,6 +12,10 @@ namespace dapple {
 /// start to convergence it falls by about 0.03.)
 inline constexpr double kAsEven = 5e-4;
 
+/// The least capacity variation of as many samples as each island of the density has: within one
+/// they share its mass at best. 0 where there is one island.
+[[nodiscard]] double whole_count_variation(const Domain& domain, const Sites& sites);
+
 /// How even sites are by the energy over their cells.
 /// \param normals of the surface, per site
 [[nodiscard]] Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,

@@ -250,8 +250,17 @@ bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const
 }
 
 /// Where the density moves, no frame is as even as on the first one: the next one moves it again.
-Restoration FrameSolver::restoration(bool moving) const {
+/// Where islands of the density grow and shrink, and their samples stay as many, no step makes them
+/// as even as they were.
+Restoration FrameSolver::restoration(bool moving, const Domain& all, const Sites& sites) const {
   Restoration aim = restoration_;
+  if (classes_.size() == 1) {
+    const double first = first_report_.whole_count_variation;
+    const double now = std::max(whole_count_variation(all, sites), first);
+    aim.variation = std::hypot(aim.variation, now);
+    aim.first_variation =
+        std::sqrt(aim.first_variation * aim.first_variation + now * now - first * first);
+  }
   if (!moving) return aim;
   aim.variation = std::max(aim.variation, kMovingVariation);
   aim.alpha = std::min(aim.alpha, kMovingAlpha);
@@ -269,11 +278,11 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
                                            const Vectors& moves, const Sites* home, bool idle,
                                            Context* context, bool moving) const {
   check_extent(surface, start);
-  const Restoration aim = restoration(moving);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Beginning first = on_density(surface, frame, class_of_, start, home, moving, context);
+  const Restoration aim = restoration(moving, *frame.problem.all, first.start);
   const Minimum found = minimize(
       frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
       options, context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});
@@ -287,9 +296,9 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       const Vectors& moves, const Sites& home, Context* context,
                                       bool moving) const {
   check_extent(surface, start);
-  const Restoration aim = restoration(moving);
   const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   const Beginning first = on_density(surface, frame, class_of_, start, &home, moving, context);
+  const Restoration aim = restoration(moving, *frame.problem.all, first.start);
   Minimum found = minimize(
       frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
       aims(), context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});

@@ -87,7 +87,7 @@ class FrameSolver {
 
  private:
   [[nodiscard]] OptimizerOptions aims() const;
-  [[nodiscard]] Restoration restoration(bool moving) const;
+  [[nodiscard]] Restoration restoration(bool moving, const Domain& all, const Sites& sites) const;
   [[nodiscard]] FrameSolver with(const Samples& now) const;
 
   TrackerOptions options_;

@@ -6,6 +6,7 @@
 #include <dapple/errors.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
+#include <numeric>
 #include <limits>
 #include <numbers>
 
@@ -260,6 +261,25 @@ TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
   }
   EXPECT_GT(worst_left, first + 2e-2)
       << "the motion does not disturb the samples: the test shows nothing";
+}
+
+TEST(Tracker, DoesNotTryToMakeIslandsEvenThatGrowAndShrink) {
+  const Shape shape = two_components();
+  const Surface surface = shape.surface();
+  Tracker tracker(surface, sample(surface, 200));
+  std::vector<Vec3> vertices = shape.vertices;
+  const std::size_t first = vertices.size() / 2;
+  const Vec3 middle = std::accumulate(vertices.begin() + static_cast<std::ptrdiff_t>(first),
+                                      vertices.end(), Vec3(0.0, 0.0, 0.0)) /
+                      static_cast<double>(vertices.size() - first);
+  for (int frame = 0; frame < 5; ++frame) {
+    for (std::size_t v = first; v < vertices.size(); ++v)
+      vertices[v] = middle + 1.03 * (vertices[v] - middle);
+    const Report& report = tracker.advance(vertices).report;
+    EXPECT_LE(report.evaluations, 3) << frame;
+    EXPECT_LT(report.evenness.capacity_variation, 1.1 * report.whole_count_variation + 0.01);
+  }
+  EXPECT_GT(tracker.samples().report.whole_count_variation, 0.03);
 }
 
 TEST(Tracker, GivesTheSameBytesForAnyNumberOfThreads) {
