@@ -19,15 +19,25 @@ THROWN = 30  # points for each wanted one
 
 
 class ScatterNode:
-    """A mesh with the node, set to leave about `count` points."""
+    """A mesh with the node, set to leave about `count` points; a density thins them."""
 
-    def __init__(self, bpy: Any, vertices: Array, faces: Faces, area: float, count: int) -> None:
+    def __init__(
+        self,
+        bpy: Any,
+        vertices: Array,
+        faces: Faces,
+        area: float,
+        count: int,
+        density: Array | None = None,
+    ) -> None:
         self._bpy = bpy
         self._mesh = bpy.data.meshes.new("Body")
         self._mesh.from_pydata(vertices.tolist(), [], faces.tolist())
         self._body = bpy.data.objects.new("Body", self._mesh)
         bpy.context.scene.collection.objects.link(self._body)
         self._node = _scatter(bpy, self._body)
+        if density is not None:
+            self._thin(density, at_faces=len(density) == len(faces))
         self._node.inputs["Density Max"].default_value = THROWN * count / area
         self._set_distance(count, (2 * area / (np.sqrt(3) * count)) ** 0.5)
 
@@ -38,9 +48,19 @@ class ScatterNode:
         self._node.inputs["Seed"].default_value = seed
         return self._evaluated()
 
+    def _thin(self, density: Array, *, at_faces: bool) -> None:
+        """Have an attribute of the mesh be the Density Factor."""
+        domain = "FACE" if at_faces else "POINT"
+        made = self._mesh.attributes.new("factor", "FLOAT", domain)
+        made.data.foreach_set("value", density.astype(np.float32))
+        group = self._node.id_data
+        named = group.nodes.new("GeometryNodeInputNamedAttribute")
+        named.inputs["Name"].default_value = "factor"
+        group.links.new(named.outputs[0], self._node.inputs["Density Factor"])
+
     def _set_distance(self, count: int, longest: float) -> None:
         """Halve the interval of the smallest distance until it leaves about `count` points."""
-        short, long = 0.3 * longest, longest
+        short, long = 0.2 * longest, longest
         for _ in range(HALVINGS):
             self._node.inputs["Distance Min"].default_value = (short + long) / 2
             if len(self._evaluated()) > count:

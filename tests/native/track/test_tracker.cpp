@@ -6,9 +6,9 @@
 #include <dapple/errors.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/tracker.hpp>
-#include <numeric>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "invariants.hpp"
 #include "shapes.hpp"
