@@ -26,6 +26,8 @@ _ROUNDS = 24  # of halving edges there
 _MOST_FACES = 1_000_000
 _ROUNDING = 1e-6  # of texture coordinates, which are stored in single precision
 _PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are averaged
+_REPEATED = 1.5  # the same of one that the surface has many times, which is fine everywhere
+_SHORTEST = 0.7  # edge that a picture still has cut, in spacings where it is densest
 
 
 class Ground:
@@ -217,7 +219,9 @@ class Ground:
         most = int(_PIXELS * np.sqrt(count))
         small = [(number, reduced(picture, most)) for number, picture in tiles]
         picture, places = laid_out(self._cut_uv(uv), small)
+        share = min(_share(one) for _, one in tiles)
         options = {"max_faces": 2 * _MOST_FACES, "context": self._context}
+        options["shortest"] = self._shortest(count, share)
         self._extend(package().refine_image(self.surface, places, picture, **options))
 
     def _cut_at_borders(self, tiles: tuple[Tile, ...], uv: Floats, count: int) -> None:
@@ -227,10 +231,19 @@ class Ground:
 
     def _lay_picture(self, image: Floats, uv: Floats, count: int) -> None:
         uv = self._cut_uv(uv)
-        picture = reduced(image, int(_PIXELS * np.sqrt(count)))
+        times, share = max(_area(uv), 1.0), _share(image)
+        least = min(_REPEATED / float(np.sqrt(times * share)), _PIXELS)
+        most = max(_PIXELS / times, least) * np.sqrt(count)
+        picture = reduced(image, max(int(most), 1))
         beyond = float(uv.min()) < -_ROUNDING or float(uv.max()) > 1.0 + _ROUNDING
-        options = {"repeat": beyond, "max_faces": 2 * _MOST_FACES, "context": self._context}
+        options = {"max_faces": 2 * _MOST_FACES, "context": self._context}
+        options |= {"repeat": beyond, "shortest": self._shortest(count, share)}
         self._extend(package().refine_image(self.surface, uv, picture, **options))
+
+    def _shortest(self, count: int, share: float) -> float:
+        """Edge that a picture has cut; what is finer averages out in the areas of the points."""
+        spacing = _spacing(self.surface, self.at_corners(), count)
+        return _SHORTEST * float(np.sqrt(share)) * spacing
 
     def _extend(self, cut: Any) -> None:
         self._refined = cut if self._refined is None else self._refined.then(cut)
@@ -295,6 +308,18 @@ def _spacing(surface: Any, density: Floats, count: int) -> float:
     areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     left = float((areas * (density.mean(axis=1) > 0.0)).sum())
     return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
+
+
+def _area(uv: Floats) -> float:
+    """Of all faces (m, 3, 2) in texture space: how often they have the whole picture."""
+    a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    return float(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum())
+
+
+def _share(image: Floats) -> float:
+    """Mean of a picture over its maximum; at least a thousandth, also where it is black."""
+    most = float(image.max())
+    return max(float(image.mean()) / most, 1e-3) if most > 0.0 else 1.0
 
 
 def reduced(image: Floats, most: int) -> Floats:

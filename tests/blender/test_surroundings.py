@@ -65,6 +65,22 @@ def test_an_image_is_followed_within_two_triangles():
     assert obj.dapple.report.capacity_variation < 0.05
 
 
+@pytest.mark.parametrize("times", [2, 6, 20])
+def test_an_image_that_repeats_is_cut_no_finer_than_the_points_need(times):
+    obj = scenes.scattered(plane(), count=400)
+    values = np.random.default_rng(0).random((128, 128))
+    uv = obj.dapple.surface.data.uv_layers[0]
+    for corner in uv.data:
+        corner.uv = times * corner.uv
+    obj.dapple.density.image = picture(values)
+    settings = addon_host.part("blender.data.scatter").settings_of(obj)
+    arrays = addon_host.part("blender.surface.reading").read(obj.dapple.surface, settings)
+    ground = addon_host.part("core.ground").Ground(arrays, settings)
+    assert len(ground.surface.faces) < 30 * 400 + 2 * len(arrays.faces)
+    assert bpy.ops.dapple.optimize() == {"FINISHED"}
+    assert obj.dapple.report.converged
+
+
 def test_an_image_lies_on_a_mirrored_surface_as_it_is_painted():
     surface = plane()
     surface.scale = (-1, 1, 1)

@@ -11,6 +11,7 @@ struct ImageOptions {
   bool repeat = false;
   double tolerance = 0.02;
   double texels = 1.0;
+  double shortest = 0.0;
   std::size_t max_faces = 1'000'000;
 };
 
@@ -35,6 +36,13 @@ inline constexpr std::tuple kImageOptions = {
            "pixels",
            Level::kExpert,
            "Edges this short or shorter stay whole."},
+    Option{"shortest",
+           &ImageOptions::shortest,
+           {0.0, kFinite},
+           "",
+           Level::kExpert,
+           "The same on the surface, in the units of its vertices: detail far finer than the "
+           "spacing of samples costs time and changes nothing."},
     Option{"max_faces",
            &ImageOptions::max_faces,
            {1.0, kMostRefinedFaces},

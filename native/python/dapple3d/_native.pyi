@@ -640,6 +640,7 @@ def refine_image(
     repeat: bool = False,
     tolerance: float = 0.02,
     texels: float = 1.0,
+    shortest: float = 0.0,
     max_faces: int = 1000000,
     context: Context | None = None,
 ) -> Refined: ...

@@ -180,11 +180,18 @@ class Chart {
   std::span<const FaceUv> uv_;
 };
 
+double longest_edge(const Piece& piece) {
+  const std::array<Vec3, 3>& c = piece.corners;
+  return std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+}
+
 /// The longer edges of a piece that the picture is not linear on, unless they are short.
-EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t,
+EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t, const Piece& piece,
                            const ImageOptions& options) {
   const double longest = longest_edge(t);
-  if (longest <= options.texels || !picture.bends_over(t)) return {};
+  if (longest <= options.texels || longest_edge(piece) <= options.shortest ||
+      !picture.bends_over(t))
+    return {};
   if (longest <= kPatch && !Deviation(picture, t).exceeds(options.tolerance)) return {};
   EdgeMarks marks{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -212,7 +219,8 @@ Refined refine_image(const Surface& surface, std::span<const FaceUv> uv, const I
   Refined refined = refine(
       surface,
       [&](const Piece& piece) {
-        return unresolved_edges(picture, chart.triangle(piece.parent, piece.barycentric), options);
+        return unresolved_edges(picture, chart.triangle(piece.parent, piece.barycentric), piece,
+                                options);
       },
       options.max_faces, cutting.context());
   Stretch filling(context, kCut, kFilled), measuring(context, kFilled, 1.0);

@@ -152,6 +152,25 @@ TEST(RefineImage, CutsOnlyWhereThereIsDetail) {
 }
 
 /// Quarters of the picture hold 10, 20, 30 and 40 % of its mass.
+TEST(RefineImage, LeavesShortEdgesOfTheSurfaceWhole) {
+  const Shape shape = grid(4);
+  const Image stripes = picture(200, 200, [](double x, double) { return std::fmod(x * 50, 1.0); });
+  ImageOptions options;
+  options.shortest = 0.1 * std::sqrt(shape.surface().area());
+  const std::size_t coarse =
+      refine_image(shape.surface(), flat_uv(shape), stripes, options).parents.size();
+  options.shortest *= 0.25;
+  const std::size_t fine =
+      refine_image(shape.surface(), flat_uv(shape), stripes, options).parents.size();
+  EXPECT_GT(coarse, 100u);
+  EXPECT_LT(coarse, 2'000u);
+  EXPECT_GT(fine, 4 * coarse);
+  options.shortest = -1.0;
+  expect_message<ArgumentError>(
+      [&] { (void)refine_image(shape.surface(), flat_uv(shape), stripes, options); },
+      {"shortest is -1"});
+}
+
 TEST(RefineImage, PlacesSamplesInProportion) {
   const Image image = picture(64, 64, [](double u, double v) {
     return 1.0 + (u > 0.5 ? 1.0 : 0.0) + (v > 0.5 ? 2.0 : 0.0);
