@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .binding import samples_of
+from .binding import bound_nearest, samples_of
 from .errors import ScatterError
 from .frames import shaded
 from .native import package
@@ -32,6 +32,7 @@ class Tiles:
     classes: Ints  # (m,)
     colors: Floats  # (v, 4) linear, of each vertex that of its tile
     lost: int  # points whose cell the grout takes whole
+    binding: Binding  # of the vertices, to the nearest places of the surface
 
 
 def tiled(
@@ -76,6 +77,7 @@ def tiled(
         np.asarray(made.classes),
         colors[owners],
         made.empty,
+        bound_nearest(np.asarray(made.vertices), arrays),
     )
 
 

@@ -591,6 +591,28 @@ def test_a_copied_character_has_its_scatter_on_the_copy(linked, baked):
     assert scenes.positions(copy)[:, 0].mean() == pytest.approx(found[:, 0].mean() + 3.0, abs=0.1)
 
 
+def test_tiles_that_are_copied_too_follow_the_copy():
+    left, middle, _ = tiles()
+    obj = over(left, middle, count=30)
+    assert bpy.ops.dapple.tile() == {"FINISHED"}
+    made = everything_copied(but={bpy.data.objects["Right"]})
+    (copy,) = scatters_of(made)
+    assert copy.dapple.tiles.object not in {None, obj.dapple.tiles.object}
+    for one in made:
+        if one.name.startswith(("Left.", "Middle.")) and one.type == "MESH" and one in made:
+            one.location.z += 0.0 if one in scatters_of(made) else 4.0
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    heights = [
+        [
+            (tile.matrix_world @ vertex.co).z
+            for vertex in tile.evaluated_get(depsgraph).data.vertices
+        ]
+        for tile in (obj.dapple.tiles.object, copy.dapple.tiles.object)
+    ]
+    assert np.mean(heights[1]) == pytest.approx(np.mean(heights[0]) + 4.0, abs=1e-4)
+
+
 def test_scatters_that_are_copied_together_are_on_one_surface(tmp_path):
     left, middle, _ = tiles()
     one = over(left, middle, count=30)

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 import scenes
+from mathutils.bvhtree import BVHTree
 
 
 def tiled(obj, **settings):
@@ -105,8 +106,92 @@ def test_tiles_are_replaced_and_what_was_added_to_them_stays():
     assert tiled(obj) == made
     assert len(bpy.data.objects) == objects
     assert len(set(column(made.data, "cell", np.int32))) == 30
-    assert made.modifiers[0].name == "Bevel"
+    assert [one.name for one in made.modifiers] == ["Dapple Tiles", "Bevel"]
     assert made.data.materials[0] == material
+
+
+def shown(made):
+    """Vertices of the tiles as they are played, in the world."""
+    mesh = made.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    places = np.array([v.co for v in mesh.vertices])
+    matrix = np.array(made.matrix_world)
+    return places @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def farthest_off(surface, places):
+    """Largest distance of places from the surface as it is now."""
+    tree = BVHTree.FromObject(surface, bpy.context.evaluated_depsgraph_get())
+    back = surface.matrix_world.inverted()
+    return max(tree.find_nearest(back @ vector(place))[3] for place in places)
+
+
+@pytest.mark.parametrize("render_levels", [1, 2])
+def test_tiles_deform_with_the_body(render_levels):
+    surface = scenes.tail(render_levels=render_levels)
+    obj = scenes.scattered(surface, count=40)
+    assert obj.dapple.bound_to == ("FACES" if render_levels == 1 else "REST")
+    made = tiled(obj, thickness=0.0, grout=0.1)
+    first = shown(made)
+    assert np.allclose(first, stored(made), atol=1e-5)
+    for frame in (3, 6):
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(shown(made) - first).max() > 0.1
+        assert farthest_off(surface, shown(made)) < 0.02
+    assert np.allclose(stored(made), first, atol=1e-5), "the mesh itself stays"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    bpy.context.scene.frame_set(5)
+    assert farthest_off(surface, shown(made)) < 0.02
+
+
+def stored(made):
+    matrix = np.array(made.matrix_world)
+    return np.array([v.co for v in made.data.vertices]) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def test_thick_tiles_keep_their_thickness_on_a_body_that_bends():
+    surface = scenes.tail()
+    made = tiled(scenes.scattered(surface, count=40), thickness=0.2, grout=0.1)
+    depths = []
+    for frame in (1, 6):
+        bpy.context.scene.frame_set(frame)
+        depths.append(farthest_off(surface, shown(made)))
+    assert depths[1] == pytest.approx(depths[0], rel=0.1)
+
+
+def test_a_mosaic_without_grout_stays_closed_on_a_body_that_bends():
+    surface = scenes.tail()
+    made = tiled(scenes.scattered(surface, count=40), thickness=0.0, grout=0.0)
+    places = np.array([v.co for v in made.data.vertices])
+    _, same = np.unique(places.round(6), axis=0, return_inverse=True)
+    for frame in (3, 6):
+        bpy.context.scene.frame_set(frame)
+        found = shown(made)
+        for group in range(same.max() + 1):
+            assert np.ptp(found[same.ravel() == group], axis=0).max() < 1e-5
+
+
+def test_tiles_of_several_objects_deform_with_them():
+    body = scenes.tail()
+    bpy.ops.mesh.primitive_grid_add(location=(3.0, 0.0, 0.0))
+    other = bpy.context.object
+    for part in (body, other):
+        part.select_set(True)
+    bpy.ops.dapple.add(count=60)
+    obj = bpy.context.object
+    made = tiled(obj, thickness=0.0)
+    first = shown(made)
+    other.location.z = 2.0
+    bpy.context.scene.frame_set(6)
+    moved = shown(made) - first
+    assert np.isclose(moved[first[:, 0] > 1.9], (0.0, 0.0, 2.0), atol=1e-5).all()
+    assert np.abs(moved[first[:, 0] < 1.9]).max() > 0.1
+
+
+def test_tiles_stay_where_the_surface_has_other_faces():
+    surface = scenes.sphere()
+    made = tiled(scenes.scattered(surface, count=40), thickness=0.0)
+    surface.modifiers.new("Subdivision", "SUBSURF")
+    assert np.allclose(shown(made), stored(made), atol=1e-6)
 
 
 def test_tiles_follow_the_frame():

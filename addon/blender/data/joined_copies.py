@@ -7,8 +7,10 @@ is in no collection, so it is not copied; a scatter's own list of the parts tell
 
 import bpy
 
+from ...nodes import get_input, has_input, set_input
 from .joined import Piece, copied_with, is_joined, pieces_of
 from .modifier import scatter_modifier, write_surface_inputs
+from .scatter import is_scatter
 
 
 def note_parts(scatter: bpy.types.Object) -> None:
@@ -51,9 +53,24 @@ def follow_parts(scatter: bpy.types.Object) -> None:
     known = (one for one in bpy.data.objects if is_joined(one) and pieces_of(one) == pieces)
     scatter.dapple.surface = next(known, None) or copied_with(surface, copies)
     note_parts(scatter)
+    _take_tiles_along(scatter, surface)
     modifier = scatter_modifier(scatter)
     if modifier is not None:
         write_surface_inputs(scatter, modifier)
+
+
+def _take_tiles_along(scatter: bpy.types.Object, before: bpy.types.Object) -> None:
+    """Have tiles that were copied too be on the surface that the scatter is on now."""
+    tiles, surface = scatter.dapple.tiles.object, scatter.dapple.surface
+    others = (one for one in bpy.data.objects if one != scatter and is_scatter(one))
+    if tiles is None or any(one.dapple.tiles.object == tiles for one in others):
+        return
+    if tiles.parent == before:
+        tiles.parent = surface
+    for modifier in tiles.modifiers:
+        asks = modifier.type == "NODES" and modifier.node_group and has_input(modifier, "Surface")
+        if asks and get_input(modifier, "Surface") == before:
+            set_input(modifier, "Surface", surface)
 
 
 def _copied(piece: Piece, copies: dict[bpy.types.Object, bpy.types.Object]) -> Piece:

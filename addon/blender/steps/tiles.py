@@ -32,6 +32,7 @@ def check_tile_object(obj: bpy.types.Object) -> None:
 def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     """Make the tile object of a scatter these tiles; its modifiers and materials stay."""
     made = _own_object(obj)
+    _lay_on(made, obj.dapple.surface)
     mesh, places = made.data, to_local(made, tiles.vertices)
     color = _OLDER if _OLDER in mesh.color_attributes else COLOR
     mesh.clear_geometry()
@@ -87,6 +88,13 @@ def _put_beside(obj: bpy.types.Object, made: bpy.types.Object) -> None:
     made.matrix_world = surface.matrix_world
     obj.dapple.tiles.object = made
     bpy.context.view_layer.update()
+
+
+def _lay_on(made: bpy.types.Object, surface: bpy.types.Object) -> None:
+    """Have tiles be in the surface's own space, in which they follow it."""
+    if made.matrix_world != surface.matrix_world:
+        made.matrix_world = surface.matrix_world
+        bpy.context.view_layer.update()
 
 
 def _material() -> bpy.types.Material:

@@ -11,6 +11,7 @@ from ..data.scatter import surface_of, tile_settings_of
 from ..surface.bound import current_binding
 from ..surface.reading import as_read, read
 from .meanwhile import check_points_kept, points_now
+from .tile_following import have_follow
 from .tiles import check_tile_object, write_tiles
 
 
@@ -27,4 +28,6 @@ def tile_steps(context: bpy.types.Context) -> Steps:
     check_tile_object(obj)
     made = [*filter(None, [obj.dapple.tiles.object])]
     with as_read(arrays, surface), all_or_nothing(bpy.context, [obj, *made]):
-        return write_tiles(obj, tiles), tiles
+        made_of = write_tiles(obj, tiles)
+        have_follow(obj, made_of, arrays, tiles.binding)
+        return made_of, tiles
