@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
+import dapple3d as dapple
 import numpy as np
 
 from benchmarks.everyday import scenes
@@ -267,9 +268,10 @@ def tiled() -> Found:
     off = []
     for frame in (1, scenes.FRAMES // 2, scenes.FRAMES):
         bpy.context.scene.frame_set(frame)
-        corners = surface_now(tiles).vertices
-        off.append(measured(surface_now(surface), corners, even=False).off or 0.0)
-    return Found(wrong="" if max(off) < 1.0 else f"tiles {max(off):.1f} spacings off")
+        now, corners = surface_now(surface), surface_now(tiles).vertices
+        there = dapple.project(now, corners).positions
+        off.append(float(np.linalg.norm(there - corners, axis=1).max()) / now.spacing(150))
+    return Found(wrong="" if max(off) < 0.3 else f"tiles {max(off):.1f} spacings off")
 
 
 def turning() -> Found:
@@ -307,8 +309,7 @@ BAKES = (
         bending(count_over_time="KEEP_DENSITY"),
         "a bake",
         2.0,
-        variation=0.1,
-        alpha=0.3,
+        variation=0.3,  # of those that do not fade: these leave gaps
     ),
     Job(
         "a key every 5 frames",
