@@ -21,6 +21,7 @@ struct Restoration {
   double variation = 4.5e-3;     ///< of the capacities (standard deviation / mean), even enough
   double first_variation = 0.0;  ///< of the first frame: no frame has to be more even
   double alpha = 0.63;           ///< least distance along the surface, in local spacings
+  double overlap = 1e-3;         ///< of discs, of the distance that they should have
 
   /// s, the weight of E_cvt.
   [[nodiscard]] double cvt_weight(const Objective& objective, const State& state) const;

@@ -41,7 +41,13 @@ int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
   return std::max(options.max_evaluations - sum.evaluations, 1);
 }
 
-/// Where no two discs overlap, as far as the surface has room for that.
+double worst_overlap(const State& state) {
+  const ClosePair* worst = worst_pair(state.discs);
+  return worst ? worst->overlap : 0.0;
+}
+
+}  // namespace
+
 Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
   State state;
   state.sites = std::move(sites);
@@ -63,13 +69,6 @@ Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
   return std::move(state.sites);
 }
 
-double worst_overlap(const State& state) {
-  const ClosePair* worst = worst_pair(state.discs);
-  return worst ? worst->overlap : 0.0;
-}
-
-/// Push apart what the last steps have left: to first order they keep discs apart, and a site that
-/// is pushed off the density comes back to it.
 void end_apart(const Objective& objective, OptimizerOptions options, Minimum& found,
                Context* context) {
   if (found.state.discs.pairs.empty()) return;
@@ -79,8 +78,6 @@ void end_apart(const Objective& objective, OptimizerOptions options, Minimum& fo
   found.evaluations += apart.evaluations;
   if (worst_overlap(apart.state) < worst_overlap(found.state)) found.state = std::move(apart.state);
 }
-
-}  // namespace
 
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
                   Minimum& sum, Context* context) {

@@ -11,6 +11,14 @@ namespace dapple {
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
                   Minimum& sum, Context* context);
 
+/// Sites where no two discs overlap, as far as the surface has room for that.
+[[nodiscard]] Sites discs_apart(const Objective& objective, Sites sites, Context* context);
+
+/// Push apart what the last steps have left: to first order they keep discs apart, and a site that
+/// is pushed off the density comes back to it.
+void end_apart(const Objective& objective, OptimizerOptions options, Minimum& found,
+               Context* context);
+
 /// The end of a solution, and what it was measured by.
 struct ClassMinimum {
   Objective objective;

@@ -13,6 +13,7 @@
 #include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
 #include "sample/rebalance.hpp"
+#include "sample/solve_classes.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
@@ -23,7 +24,9 @@ namespace {
 
 constexpr double kThin = 0.05;  // of the largest density: as little as a spacing is known for
 constexpr double kMovingVariation = 0.02, kMovingAlpha = 0.5;  // even enough where it moves
-constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
+constexpr int kRounds = 3;                                     // of the search, where discs overlap
+constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
+constexpr double kPiled = 0.6;    // of a spacing: nearer to another, a site is in a pile
 
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
@@ -47,6 +50,19 @@ std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClas
   return classes;
 }
 
+double worst_overlap(const State& state) {
+  const ClosePair* worst = worst_pair(state.discs);
+  return worst ? worst->overlap : 0.0;
+}
+
+bool overlaps(const State& state, const Restoration& aim) {
+  return worst_overlap(state) > aim.overlap;
+}
+
+bool overlaps_more(const State& state, const State& than) {
+  return worst_overlap(state) > worst_overlap(than);
+}
+
 /// What is minimized on one frame, over domains that it owns.
 struct Frame {
   Frame(const Surface& surface, std::vector<SampleClass> members,
@@ -56,7 +72,31 @@ struct Frame {
         problem(surface_classes(surface, classes, options.cells, Steps::kConnected, sides)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
-            {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {}
+            {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {
+    objective.holds_discs = !objective.discs.empty();
+  }
+
+  /// The search for even sites, in which discs stay apart as far as there is room.
+  [[nodiscard]] Minimum search(const Sites& start, const OptimizerOptions& options,
+                               const Tracked& tracked, Context* context) {
+    if (!objective.holds_discs) return minimize(objective, start, options, context, tracked);
+    Minimum found = apart(start, options, tracked, context);
+    for (int round = 1; round < kRounds && overlaps(found.state, *tracked.restoration); ++round) {
+      objective.discs_weight *= kHarder;
+      Minimum next = apart(found.state.sites, options, {.home = tracked.home}, nullptr);
+      found.evaluations += next.evaluations;
+      if (!overlaps_more(next.state, found.state)) found.state = std::move(next.state);
+    }
+    return found;
+  }
+
+  [[nodiscard]] Minimum apart(const Sites& start, const OptimizerOptions& options,
+                              const Tracked& tracked, Context* context) const {
+    Minimum found =
+        minimize(objective, discs_apart(objective, start, context), options, context, tracked);
+    end_apart(objective, options, found, context);
+    return found;
+  }
 
   std::vector<SampleClass> classes;
   ClassProblem problem;
@@ -225,6 +265,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   restoration_.cvt = normalized_cvt(frame.objective, state);
   restoration_.first_variation = capacity_variation(frame.objective, state);
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
+  restoration_.overlap = std::max(restoration_.overlap, worst_overlap(state));
   memory_ = PatternMemory(state.diagram());
   first.energies = {target_energy_};
   first.converged = !has_empty_cell(frame.objective, state);  // no frame has to be more even
@@ -278,14 +319,15 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
                                            const Vectors& moves, const Sites* home, bool idle,
                                            Context* context, bool moving) const {
   check_extent(surface, start);
-  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
+  Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
   const Beginning first = on_density(surface, frame, class_of_, start, home, moving, context);
   const Restoration aim = restoration(moving, *frame.problem.all, first.start);
-  const Minimum found = minimize(
-      frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
-      options, context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});
+  const Sites begin = move(first.start, without(moves, first.elsewhere), frame.objective, context);
+  const Tracked tracked{.home = first.home ? &*first.home : nullptr, .restoration = &aim};
+  const Minimum found = idle ? minimize(frame.objective, begin, options, context, tracked)
+                             : frame.search(begin, options, tracked, context);
   const StageSpan reporting(context, Stage::kReporting);
   Samples samples = to_samples(surface, frame.objective, found, classes_.size(), ids_);
   samples.classes = class_of_;
@@ -296,12 +338,12 @@ FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start
                                       const Vectors& moves, const Sites& home, Context* context,
                                       bool moving) const {
   check_extent(surface, start);
-  const Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
+  Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   const Beginning first = on_density(surface, frame, class_of_, start, &home, moving, context);
   const Restoration aim = restoration(moving, *frame.problem.all, first.start);
-  Minimum found = minimize(
-      frame.objective, move(first.start, without(moves, first.elsewhere), frame.objective, context),
-      aims(), context, {.home = first.home ? &*first.home : nullptr, .restoration = &aim});
+  Minimum found = frame.search(
+      move(first.start, without(moves, first.elsewhere), frame.objective, context), aims(),
+      {.home = first.home ? &*first.home : nullptr, .restoration = &aim}, context);
   return {std::move(found.state.sites), found.evaluations};
 }
 
