@@ -3,7 +3,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from checks import check_samples, same_bytes
-from shapes import bent, on_faces
+from shapes import bent, on_faces, torus
 
 
 def slides(tracker: dapple.Tracker, before: dapple.Samples, after: dapple.Samples) -> np.ndarray:
@@ -132,3 +132,18 @@ def test_tracks_more_samples_than_faces(data):
     found = follow(tracker, frames["frames"][1:8])
     print(found)
     assert found["kept"] > 0.99  # its limbs touch and part, and cells cross the gap
+
+
+def test_discs_stay_apart_on_a_body_that_bends():
+    surface = dapple.Surface(*torus(48, 24))
+    area = surface.area
+    radii = [np.sqrt(0.2 * area / np.pi / 60), np.sqrt(0.2 * area / np.pi / 240), 0.0]
+    classes = [dapple.SampleClass(n, radius=r) for n, r in zip((60, 240, 300), radii, strict=True)]
+    samples = dapple.sample_classes(surface, classes, seed=3)
+    assert samples.report.worst_overlap <= 1e-3
+    tracker = dapple.Tracker(surface, samples, classes=classes)
+    for frame in range(1, 9):
+        vertices = surface.vertices
+        bend = 0.06 * frame * vertices[:, 0]
+        bent = np.column_stack([vertices[:, 0], vertices[:, 1] * (1.0 + bend), vertices[:, 2]])
+        assert tracker.advance(bent).report.worst_overlap <= 0.01
