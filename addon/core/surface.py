@@ -135,6 +135,15 @@ def check_same_topology(
     )
 
 
+def is_reordered(one: SurfaceArrays, other: SurfaceArrays) -> bool:
+    """Whether two surfaces have as many vertices and faces, at the same places."""
+    if one.vertices.shape != other.vertices.shape or one.faces.shape != other.faces.shape:
+        return False
+    extent = float(np.abs(one.vertices).max(initial=0.0))
+    apart = np.abs(np.sort(one.vertices, axis=0) - np.sort(other.vertices, axis=0))
+    return bool(apart.max(initial=0.0) <= _SHEAR * extent)
+
+
 def check_unchanged(read: SurfaceArrays, now: SurfaceArrays) -> None:
     """ChangedError unless the surface is still the one that was read."""
     if read.fingerprint != now.fingerprint:

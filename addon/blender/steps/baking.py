@@ -2,6 +2,7 @@
 """Bake, as steps: read a frame, let the worker solve it, go on; write all when all are done."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import bpy
@@ -9,7 +10,7 @@ import bpy
 from ...core.bake import Baker
 from ...core.errors import ScatterError, StoppedError
 from ...core.steps import Steps, Task
-from ...core.surface import SurfaceArrays, check_unchanged
+from ...core.surface import SurfaceArrays
 from ..base.held import Held
 from ..base.times import times_of
 from ..base.translation import reported
@@ -23,6 +24,7 @@ from .bare_frames import begin_of, read_frame
 from .crossing import crossed
 from .masks import Masks
 from .meanwhile import Meanwhile
+from .reordered import Steady
 
 
 def bake_steps(context: bpy.types.Context, first: int, last: int) -> Steps:
@@ -60,7 +62,12 @@ class _Frames:
 def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Meanwhile) -> Any:
     first, begin = frames.first, frames.begin
     settings = settings_of(held.get())
-    arrays = at_frame(surface, begin, settings=settings, own=held, kind=kind)
+
+    def read_first() -> SurfaceArrays:
+        return at_frame(surface, begin, settings=settings, own=held, kind=kind)
+
+    steady = Steady(surface)
+    arrays = steady.first(held.get(), read_first)
     begun = yield from begin_bake(held, arrays, settings)
     count = frames.last - first + 1
     baker = new_baker(held.get(), surface.get(), arrays, first, count, begun.solved)
@@ -69,13 +76,14 @@ def _carry(held: Held, surface: Held, frames: _Frames, kind: str, meanwhile: Mea
     for frame in range(first, frames.last + 1):
         meanwhile.check()
         if frame != begin or begin != first:
-            arrays = read_frame(held, surface, frame, kind, masks)
+            read = partial(read_frame, held, surface, frame, kind, masks)
+            arrays = steady.next(baker.bound, read)
         there = frame if len(arrays.faces) else there
         if frame in frames.noted:
             begun.note_moving(held, surface, settings, there)
         yield from _solve(baker, held, surface, arrays, begun.progress, masks)
     yield from _finish(baker, begun.progress)
-    check_unchanged(begun.arrays, at_frame(surface, begin, settings=settings, own=held))
+    steady.check(begun.arrays, read_first)
     return begun, baker
 
 
