@@ -522,7 +522,7 @@ void Relaxation::note(const Region& region, const Minimum& found) {
   measured.boundaries = all.boundaries;
   if (is_everything()) {
     measure_all(region, found);
-  } else {
+  } else if (!normals.empty()) {  // else all that is left lies farther away
     report_.evenness = measure_evenness(measured);
     report_.bond_order = bond_order(measured, normals);
     report_.energy =

@@ -61,8 +61,8 @@ void take_classes(Bytes& bytes, Samples& samples, RelaxOptions& options) {
   const int classes = 2 + bytes.below(2);
   for (std::int32_t& c : samples.classes) c = bytes.below(classes);
   for (int c = 0; c < classes; ++c)
-    options.classes.push_back({.count = take_count(bytes) / 2,
-                               .radius = bytes.one_in(2) ? bytes.between(0.0, 0.2) : 0.0});
+    options.classes.push_back(
+        {.count = take_count(bytes), .radius = bytes.one_in(2) ? bytes.between(0.0, 0.2) : 0.0});
   options.free_counts = bytes.one_in(2);
 }
 
