@@ -20,11 +20,14 @@ COUNT = 1_500
 
 
 def optimized(obj: Any) -> float:
-    """Seconds that Optimize takes."""
+    """Seconds that Optimize takes, the least of three: others may be at work here."""
     scenes.active(obj)
-    begin = time.perf_counter()
-    bpy.ops.dapple.optimize()
-    return time.perf_counter() - begin
+    taken = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        bpy.ops.dapple.optimize()
+        taken.append(time.perf_counter() - begin)
+    return min(taken)
 
 
 def plain(make: Callable[[], Any], *, even: bool = True) -> Callable[[], Found]:
