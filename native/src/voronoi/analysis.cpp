@@ -21,7 +21,9 @@ double nearest_touching(const RestrictedVoronoi& diagram, std::size_t i) {
   return path;
 }
 
+/// 0 where no cell owns anything, as on a part that a frame has collapsed to nothing.
 double variation(const RestrictedVoronoi& diagram, double mean) {
+  if (!(mean > 0.0)) return 0.0;
   double sum = 0.0;
   for (const Moments& cell : diagram.cells) sum += (cell.capacity - mean) * (cell.capacity - mean);
   return std::sqrt(sum / static_cast<double>(diagram.cells.size())) / mean;
