@@ -13,7 +13,6 @@
 #include "relax/relaxation.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
-#include "voronoi/cell_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -107,7 +106,7 @@ ClassRelaxation::ClassRelaxation(const Surface& surface, const Samples& samples,
   std::size_t count = 0;
   for (const SampleClass& one : options.classes) count += one.count;
   if (options.classes.empty()) count = options.count.value_or(samples.size());
-  sides_ = sides_for(surface, count, Cells::kConnected);
+  sides_ = with_sides(surface, count);
   if (options.classes.empty())
     add(samples.classes.empty() ? 0 : samples.classes[0], surface, options.count, 0.0);
   for (std::size_t c = 0; c < options.classes.size(); ++c) {
@@ -121,7 +120,7 @@ ClassRelaxation::ClassRelaxation(const Surface& surface, const Samples& samples,
 void ClassRelaxation::add(std::int32_t name, const Surface& surface,
                           std::optional<std::size_t> count, double radius) {
   classes_.push_back({.name = name,
-                      .surface = *sides_ ? with_sides_of(**sides_, surface)->all : surface,
+                      .surface = sides_ ? with_sides_of(*sides_, surface)->all : surface,
                       .count = count,
                       .radius = radius});
 }
@@ -210,8 +209,8 @@ Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
 }
 
 /// A class without samples gets its first ones.
-void ClassRelaxation::begin(RelaxedClass& one, Context* context) const {
-  const Samples found = resample(one.surface, {}, *one.count,
+void ClassRelaxation::begin(RelaxedClass& one, std::size_t count, Context* context) const {
+  const Samples found = resample(one.surface, {}, count,
                                  {.seed = options_.seed, .optimizer = options_.optimizer}, context);
   one.sites = {found.positions, found.faces, found.barycentric};
   one.locked.resize(found.size(), false);
@@ -224,9 +223,9 @@ void ClassRelaxation::relax(std::size_t c, Context* context) {
   RelaxedClass& one = classes_[c];
   std::vector<OrderedFace> faces = faces_to_relax(one);
   if (one.sites.size() == 0) {
-    if (one.count.value_or(0) == 0) return;
+    if (!one.count || *one.count == 0) return;
     relaxed_ = true;
-    begin(one, context);
+    begin(one, *one.count, context);
     if (classes_.size() == 1) return;
     faces = ordered_faces(one.surface, all_faces(one.surface));
   }

@@ -6,6 +6,7 @@
 
 #include "relax/company.hpp"
 #include "surface/ordered_face.hpp"
+#include "surface/sides.hpp"
 
 namespace dapple {
 
@@ -49,7 +50,7 @@ class ClassRelaxation {
   void deal_out(const Samples& samples, const Sites& sites);
   [[nodiscard]] std::vector<OrderedFace> faces_to_relax(const RelaxedClass& one) const;
   [[nodiscard]] Company company_of(std::span<const std::size_t> selves) const;
-  void begin(RelaxedClass& one, Context* context) const;
+  void begin(RelaxedClass& one, std::size_t count, Context* context) const;
   void relax(std::size_t c, Context* context);
   void relax_together(std::span<const std::size_t> group, Context* context);
   void store(std::span<const std::size_t> group, const std::vector<Region>& regions,
@@ -57,8 +58,8 @@ class ClassRelaxation {
   void note_moves(const RelaxedClass& one, const Sites& before);
 
   const RelaxOptions& options_;
-  std::vector<std::int32_t> changed_;  // the caller's, and where classes have moved
-  KnownSides sides_;
+  std::vector<std::int32_t> changed_;          // the caller's, and where classes have moved
+  std::shared_ptr<const SidedSurface> sides_;  // of walls; null where there are none
   std::vector<RelaxedClass> classes_;
   std::vector<bool> done_;
   bool relaxed_ = false;

@@ -16,6 +16,7 @@ constexpr double kOverlap = 1e-3;  // of the wanted distance: less is good enoug
 
 std::vector<const Companion*> all_of(const Company& company) {
   std::vector<const Companion*> result;
+  result.reserve(company.selves.size() + company.others.size());
   for (const Companion& self : company.selves) result.push_back(&self);
   for (const Companion& other : company.others) result.push_back(&other);
   return result;

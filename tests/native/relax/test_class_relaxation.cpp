@@ -121,8 +121,9 @@ TEST(RelaxedClasses, FollowTheirOwnDensity) {
   Relaxed r;
   std::vector<double> half;
   for (const Vec3& x : r.before.vertices()) half.push_back(x.x() > 0.0 ? 1.0 : 0.0);
-  r.classes[1].surface = r.before.with_density({DensityAt::kVertices, half});
-  const Indices changed = changed_faces(r.before, *r.classes[1].surface);
+  const Surface own = r.before.with_density({DensityAt::kVertices, half});
+  r.classes[1].surface = own;
+  const Indices changed = changed_faces(r.before, own);
   const Samples found = relax(r.before, r.samples, changed, relaxing(r.classes));
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (found.classes[k] == 1) {
