@@ -72,3 +72,17 @@ def test_thin_bodies_are_even_and_nothing_is_said_of_a_spacing(addon, make, coun
     assert not [line for line in (*lines, *figures) if "of ideal" in line]
     assert "area variation" in lines[0]
     assert "100 % of the points are on parts thinner than the spacing" in figures
+
+
+def shell_of_a_head(thickness):
+    bpy.ops.mesh.primitive_monkey_add()
+    head = bpy.context.object
+    head.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    head.modifiers.new("Solidify", "SOLIDIFY").thickness = thickness
+
+
+@pytest.mark.parametrize("thickness", [0.03, 0.06])
+def test_a_shell_of_a_head_is_as_even_inside_as_outside(thickness):
+    obj = strewn(lambda: shell_of_a_head(thickness), 1500)
+    assert obj.dapple.report.capacity_variation < 0.05
+    assert obj.dapple.report.evaluations < 40

@@ -2,6 +2,7 @@
 #include "sample/solve_classes.hpp"
 
 #include <algorithm>
+#include <dapple/neighbors.hpp>
 #include <numeric>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "optimize/forecast.hpp"
 #include "sample/rebalance.hpp"
 #include "surface/islands.hpp"
+#include "surface/ordered_surface.hpp"
 
 namespace dapple {
 namespace {
@@ -22,8 +24,13 @@ constexpr double kStarting = 3.0;  // a start takes as long as so many evaluatio
 constexpr double kThin = 0.1;      // of the tolerance, where most samples are on thin parts ...
 constexpr double kEven = 0.005;    // ... and the capacities vary by more, for at most ...
 constexpr int kMore = 15;          // ... so many evaluations more
-constexpr int kSettling = 2;       // times that the numbers of neighborhoods are looked at
-constexpr double kAlone = 0.35;    // of the progress after the start: every class is even by itself
+constexpr std::size_t kFew = 50;   // sites tell nothing of a shell
+constexpr std::size_t kLookedAt = 500;  // are looked at
+constexpr double kShell = 0.5;          // of them have the other side near
+constexpr std::size_t kNearest = 6;     // in space, itself among them
+constexpr double kOtherSide = -0.5;     // cosine between normals
+constexpr int kSettling = 2;            // times that the numbers of neighborhoods are looked at
+constexpr double kAlone = 0.35;  // of the progress after the start: every class is even by itself
 constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
 constexpr double kRarer = 3.0;  // times as many samples: rarer classes come first
 constexpr double kRough = 5e-4;  // tolerance before all classes move together
@@ -117,9 +124,34 @@ Sites evened(const Domain& domain, const Sites& sites, std::uint64_t seed, Conte
   return result;
 }
 
+/// Whether many sites have some of the other side of a sheet as near as their neighbors, and the
+/// two sides are connected, over a rim.
+bool is_thin_shell(const Domain& domain, const Surface& surface, const Sites& sites) {
+  if (sites.size() < kFew) return false;
+  const OrderedSurface& ordered = surface.ordered();
+  const Sites there = domain.to_sampling_surface(sites);
+  const auto face = [&](std::size_t k) { return ordered.ordered_face(there.faces[k]); };
+  const auto is_beyond = [&](std::size_t k, std::size_t other) {
+    return domain.normal(sites.faces[k]).dot(domain.normal(sites.faces[other])) < kOtherSide &&
+           ordered.component(face(k)) == ordered.component(face(other));
+  };
+  const Neighbors tree(sites.positions);
+  std::vector<Neighbor> near;
+  std::size_t looked_at = 0, close = 0;
+  for (std::size_t k = 0; k < sites.size();
+       k += std::max<std::size_t>(sites.size() / kLookedAt, 1), ++looked_at) {
+    tree.nearest(sites.positions[k], kNearest, near);
+    if (std::any_of(near.begin(), near.end(), [&](const Neighbor& other) {
+          return is_beyond(k, static_cast<std::size_t>(other.index));
+        }))
+      ++close;
+  }
+  return static_cast<double>(close) > kShell * static_cast<double>(looked_at);
+}
+
 /// Darts keep apart, but how many are here or there is left to chance. Where there are gaps without
-/// density no step takes one across, and few get around them. Locked sites stay where they are, and
-/// the others of their class.
+/// density no step takes one across, and few get around them or around the rim of a shell. Locked
+/// sites stay where they are, and the others of their class.
 int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites,
                    Context* context) {
   int evaluations = 0;
@@ -128,11 +160,12 @@ int settle_islands(const ClassProblem& problem, std::uint64_t seed, Sites& sites
   for (const ClassProblem::Member& member : problem.classes) {
     const std::vector<std::int32_t> members = numbers_from(first, member.count);
     first += static_cast<std::int32_t>(member.count);
-    if (members.empty() || member.locked.size() > 0 ||
-        !Islands(member.domain->sampling_surface(member.count)).has_gaps())
-      continue;
+    if (members.empty() || member.locked.size() > 0) continue;
     Sites own = select(sites, members);
-    for (int round = 0; round < kSettling; ++round)
+    const Surface surface = member.domain->sampling_surface(member.count);
+    int rounds = Islands(surface).has_gaps() ? kSettling : 0;
+    if (rounds == 0 && is_thin_shell(*member.domain, surface, own)) rounds = 1;
+    for (int round = 0; round < rounds; ++round)
       own = evened(*member.domain, own, seed, context, evaluations);
     put(sites, members, own);
   }
