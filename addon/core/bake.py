@@ -73,6 +73,7 @@ class Baker:
         self.grounds = Grounds(self.bound, start.settings)
         self._stands_on: Any = None  # the ground of the tracker
         self._begun = 0  # frames before the topology begins
+        self._laid_for = -1  # frames before the density is another
         self._tracked = 0  # frames after which the tracker stands
         self._solved: Solved  # the last frame that is done, and its vertices
         self._vertices: Floats
@@ -114,9 +115,9 @@ class Baker:
         self._chain.add(before)
         self._note_bound(after)
         self.start = replace(self.start, binding=self.last)
-        self.bound, self._tracked, self._tracker, self._shape = after, self.done, None, None
+        self.bound, self._tracked, self._shape = after, self.done, None
         self.grounds.begin(after)
-        self._begun = self.done
+        self._begun = self._laid_for = self.done
         self.topologies.append(after.topology)
 
     def _note_bound(self, bound: SurfaceArrays) -> None:
@@ -140,6 +141,7 @@ class Baker:
             for array in self.grounds.follow(frame):
                 self._chain.note_array(array)
             if laid is not self.grounds.laid:
+                self._laid_for = self.done
                 self._chain.note("followed")
                 self.fingerprint = self._chain.now()
 
@@ -212,15 +214,25 @@ class Baker:
         ground = self.grounds.now
         if ground is not self._stands_on:
             self._go_over_to(ground)
-        elif self._tracked < self.done:
+        if self._tracked < self.done and self._laid_for < self.done:
             vertices = ground.vertices(self._vertices)
             samples = self._there(ground, self._solved)
             self._tracker.resume(vertices, samples, settled=self._solved.settled)
         self._tracked = self.done
         return self._tracker, ground
 
+    @property
+    def _topology_begins(self) -> bool:
+        """Whether the next frame is the first of other faces than the bake has begun with."""
+        return self.done == self._begun and self.bound is not self.first_surface
+
     def _new_tracker(self) -> Any:
-        return tracked(self.grounds.first, self._begin(), self.start.settings)
+        """At the start of the bake: every frame is to be as even as that."""
+        start = self.start
+        ground = self.grounds.of(self.first_surface, self.first_surface)
+        samples = samples_of(self.begin, ground.original, start.ids, start.classes)
+        self._stands_on = ground
+        return tracked(ground, ground.there(samples), start.settings)
 
     def _begin(self) -> Any:
         """Samples on the ground where the topology begins."""
@@ -239,7 +251,8 @@ class Baker:
         if self.done > self._begun:
             samples, vertices = self._there(ground, self._solved), self._vertices
         settings = self.start.settings
-        resumed_on(self._tracker, ground, vertices, (samples, started), settings)
+        crossed = self._topology_begins
+        resumed_on(self._tracker, ground, vertices, (samples, started), settings, crossed)
         self._stands_on = ground
 
     def _solved_of(self, samples: Any, settled: bool) -> Solved:

@@ -121,14 +121,21 @@ def tracked(ground: Ground, samples: Any, settings: Settings) -> Any:
 
 
 def resumed_on(
-    tracker: Any, ground: Ground, vertices: Floats, samples: tuple[Any, Any], settings: Settings
+    tracker: Any,
+    ground: Ground,
+    vertices: Floats,
+    samples: tuple[Any, Any],
+    settings: Settings,
+    anywhere: bool,
 ) -> None:
     """Take a tracker to another ground, at these coarse vertices; samples are those of the last
-    frame and of the first one there.
+    frame and of the first one there. They may go anywhere, or only where the density pushes them.
     """
     now, first = samples
     classes = of_classes(ground, now, settings)
-    tracker.resume_on(ground.surface, ground.vertices(vertices), now, first, **classes)
+    tracker.resume_on(
+        ground.surface, ground.vertices(vertices), now, first, anywhere=anywhere, **classes
+    )
 
 
 def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, Any]:

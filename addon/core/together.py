@@ -128,6 +128,11 @@ class TogetherBaker(Baker):
         self._ahead, self.fingerprint = ahead, fingerprint
         del self._held[:done]
 
+    def cross(self, before: SurfaceArrays, after: SurfaceArrays) -> None:
+        """Begin the next piece with a tracker of its own."""
+        super().cross(before, after)
+        self._tracker = None
+
     def _ready_tracker(self) -> tuple[Any, Any]:
         """The tracker, at the last frame that is done, and the ground that it stands on."""
         if self._tracker is None:

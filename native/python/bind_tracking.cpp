@@ -60,12 +60,13 @@ void resume_tracker(SharedTracker& shared, const py::object& vertices, const Sam
 
 void resume_tracker_on(SharedTracker& shared, const Surface& surface, const py::object& vertices,
                        const Samples& samples, const Samples& first, const py::object& classes,
-                       const ContextPtr& context) {
+                       bool anywhere, const ContextPtr& context) {
   const DoubleArray points = doubles("vertices", vertices, 3);
   std::vector<SampleClass> wanted = wanted_classes(surface, classes);
   const SharedTracker::Change tracker(shared);
   run(context, [&](Context* watched) {
-    tracker->resume_on(surface, as_points(points), samples, first, std::move(wanted), watched);
+    tracker->resume_on(surface, as_points(points), samples, first, std::move(wanted), anywhere,
+                       watched);
   });
 }
 
@@ -281,7 +282,7 @@ Raises:
       .def(
           "resume_on", &resume_tracker_on, py::arg("surface"), py::arg("vertices"),
           py::arg("samples"), py::arg("first"), py::kw_only(), py::arg("classes") = py::none(),
-          py::arg("context") = nullptr,
+          py::arg("anywhere") = false, py::arg("context") = nullptr,
           R"(Go on on other faces or another density of the same body, which has not moved since the last frame.
 
 Where what the density depends on moves, a surface is cut along it anew: the samples go on there, held to the evenness
@@ -293,6 +294,8 @@ Args:
     samples: Samples with the present samples' faces and barycentric coordinates there; ids and classes stay.
     first: Samples of the surface, at whose places they were on the first frame.
     classes: as when the tracker was made, on this surface.
+    anywhere: whether samples may go to wherever there is room, as on a surface that has got other parts; else only
+        those that the density pushes together.
     context: a Context to watch and cancel it by.
 
 Raises:

@@ -216,3 +216,41 @@ def test_a_stopped_bake_of_moving_masks_goes_on_to_the_same_bytes():
             found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
         for name, values in found[-2].items():
             assert found[-1][name].tobytes() == values.tobytes()
+
+
+def test_a_bake_that_was_stopped_after_its_masks_came_to_rest_goes_on_to_the_same_bytes():
+    baking, steps = addon_host.part("blender.steps.baking"), addon_host.part("core.steps")
+    package = addon_host.part("core.native").package()
+    surface, found = ground(), []
+    box = cube()
+    for frame, place in ((1, -1.0), (3, -0.5)):
+        box.location.x = place
+        box.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    for stopped in (False, True):
+        obj = scatter_on(surface, obstacles=bpy.data.collections["Avoided"])
+        if stopped:
+            going = baking.bake_steps(bpy.context, 1, FRAMES)
+            task = next(going)
+            for _ in range(8):
+                task = going.send(task.call(package.Context()))
+            going.close()
+        baker = steps.run_now(baking.bake_steps(bpy.context, 1, FRAMES))
+        assert baker.taken == (4 if stopped else 0)
+        found.append(addon_host.part("blender.data.key_stores").read_baked(obj).keys)
+    for name, values in found[0].items():
+        assert found[1][name].tobytes() == values.tobytes()
+
+
+def test_points_stay_even_where_faces_change():
+    surface = ground(size=2.0, cuts=20)
+    surface.modifiers.new("Solidify", "SOLIDIFY").thickness = 0.5
+    box = keyed(cube(size=0.5), (-0.3, 0.0, 0.0), (0.3, 0.0, 0.0))
+    joined = surface.modifiers.new("Boolean", "BOOLEAN")
+    joined.object, joined.solver, joined.operation = box, "FAST", "UNION"
+    bpy.context.scene.frame_set(1)
+    obj = scatter_on(surface, 200)
+    obj.dapple.on_topology_change = "REBIND"
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    assert obj.dapple.report.alpha_min > 0.35
+    assert obj.dapple.report.capacity_variation < 0.1

@@ -11,6 +11,7 @@
 namespace dapple {
 
 class FrameSolver;
+enum class Moved : int;
 class PatternMemory;
 class Transfer;
 
@@ -49,10 +50,12 @@ class Tracker {
   /// \param samples  where the present samples are on these faces; ids and classes stay
   /// \param first    where they were on the first frame, on these faces
   /// \param classes  as many as before, on this surface
+  /// \param anywhere whether samples may go to wherever there is room, as on a surface that has got
+  /// other parts; else only those that the density pushes together
   /// \throw SurfaceError; ArgumentError if there are more or fewer samples or classes than before;
   /// Cancelled
   void resume_on(const Surface& surface, std::span<const Vec3> vertices, const Samples& samples,
-                 const Samples& first, std::vector<SampleClass> classes = {},
+                 const Samples& first, std::vector<SampleClass> classes = {}, bool anywhere = false,
                  Context* context = nullptr);
 
   /// Whether nothing was left to be caught up when the last frame was done.
@@ -75,7 +78,7 @@ class Tracker {
   std::shared_ptr<const FrameSolver> solver_;
   std::optional<Report> measured_;  // on the present frame; empty: nobody has asked how even it is
   bool settled_ = true;             // the first frame is what the others are held against
-  bool moved_density_ = false;      // since the last frame
+  Moved moved_{};                   // since the last frame; nothing
 };
 
 }  // namespace dapple

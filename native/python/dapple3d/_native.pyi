@@ -402,6 +402,7 @@ class Tracker:
         first: Samples,
         *,
         classes: Sequence[SampleClass | int] | None = None,
+        anywhere: bool = False,
         context: Context | None = None,
     ) -> None: ...
     @property

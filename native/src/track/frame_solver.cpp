@@ -114,7 +114,7 @@ struct Beginning {
 /// share of the largest one.
 std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   const std::vector<double> all = surface.density();
-  const double most = *std::max_element(all.begin(), all.end());
+  const double most = all.empty() ? 1.0 : *std::max_element(all.begin(), all.end());
   std::vector<double> result;
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
@@ -145,12 +145,14 @@ std::size_t count_piled(const Surface& own, const Sites& before, const Sites& no
 }
 
 /// Sites that a moving density pushes pile up at its border: as many as do go where there is room.
+/// On other faces there may be room anywhere, and as many go as are too many where they are.
 /// Returns which.
 std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
                                  std::span<const std::int32_t> mine, const Sites& before,
-                                 Sites& sites, Context* context) {
+                                 Moved what, Sites& sites, Context* context) {
   const Sites now = select(sites, mine);
-  const std::size_t piled = count_piled(own, select(before, mine), now);
+  const std::size_t piled =
+      what == Moved::kFaces ? kAnyNumber : count_piled(own, select(before, mine), now);
   if (piled == 0) return {};
   const Rebalanced found = rebalance(domain, now, mine.size(), mine.size(), context, piled);
   std::vector<bool> stays(mine.size(), false);
@@ -164,10 +166,10 @@ std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
 
 /// Sites that are where their class has no density begin, and are held, at the nearest place that
 /// has some: max_slide would leave them there.
-/// \param moving whether the density moves from frame to frame
+/// \param moved what is another than on the last frame
 Beginning on_density(const Surface& surface, const Frame& frame,
                      std::span<const std::int32_t> class_of, const Sites& start, const Sites* home,
-                     bool moving, Context* context) {
+                     Moved moved, Context* context) {
   Beginning result{start, home ? std::optional(*home) : std::nullopt};
   std::vector<std::int32_t> homeless;
   for (std::size_t c = 0; c < frame.classes.size(); ++c) {
@@ -182,13 +184,13 @@ Beginning on_density(const Surface& surface, const Frame& frame,
     }
     const Domain& domain = *frame.problem.classes[c].domain;
     lead_to_density(own, domain, result.start, others);
-    if (!moving || own.uniform()) continue;
+    if (moved == Moved::kNothing) continue;
     std::vector<std::int32_t> members;
     for (std::size_t k = 0; k < start.size(); ++k)
       if (!others[k]) members.push_back(static_cast<std::int32_t>(k));
     if (members.empty()) continue;
-    const auto moved = spread(own, domain, members, start, result.start, context);
-    result.elsewhere.insert(result.elsewhere.end(), moved.begin(), moved.end());
+    const auto gone = spread(own, domain, members, start, moved, result.start, context);
+    result.elsewhere.insert(result.elsewhere.end(), gone.begin(), gone.end());
   }
   homeless.insert(homeless.end(), result.elsewhere.begin(), result.elsewhere.end());
   if (result.home) put(*result.home, homeless, select(result.start, homeless));
@@ -293,7 +295,7 @@ bool FrameSolver::any_stranded(const Surface& surface, const Sites& sites) const
 /// Where the density moves, no frame is as even as on the first one: the next one moves it again.
 /// Where islands of the density grow and shrink, and their samples stay as many, no step makes them
 /// as even as they were.
-Restoration FrameSolver::restoration(bool moving, const Domain& all, const Sites& sites) const {
+Restoration FrameSolver::restoration(Moved moved, const Domain& all, const Sites& sites) const {
   Restoration aim = restoration_;
   if (classes_.size() == 1) {
     const double first = first_report_.whole_count_variation;
@@ -302,7 +304,7 @@ Restoration FrameSolver::restoration(bool moving, const Domain& all, const Sites
     aim.first_variation =
         std::sqrt(aim.first_variation * aim.first_variation + now * now - first * first);
   }
-  if (!moving) return aim;
+  if (moved != Moved::kDensity) return aim;
   aim.variation = std::max(aim.variation, kMovingVariation);
   aim.alpha = std::min(aim.alpha, kMovingAlpha);
   return aim;
@@ -317,13 +319,13 @@ OptimizerOptions FrameSolver::aims() const {
 
 FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& start,
                                            const Vectors& moves, const Sites* home, bool idle,
-                                           Context* context, bool moving) const {
+                                           Context* context, Moved moved) const {
   check_extent(surface, start);
   Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
   OptimizerOptions options = aims();
   if (idle) options.max_evaluations = std::min(options.max_evaluations, 1);
-  const Beginning first = on_density(surface, frame, class_of_, start, home, moving, context);
-  const Restoration aim = restoration(moving, *frame.problem.all, first.start);
+  const Beginning first = on_density(surface, frame, class_of_, start, home, moved, context);
+  const Restoration aim = restoration(moved, *frame.problem.all, first.start);
   const Sites begin = move(first.start, without(moves, first.elsewhere), frame.objective, context);
   const Tracked tracked{.home = first.home ? &*first.home : nullptr, .restoration = &aim};
   const Minimum found = idle ? minimize(frame.objective, begin, options, context, tracked)
@@ -336,11 +338,11 @@ FrameSolver::Restored FrameSolver::restore(const Surface& surface, const Sites& 
 
 FrameSolver::Passed FrameSolver::pass(const Surface& surface, const Sites& start,
                                       const Vectors& moves, const Sites& home, Context* context,
-                                      bool moving) const {
+                                      Moved moved) const {
   check_extent(surface, start);
   Frame frame(surface, on_frame(surface, classes_), class_of_, options_, sides_);
-  const Beginning first = on_density(surface, frame, class_of_, start, &home, moving, context);
-  const Restoration aim = restoration(moving, *frame.problem.all, first.start);
+  const Beginning first = on_density(surface, frame, class_of_, start, &home, moved, context);
+  const Restoration aim = restoration(moved, *frame.problem.all, first.start);
   Minimum found = frame.search(
       move(first.start, without(moves, first.elsewhere), frame.objective, context), aims(),
       {.home = first.home ? &*first.home : nullptr, .restoration = &aim}, context);

@@ -18,6 +18,9 @@ namespace dapple {
 /// The sites at the same places of their faces, on another frame of the surface.
 [[nodiscard]] Sites carried(const Surface& surface, Sites sites);
 
+/// What is another than on the last frame: of other faces, nobody knows where there is room.
+enum class Moved : int { kNothing, kDensity, kFaces };
+
 /// Brings the samples of one body, frame by frame, back to the evenness of its first frame.
 class FrameSolver {
  public:
@@ -39,10 +42,10 @@ class FrameSolver {
   /// \param start, moves where the search begins: at the sites, moved
   /// \param home where max_slide and stickiness hold them; null: where the search begins
   /// \param idle whether to measure only
-  /// \param moving whether the density is another than on the last frame
+  /// \param moved what is another than on the last frame, beside the vertices
   [[nodiscard]] Restored restore(const Surface& surface, const Sites& start, const Vectors& moves,
                                  const Sites* home, bool idle, Context* context,
-                                 bool moving = false) const;
+                                 Moved moved = Moved::kNothing) const;
 
   struct Passed {
     Sites sites;
@@ -50,7 +53,8 @@ class FrameSolver {
   };
   /// Even sites part of the way to a frame, where nobody asks how even.
   [[nodiscard]] Passed pass(const Surface& surface, const Sites& start, const Vectors& moves,
-                            const Sites& home, Context* context, bool moving = false) const;
+                            const Sites& home, Context* context,
+                            Moved moved = Moved::kNothing) const;
 
   /// For other samples of the same body.
   /// \param origin per sample its index so far, or -1 for one that is new
@@ -87,7 +91,7 @@ class FrameSolver {
 
  private:
   [[nodiscard]] OptimizerOptions aims() const;
-  [[nodiscard]] Restoration restoration(bool moving, const Domain& all, const Sites& sites) const;
+  [[nodiscard]] Restoration restoration(Moved moved, const Domain& all, const Sites& sites) const;
   [[nodiscard]] FrameSolver with(const Samples& now) const;
 
   TrackerOptions options_;

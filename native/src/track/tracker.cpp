@@ -38,7 +38,7 @@ int part_count(const Motion& motion, double longest) {
 
 /// Even sites on each part of the way to a frame but the last, which is the frame itself.
 FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, const Sites& first,
-                             const Motion& motion, int parts, bool moving, Context* context) {
+                             const Motion& motion, int parts, Moved moved, Context* context) {
   FrameSolver::Passed passed{first, 0};
   for (int part = 1; part < parts; ++part) {
     const double share = static_cast<double>(part) / parts;
@@ -48,7 +48,7 @@ FrameSolver::Passed approach(const FrameSolver& solver, const Surface& surface, 
     const int evaluations = passed.evaluations;
     Stretch step(context, static_cast<std::size_t>(part - 1), static_cast<std::size_t>(parts));
     passed =
-        solver.pass(way, now, solver.recall(way, passed.sites, now), home, step.context(), moving);
+        solver.pass(way, now, solver.recall(way, passed.sites, now), home, step.context(), moved);
     passed.evaluations += evaluations;
   }
   return passed;
@@ -106,15 +106,15 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     const int parts = part_count(motion, options.longest_motion);
     const Sites before = sites_of(samples_);
     const FrameSolver::Passed last =
-        approach(*solver_, surface_, before, motion, parts, moved_density_, call.context());
+        approach(*solver_, surface_, before, motion, parts, moved_, call.context());
     const Sites now = carried(surface, last.sites);
     const Sites home = carried(surface, before);
     const Vectors moves = in_stage(call.context(), Stage::kStart,
                                    [&] { return solver_->recall(surface, last.sites, now); });
     const auto last_part = static_cast<std::size_t>(parts - 1);
     Stretch step(call.context(), last_part, last_part + 1);
-    auto [samples, settled] = solver_->restore(surface, now, moves, &home, still && settled_,
-                                               step.context(), moved_density_);
+    auto [samples, settled] =
+        solver_->restore(surface, now, moves, &home, still && settled_, step.context(), moved_);
     samples.report.evaluations += last.evaluations;
     samples.report.parts = parts;
     measure_slide(samples.report, samples.positions, home.positions);
@@ -122,8 +122,8 @@ const Samples& Tracker::advance(std::span<const Vec3> vertices, Context* context
     std::optional<Report> measured = samples.report;
     settled_ = (still && settled_) ||  // from here on nothing fails
                (settled && samples.report.slide_max < kHeld * options.optimizer.max_slide);
-    settled_ = settled_ && !moved_density_;
-    moved_density_ = false;
+    settled_ = settled_ && moved_ == Moved::kNothing;
+    moved_ = Moved::kNothing;
     surface_ = std::move(surface);
     samples_ = std::move(samples);
     measured_ = std::move(measured);
@@ -143,11 +143,12 @@ void Tracker::resume(std::span<const Vec3> vertices, const Samples& samples, boo
   surface_ = std::move(surface);
   measured_.reset();
   settled_ = settled;
+  moved_ = Moved::kNothing;
 }
 
 void Tracker::resume_on(const Surface& surface, std::span<const Vec3> vertices,
                         const Samples& samples, const Samples& first,
-                        std::vector<SampleClass> classes, Context* context) {
+                        std::vector<SampleClass> classes, bool anywhere, Context* context) {
   check_same_length("samples", samples.size(), "the tracker's samples", samples_.size());
   check_same_length("first", first.size(), "the tracker's samples", samples_.size());
   Surface there = surface.deformed(vertices);
@@ -167,7 +168,7 @@ void Tracker::resume_on(const Surface& surface, std::span<const Vec3> vertices,
   samples_ = std::move(now);
   measured_.reset();
   settled_ = false;
-  moved_density_ = true;
+  moved_ = anywhere ? Moved::kFaces : Moved::kDensity;
 }
 
 /// Go on with other samples on the present frame; those of known ids keep their place in the first
