@@ -168,7 +168,10 @@ class PopulationBaker(Baker):
         asked = replace(asked, seed=asked.seed + first)
         found = sampled(self.grounds.now, asked, context)
         ids = np.arange(first, first + count, dtype=np.int32)
-        samples = package().Samples(surface, found.faces, found.barycentric, ids=ids)
+        ground = self.grounds.now  # through what is stored, as a bake that goes on finds them
+        kept = ground.back(package().Samples(surface, found.faces, found.barycentric, ids=ids))
+        stored = package().Samples(ground.original, kept.faces, kept.barycentric, ids=ids)
+        samples = ground.there(stored)
         self._population = self._population_of(self.grounds.now, samples)
         begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
         state = self._population.state | begun
