@@ -17,7 +17,7 @@ from .details import Details, details_of
 from .forward import pointing
 from .frames import carried, shading
 from .ground import Ground
-from .kinds import class_counts, classes_of, counted, sampled, shrunk
+from .kinds import classes_of, sampled, shrunk, wanted_counts
 from .locked import Locked
 from .native import package
 from .records import Binding, Columns, own_random
@@ -72,7 +72,7 @@ def kept(
         like = before.solved.ground if before.solved else None
         ground = Ground(arrays, settings, context, like)
         if locked is not None:
-            locked.of_classes(_counts(ground, settings))  # an error if they are more
+            locked.of_classes(wanted_counts(ground, settings))  # an error if they are more
         given, changed = _given(before, arrays, ground, settings)
         touched = _touched(before, arrays, ground)
         if settings.classes:
@@ -123,7 +123,7 @@ def is_whole(scattered: Scattered, before: Before | None = None) -> bool:
     if settings.per_area and before is not None and before.touched is not None:
         return True
     there = np.bincount(solved.samples.classes, minlength=max(len(settings.classes), 1))
-    for count, wanted in zip(there, _counts(solved.ground, settings), strict=True):
+    for count, wanted in zip(there, wanted_counts(solved.ground, settings), strict=True):
         spare = max(_SPARE_POINTS, _SPARE * wanted) if settings.per_area else 0
         if abs(count - wanted) > spare:
             return False
@@ -328,7 +328,7 @@ def _classes_relaxed(
         ground.surface,
         given,
         changed,
-        classes=classes_of(ground, settings, _counts(ground, settings)),
+        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
         free_counts=True,
         locked=_rows(given, locked),
         context=context,
@@ -344,7 +344,7 @@ def _with_counts(
         ground.surface,
         given,
         [],
-        classes=classes_of(ground, settings, _counts(ground, settings)),
+        classes=classes_of(ground, settings, wanted_counts(ground, settings)),
         locked=_rows(given, locked),
         context=context,
         **settings.sample_options(),
@@ -460,13 +460,8 @@ def _resampled(
 
 
 def _wanted(ground: Ground, settings: Settings) -> int:
-    return int(counted(ground.surface, settings).count)
-
-
-def _counts(ground: Ground, settings: Settings) -> list[int]:
-    """How many points each class is to have; one class if there are no object types."""
-    sized = counted(ground.surface, shrunk(settings, ground.surface))
-    return class_counts(sized) or [sized.count]
+    """Points of one class."""
+    return wanted_counts(ground, settings)[0]
 
 
 def _rows(samples: Any, locked: Locked | None) -> Ints:

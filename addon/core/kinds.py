@@ -93,6 +93,12 @@ def shrunk(settings: Settings, surface: Any) -> Settings:
     return replace(settings, classes=tuple(classes))
 
 
+def wanted_counts(ground: Ground, settings: Settings) -> list[int]:
+    """How many points each class is to have; one class if there are no object types."""
+    sized = counted(ground.surface, shrunk(settings, ground.surface))
+    return class_counts(sized) or [sized.count]
+
+
 def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | None = None) -> Any:
     """dapple.Samples of one class, or of those that the settings list, on the ground's surface.
 
@@ -102,13 +108,12 @@ def sampled(ground: Ground, settings: Settings, context: Any, locked: Locked | N
         ScatterError: more points of a class are locked than it has.
     """
     options = settings.sample_options()
-    settings = counted(ground.surface, shrunk(settings, ground.surface))
-    counts = class_counts(settings) or [settings.count]
+    counts = wanted_counts(ground, settings)
     groups = locked.of_classes(counts) if locked else [None] * len(counts)
     kept = [None if one is None else one.samples(ground.surface) for one in groups]
     if not settings.classes:
         return package().sample(
-            ground.surface, settings.count, context=context, locked=kept[0], **options
+            ground.surface, counts[0], context=context, locked=kept[0], **options
         )
     classes = classes_of(ground, settings, counts, kept)
     return package().sample_classes(ground.surface, classes, context=context, **options)
