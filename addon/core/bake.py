@@ -53,6 +53,7 @@ class Baker:
     first: int = 1  # number of the first frame
     rebind: bool = False  # where the topology changes: bind to the nearest places, or refuse
     follows: bool = False  # whether the density is that of each frame, which is read with it
+    fits: bool = False  # whether instances are fitted to the room of their points, on each key
     reports: list[Report] = field(default_factory=list)
     taken: int = 0  # frames that came from the sidecar
     trouble: str = ""  # why frames are not kept
@@ -297,6 +298,11 @@ class Baker:
         if other is not None:
             raise ScatterError(f"Frame {self.first + len(self.reports)}: {other}")
 
+    @property
+    def classes(self) -> Ints:
+        """Of all rows of a frame."""
+        return self.start.classes
+
     def _add(self, solved: Solved) -> None:
         self._check_distinct(solved.placed)
         self._solved, self._vertices = solved, self._now.vertices
@@ -305,4 +311,7 @@ class Baker:
         spacing = solved.report.spacing
         normals = shading(self._now, self.bound.faces)
         self.leaning.add(solved.placed.lean, self._vertices, normals, spacing)
-        self.keyframes.add(solved.placed, self.bound, self._now, spacing)
+        placed = solved.placed
+        if self.fits:
+            placed = self.grounds.with_room(placed, self._vertices, self.classes)
+        self.keyframes.add(placed, self.bound, self._now, spacing)

@@ -4,12 +4,18 @@ another than before.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from .ground import Ground
+from .keys import Placed
+from .kinds import shrunk
 from .over_time import arrays_of, moved, with_faces
+from .room import rooms
 from .settings import Settings
-from .surface import SurfaceArrays
+from .surface import Floats, Ints, SurfaceArrays
 
 
 class Grounds:
@@ -54,6 +60,16 @@ class Grounds:
         if bound is not self.bound:
             return self._laid_on(laid, Ground(bound, self._settings))
         return self.now if laid is self.laid else self._laid_on(laid, self.first)
+
+    def with_room(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
+        """With the room (n,) that each point has on a frame; those that are not there have none."""
+        count = len(placed.faces)
+        there = np.ones(count, dtype=bool) if placed.gone is None else placed.gone < 1.0
+        places = placed.binding.positions(vertices)[there]
+        found = np.zeros(count)
+        sized = shrunk(self._settings, self.first.surface)
+        found[there] = rooms(places, classes[:count][there], sized)
+        return replace(placed, room=found)
 
     def _laid_on(self, laid: SurfaceArrays, first: Ground) -> Ground:
         if laid is first.arrays:

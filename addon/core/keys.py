@@ -3,9 +3,9 @@
 
 A key holds where every point sits in one frame. Its rows are packed: the index of a triangle
 (32 bits) in a table of the triangles that are used, two barycentrics and the angle carried (32 bits
-each), 16 bytes for a point; 12 more where some instances lean. A second table says for every frame
-which key is played, and how far it is to the next one: docs/bake.md. Where points are bound to the
-rest shape, the triangles store where they lie on it.
+each), 16 bytes for a point; 12 more where some instances lean, 4 where they are fitted to their
+room. A second table says for every frame which key is played, and how far it is to the next one:
+docs/bake.md. Where points are bound to the rest shape, the triangles store where they lie on it.
 """
 
 from collections.abc import Iterator
@@ -28,6 +28,7 @@ class Placed:
     binding: Binding
     gone: Floats | None = None  # (n,) 0 there, 1 not there; None: all are there
     lean: Floats | None = None  # (n, 3) see lean.py; None: none leans
+    room: Floats | None = None  # (n,) see room.py; None: no instance is fitted to it
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Baked:
     """Packed keys, ready to be stored; columns named as in records.py."""
 
     keys: Columns  # dapple_face of each row, and as its position: barycentrics 1 and 2, angle;
-    # dapple_gone where points appear or vanish, dapple_lean where some lean
+    # dapple_gone where points appear or vanish, dapple_lean where some lean, dapple_room where
+    # instances are fitted to it
     triangles: Columns  # TRIANGLE_ATTRIBUTES, and where the points are bound to the rest shape
     # REST_TRIANGLE_ATTRIBUTES
     frames: Columns  # FRAME_ATTRIBUTES of each frame
@@ -145,6 +147,7 @@ class Keyframes:
     _rows: list[tuple[Ints, Any]] = field(default_factory=list)
     _gone: list[Floats | None] = field(default_factory=list)
     _lean: list[Floats | None] = field(default_factory=list)
+    _room: list[Floats | None] = field(default_factory=list)
     _sketches: list[Floats] = field(default_factory=list)
     _table: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
     _packed: Baked | None = None
@@ -226,23 +229,27 @@ class Keyframes:
             keys["dapple_gone"] = np.zeros(count, dtype=np.float32)
         if any(lean is not None for lean in self._lean):
             keys["dapple_lean"] = np.zeros((count, 3), dtype=np.float32)
+        if any(room is not None for room in self._room):
+            keys["dapple_room"] = np.zeros(count, dtype=np.float32)
         at = 0
-        for faces, places, gone, lean in self._taken():
+        for faces, places, gone, lean, room in self._taken():
             rows = slice(at, at + len(faces))
             keys["dapple_face"][rows], keys["position"][rows] = place[faces], places
             if gone is not None:
                 keys["dapple_gone"][rows] = gone
             if lean is not None:  # of points that appear later none leans
                 keys["dapple_lean"][rows][: len(lean)] = lean
+            if room is not None:
+                keys["dapple_room"][rows][: len(room)] = room
             at += len(faces)
         return keys
 
-    def _taken(self) -> Iterator[tuple[Ints, Any, Floats | None, Floats | None]]:
+    def _taken(self) -> Iterator[tuple[Ints, Any, Floats | None, Floats | None, Floats | None]]:
         """The rows of each key, which are not kept."""
-        for store in (self._rows, self._gone, self._lean):
+        for store in (self._rows, self._gone, self._lean, self._room):
             store.reverse()
         while self._rows:
-            yield *self._rows.pop(), self._gone.pop(), self._lean.pop()
+            yield *self._rows.pop(), self._gone.pop(), self._lean.pop(), self._room.pop()
 
     def _packed_triangles(self, triangles: Ints, used: NDArray[np.bool_]) -> Columns:
         columns: Columns = dict(zip(TRIANGLE_ATTRIBUTES, triangles[used].T.copy(), strict=True))
@@ -322,6 +329,7 @@ class Keyframes:
         self._rows.append((placed.faces + np.int32(self._offset), places.astype(np.float32)))
         self._gone.append(_single(placed.gone))
         self._lean.append(_single(placed.lean))
+        self._room.append(_single(placed.room))
 
 
 def _rest_of(bound: SurfaceArrays) -> Columns:

@@ -250,6 +250,11 @@ class PopulationBaker(Baker):
         turned = carried(self.last, after, vertices, normals)
         return Placed(faces, turned, gone, self.leaning.next(self.last, turned, vertices, normals))
 
+    @property
+    def classes(self) -> Ints:
+        """Of all rows of a frame."""
+        return np.concatenate([self.start.classes, *(born for _, _, born in self._births)])
+
     def _appear(self, samples: Any, new: Any) -> None:
         """Give new ids rows at their first places."""
         if not len(self._faces):

@@ -46,6 +46,8 @@ REST_ATTRIBUTES = {
 GONE_ATTRIBUTES = {"dapple_gone": "FLOAT"}
 # How far instances lean off the normal, on each key, where some do (lean.py).
 LEAN_ATTRIBUTES = {"dapple_lean": "FLOAT_VECTOR"}
+# How much room points have, on each key, where instances are fitted to it (room.py).
+ROOM_ATTRIBUTES = {"dapple_room": "FLOAT"}
 TRIANGLE_ATTRIBUTES = {f"dapple_{kind}{k}": "INT" for kind in "vc" for k in range(3)}
 # Where the triangles' corners are on the rest shape, where points are bound to it.
 REST_TRIANGLE_ATTRIBUTES = {

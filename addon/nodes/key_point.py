@@ -6,6 +6,7 @@ count keys and rows: floats run out of digits beyond 2^24 of them.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 
@@ -27,10 +28,11 @@ class _Bound:
     weights: list[Socket]
     carry: Socket
     gone: Socket  # 1 - fade
+    room: Socket
     face: Socket | None = None  # of the triangles that keys name
 
     def sockets(self) -> list[Socket]:
-        return [*self.corners, *self.weights, self.carry, self.gone]
+        return [*self.corners, *self.weights, self.carry, self.gone, self.room]
 
 
 def build() -> bpy.types.NodeTree:
@@ -51,6 +53,7 @@ def build() -> bpy.types.NodeTree:
             ("Position", "NodeSocketVector"),
             ("Rotation", "NodeSocketRotation"),
             ("Gone", "NodeSocketFloat"),
+            ("Room", "NodeSocketFloat"),
         ],
     )
     b = Builder(tree)
@@ -68,6 +71,7 @@ def build() -> bpy.types.NodeTree:
     b.output("Position", position)
     b.output("Rotation", _leaning(b, rotation))
     b.output("Gone", bound.gone)
+    b.output("Room", bound.room)
     b.arrange()
     return tree
 
@@ -79,6 +83,7 @@ def _own(b: Builder) -> _Bound:
         b.parts(b.attribute("dapple_barycentric", "FLOAT_VECTOR")),
         b.attribute("dapple_carry", "FLOAT"),
         b.attribute("dapple_gone", "FLOAT"),
+        b.attribute("dapple_room", "FLOAT"),
     )
 
 
@@ -94,6 +99,7 @@ def _previewed(b: Builder) -> _Bound:
         b.parts(row("dapple_barycentric", "FLOAT_VECTOR")),
         row("dapple_carry", "FLOAT"),
         row("dapple_gone", "FLOAT"),
+        b.attribute("dapple_room", "FLOAT"),
     )
 
 
@@ -108,7 +114,8 @@ def _of_key(b: Builder) -> _Bound:
         [b.sample(triangles, b.attribute(name, "INT"), face, "INT") for name in _CORNERS],
         [first, second, third],
         carry,
-        _gone(b, rows, row),
+        _stored(b, rows, row, "dapple_gone", 0.0),
+        _stored(b, rows, row, "dapple_room", b.attribute("dapple_room", "FLOAT")),
         face,
     )
 
@@ -154,16 +161,16 @@ def _leaning(b: Builder, rotation: Socket) -> Socket:
     return b.switch("ROTATION", b.boolean("AND", played, stored), rotation, leaned)
 
 
-def _gone(b: Builder, rows: Socket, row: Socket) -> Socket:
-    """What a key holds, one 0 in a bake without births: no point has to look then."""
-    gone = b.attribute("dapple_gone", "FLOAT")
-    stored = b.sample(rows, gone.node.outputs["Exists"], 0, "BOOLEAN")
-    return b.switch("FLOAT", stored, 0.0, b.sample(rows, gone, row, "FLOAT"))
+def _stored(b: Builder, rows: Socket, row: Socket, name: str, other: Any) -> Socket:
+    """What a key holds, the other in a bake that has it not: no point has to look then."""
+    value = b.attribute(name, "FLOAT")
+    stored = b.sample(rows, value.node.outputs["Exists"], 0, "BOOLEAN")
+    return b.switch("FLOAT", stored, other, b.sample(rows, value, row, "FLOAT"))
 
 
 def _chosen(b: Builder, condition: Socket, false: _Bound, true: _Bound) -> _Bound:
     """One of two bindings."""
-    kinds = (*("INT",) * 6, *("FLOAT",) * 5)
+    kinds = (*("INT",) * 6, *("FLOAT",) * 6)
     pairs = zip(kinds, false.sockets(), true.sockets(), strict=True)
     either = [b.switch(kind, condition, x, y) for kind, x, y in pairs]
     return _Bound(either[:6], either[6:9], *either[9:])

@@ -55,11 +55,12 @@ def build() -> bpy.types.NodeTree:
     turn = b.number("MULTIPLY", turn, b.input("Turn Randomness"))
     aligned = b.compare("EQUAL", b.input("Align"), 1.0, "FLOAT")
     early = b.switch("FLOAT", aligned, 0.0, turn)
-    position, rotation, gone = _placed(b, found, played, early)
+    position, rotation, gone, room = _placed(b, found, played, early)
     position, rotation = _moved(b, found, played, position, rotation)
     position = _lifted(b, position, rotation)
     stood = inner(b, posture, rotation, turn, aligned, b.input("Align"), b.input("Tilt"))
     points = _with_attributes(b, position, stood.outputs["Rotation"], gone)
+    points = _with_room(b, points, played, room)
     b.output("Geometry", b.switch("GEOMETRY", played.fits, None, points))
     b.arrange()
     return tree
@@ -119,7 +120,7 @@ def _live(b: Builder, rows: Socket, count: Socket) -> Socket:
 
 
 def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) -> list[Socket]:
-    """Position, rotation and gone, on the surface as it was found.
+    """Position, rotation, gone and room, on the surface as it was found.
 
     On whole frames of keys, and without any, the second key is not looked at.
     """
@@ -138,7 +139,7 @@ def _placed(b: Builder, found: bpy.types.Node, played: _Played, turn: Socket) ->
     return [
         b.switch(kind, between, one, b.mix(kind, fraction, one, other))
         for kind, one, other in zip(
-            ("VECTOR", "ROTATION", "FLOAT"), first.outputs, second.outputs, strict=True
+            ("VECTOR", "ROTATION", "FLOAT", "FLOAT"), first.outputs, second.outputs, strict=True
         )
     ]
 
@@ -172,6 +173,13 @@ def _with_attributes(b: Builder, position: Socket, rotation: Socket, gone: Socke
     points = b.store(points, "fade", b.number("SUBTRACT", 1.0, gone), "FLOAT")
     points = b.store(points, "scale", _size(b), "FLOAT_VECTOR")
     return b.out("GeometryNodeSetPosition", points, True, placed.outputs["Position"])
+
+
+def _with_room(b: Builder, points: Socket, played: _Played, room: Socket) -> Socket:
+    """With the room that a bake's keys hold, where they do; else the points have their own."""
+    exists = b.attribute("dapple_room", "FLOAT").node.outputs["Exists"]
+    stored = b.boolean("AND", played.baked, b.sample(played.keys, exists, 0, "BOOLEAN"))
+    return b.switch("GEOMETRY", stored, points, b.store(points, "dapple_room", room, "FLOAT"))
 
 
 def _size(b: Builder) -> Socket:

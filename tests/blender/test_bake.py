@@ -477,3 +477,35 @@ def test_stickiness_reaches_the_tracker():
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         lengths.append(np.linalg.norm(slides_of(surface, obj), axis=2).mean())
     assert lengths[1] < lengths[0]
+
+
+@pytest.mark.parametrize("population", ["KEEP_COUNT", "KEEP_DENSITY"])
+def test_fitted_instances_just_touch_on_every_frame(population):
+    surface = scenes.tail(frames=FRAMES)
+    obj = scenes.scattered(surface, count=150)
+    ball = scenes.sphere(location=(9.0, 9.0, 9.0))
+    obj.dapple.instance, obj.dapple.fit = ball, 1.0
+    obj.dapple.count_over_time = population
+    scenes._activate(obj)
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    for frame in range(1, FRAMES + 1):
+        at(frame)
+        matrices = scenes.instance_matrices(obj)
+        radii = np.linalg.norm(matrices[:, :3, 0], axis=1)
+        places = matrices[:, :3, 3]
+        away = np.linalg.norm(places[:, None] - places[None], axis=2)
+        np.fill_diagonal(away, np.inf)
+        share = 1.0 - away / (radii[:, None] + radii[None])
+        assert share.max() < 1e-3, frame
+        if population == "KEEP_COUNT":  # those that fade are smaller than their room
+            assert (1.0 - share.max(axis=1)).min() < 1.001
+
+
+def test_keys_hold_rooms_only_where_instances_are_fitted():
+    _, obj = baked()
+    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys")
+    assert "dapple_room" not in keys.data.attributes
+    obj.dapple.fit = 0.5
+    assert bpy.ops.dapple.bake() == {"FINISHED"}
+    keys = addon_host.part("blender.data.key_stores").stored_object(obj, "Keys")
+    assert "dapple_room" in keys.data.attributes

@@ -14,6 +14,7 @@ from ...core.records import (
     KEY_ATTRIBUTES,
     LEAN_ATTRIBUTES,
     REST_TRIANGLE_ATTRIBUTES,
+    ROOM_ATTRIBUTES,
     TRIANGLE_ATTRIBUTES,
     Columns,
 )
@@ -86,9 +87,9 @@ def read_baked(obj: bpy.types.Object) -> Baked:
 
 
 def key_types(there: Container[str]) -> dict[str, str]:
-    """Columns of keys, as far as a bake has them: births and leaning are not in every one."""
+    """Columns of keys, as far as a bake has them: not every one has births, leaning and rooms."""
     types = dict(KEY_ATTRIBUTES)
-    for own in (GONE_ATTRIBUTES, LEAN_ATTRIBUTES):
+    for own in (GONE_ATTRIBUTES, LEAN_ATTRIBUTES, ROOM_ATTRIBUTES):
         types |= {name: kind for name, kind in own.items() if name in there}
     return types
 

@@ -39,12 +39,14 @@ def new_baker(
     keyframes = Keyframes(count, obj.dapple.key_every)
     smoothing, kept = obj.dapple.bake_smoothing, work_files(obj, first)
     follows = follows_masks(obj) and may_move(start.settings)
+    fits = any(one.fit > 0.0 for one in (obj.dapple, *obj.dapple.classes))
+    common = (arrays, start, keyframes, kept, first, rebind)
     if obj.dapple.count_over_time == "KEEP_DENSITY":
         fade = obj.dapple.fade_frames
-        return PopulationBaker(arrays, start, keyframes, kept, first, rebind, follows, fade=fade)
+        return PopulationBaker(*common, follows, fits, fade=fade)
     if smoothing == "FORWARDS":
-        return Baker(arrays, start, keyframes, kept, first, rebind, follows)
-    return TogetherBaker(arrays, start, keyframes, kept, first, rebind, closed=smoothing == "LOOP")
+        return Baker(*common, follows, fits)
+    return TogetherBaker(*common, fits=fits, closed=smoothing == "LOOP")
 
 
 def _binding(
