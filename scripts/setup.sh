@@ -1,10 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Makes a bare Debian 12 or 13 ready: packages, build/venv, the release build, the Python package.
+# Makes a bare Debian 12 or 13 ready: packages, build/venv, the release build of the library, the Python package.
 # What is already there is kept, so a second run takes about a second.
-#   scripts/setup.sh [--tools]     --tools: stop after packages and build/venv
+#   scripts/setup.sh [--tools | --tests]
+#     --tools   stop after packages and build/venv
+#     --tests   build tests, fuzz targets and benchmarks too, which take longer than all else
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
+case ${1:-} in
+  '' | --tools | --tests) ;;
+  *) fail "unknown option $1; see the head of scripts/setup.sh" ;;
+esac
 system=$(system_name)
 packages=(
   ca-certificates git g++ ccache cmake ninja-build python3 python3-venv python3-dev
@@ -62,7 +68,10 @@ if ! up_to_date build/release/.stamp "$configure_hash"; then
   stage 'configure' configure
   echo "$configure_hash" >build/release/.stamp
 fi
-stage 'build' cmake --build build/release -j "$(build_jobs)"
+# The rest would take most of the time, for someone who wants to see a first picture.
+targets=(dapple _native)
+[ "${1:-}" != --tests ] || targets=(all)
+stage 'build' cmake --build build/release -j "$(build_jobs)" --target "${targets[@]}"
 # The package was named dapple before: what a build of then has installed would be imported still.
 [ ! -f "$site_packages/dapple/_native.pyi" ] || rm -rf "$site_packages/dapple"
 stage 'install the Python package' cmake --install build/release --component python

@@ -210,7 +210,7 @@ slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,farm,hostile,libraries,package,sidecar,undo}.py)
 
-[ -n "$zip" ] || scripts/setup.sh
+[ -n "$zip" ] || scripts/setup.sh --tests
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 if [ "$depth" = --thorough ]; then export DAPPLE_THOROUGH=1 DAPPLE_SEEDS=200 DAPPLE_ROUNDS=60 DAPPLE_KILLS=50; fi
 case $depth in

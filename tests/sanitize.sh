@@ -64,7 +64,7 @@ memcheck() {
   local rc=0 program name
   [ -z "$only" ] || [ "$only" = valgrind ] || return 0
   need_packages valgrind
-  scripts/setup.sh
+  scripts/setup.sh --tests
   printf '== valgrind\n'
   SECONDS=0
   for program in native/dapple_tests fuzz/dapple_fuzz_tests; do
