@@ -48,6 +48,12 @@ def resumed(settled):
     return tracker.advance(ground().vertices)
 
 
+def resumed_on(**given):
+    tracker = dapple.Tracker(ground(), points(), **FEW)
+    tracker.resume_on(ground(), ground().vertices, points(), points(), **given)
+    return tracker.advance(1.01 * ground().vertices)
+
+
 def windowed(done, **given):
     tracker = dapple.WindowTracker(ground(), points(), **FEW | given)
     return tracker.advance([ground().vertices] * 2, done)
@@ -111,7 +117,7 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
     ),
     "sample": (lambda **given: dapple.sample(ground(), **given), {"count": 9}),
     "resample": (lambda **given: dapple.resample(ground(), points(), **given), {"count": 9}),
-    "relax": (lambda **given: dapple.relax(ground(), points(), [1], **given), {"count": 21}),
+    "relax": (lambda **given: dapple.relax(ground(), points(), [1], **given), {"classes": [21]}),
     "energy": (
         lambda **given: dapple.energy(ground(), points().positions, points().faces, **given),
         {},
@@ -179,7 +185,12 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
         lambda **given: dapple.sample_planar(dapple.Plane(**given), 9, **FEW),
         {"width": 2.0, "height": 1.0},
     ),
+    "relax": (
+        lambda count: dapple.relax(ground(), points(), [1], count=count, **FEW),
+        {"count": 21},
+    ),
     "Tracker.resume": (resumed, {"settled": True}),
+    "Tracker.resume_on": (resumed_on, {"classes": [20], "anywhere": True}),
     "WindowTracker.advance": (windowed, {"done": 1}),
     "texels": (
         lambda **given: dapple.texels(ground(), uv(), **given),
