@@ -146,7 +146,7 @@ def test_each_copy_has_tiles_of_its_own():
     assert (obj.dapple.tiles.object, len(first.data.polygons)) == (first, polygons)
     assert second != first
     assert len(second.data.polygons) < polygons / 2
-    assert second.modifiers.keys() == ["Bevel"]
+    assert second.modifiers.keys() == ["Dapple Tiles", "Bevel"]
     assert second.users_collection == copy.users_collection
     assert bpy.ops.dapple.tile() == {"FINISHED"}
     assert copy.dapple.tiles.object == second

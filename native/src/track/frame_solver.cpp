@@ -26,7 +26,8 @@ constexpr double kThin = 0.05;  // of the largest density: as little as a spacin
 constexpr double kMovingVariation = 0.02, kMovingAlpha = 0.5;  // even enough where it moves
 constexpr int kRounds = 3;                                     // of the search, where discs overlap
 constexpr double kHarder = 10.0;  // by how much the weight of discs that still overlap grows
-constexpr double kPiled = 0.6;    // of a spacing: nearer to another, a site is in a pile
+constexpr double kRoomy = 1.7, kCrowded = 0.4;  // of the mean capacity: one more fits, or one less
+constexpr double kPiled = 0.6;  // of a spacing: nearer to another, a site is in a pile
 
 /// The samples of each class; all of them one class if none is given.
 std::vector<SampleClass> counted(std::vector<SampleClass> classes,
@@ -144,6 +145,16 @@ std::size_t count_piled(const Surface& own, const Sites& before, const Sites& no
   return std::max(far, (near + 1) / 2);
 }
 
+/// Whether there is room for another site somewhere, or one too many. Where other faces only stand
+/// for the same shape, sites stay where they are: one that is led elsewhere hops.
+bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
+  const RestrictedVoronoi diagram = domain.cells(sites, context);
+  const double mean = domain.mass() / static_cast<double>(std::max<std::size_t>(sites.size(), 1));
+  return std::any_of(diagram.cells.begin(), diagram.cells.end(), [mean](const Moments& cell) {
+    return cell.capacity > kRoomy * mean || cell.capacity < kCrowded * mean;
+  });
+}
+
 /// Sites that a moving density pushes pile up at its border: as many as do go where there is room.
 /// On other faces there may be room anywhere, and as many go as are too many where they are.
 /// Returns which.
@@ -153,7 +164,7 @@ std::vector<std::int32_t> spread(const Surface& own, const Domain& domain,
   const Sites now = select(sites, mine);
   const std::size_t piled =
       what == Moved::kFaces ? kAnyNumber : count_piled(own, select(before, mine), now);
-  if (piled == 0) return {};
+  if (piled == 0 || (what == Moved::kFaces && !is_unfilled(domain, now, context))) return {};
   const Rebalanced found = rebalance(domain, now, mine.size(), mine.size(), context, piled);
   std::vector<bool> stays(mine.size(), false);
   for (const std::size_t k : found.stay) stays[k] = true;
