@@ -16,7 +16,13 @@ from docs.site import headers
 ROOT = Path(__file__).resolve().parents[2]
 
 # Beside docs/*.md and docs/manual/*.md. The start page shows what README.md says.
-PAGES = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "blend_examples/README.md")
+PAGES = (
+    "CHANGELOG.md",
+    "CODE_OF_CONDUCT.md",
+    "CONTRIBUTING.md",
+    "SECURITY.md",
+    "blend_examples/README.md",
+)
 PICTURES = (".webp", ".png", ".svg")
 LINK = re.compile(r"(?<!!)\[(?P<text>[^][]+)\]\((?P<target>[^)#:]+)(?P<anchor>#[^)]*)?\)")
 
