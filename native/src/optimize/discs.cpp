@@ -60,9 +60,12 @@ class Crowd {
   std::unique_ptr<Neighbors> tree_;
 };
 
-/// Coincident sites overlap too, and have to leave in some direction.
+/// Coincident sites overlap too, and have to leave in some direction; on a face without area, which
+/// has no normal, in any.
 Vec3 never_zero(const Vec3& offset, const Vec3& normal, double apart) {
-  return offset.squaredNorm() > 0.0 ? offset : kCoincident * apart * normal.unitOrthogonal();
+  if (offset.squaredNorm() > 0.0) return offset;
+  const Vec3 along = normal.squaredNorm() > 0.0 ? normal.unitOrthogonal() : Vec3(Vec3::UnitX());
+  return kCoincident * apart * along;
 }
 
 /// Call visit(i, j, offset from j to i, R) once for every two discs on the same side that are

@@ -40,6 +40,16 @@ TEST(Discs, OverlapWhereTheyCoincide) {
   EXPECT_GT((moves[0] - moves[1]).norm(), 0.399);
 }
 
+TEST(Discs, ThatCoincideOnAFaceWithoutAreaComeApartToo) {
+  const Sites sites{{{1, 2, 3}, {1, 2, 3}}, {0, 0}, {}};
+  const Vectors normals(2, Vec3::Zero());
+  const std::vector<double> radii(2, 0.4);
+  const Repulsion repulsion = evaluate_disc_repulsion({sites, normals, radii}, 1.0);
+  ASSERT_EQ(repulsion.pairs.size(), 1u);
+  EXPECT_NEAR(repulsion.energy, 1.0, 1e-6);
+  EXPECT_TRUE(repulsion.gradient[0].allFinite());
+}
+
 TEST(Discs, OnTheTwoSidesOfAWallDoNotMeet) {
   const Sites sites{{{0, 0, 0}, {0, 0, 0.1}}, {0, 0}, {}};
   const Vectors normals{Vec3::UnitZ(), -Vec3::UnitZ()};
