@@ -6,6 +6,9 @@
 #include <limits>
 #include <numeric>
 
+#include "base/triangle.hpp"
+#include "surface/ordered_surface.hpp"
+
 namespace dapple {
 namespace {
 
@@ -67,8 +70,21 @@ void PieceFinder::for_each_cell(std::size_t piece, const Visit& visit) const {
       visit(grid.first + static_cast<std::size_t>(row * grid.side + column));
 }
 
+/// On the face that counts where this one lies on it: no piece is of a face that does not count.
+PieceFinder::Found PieceFinder::find_below(std::int32_t parent, const Vec3& weights) const {
+  const Surface& surface = refined_.original;
+  const OrderedSurface& mesh = surface.ordered();
+  const OrderedFace counted = mesh.counted_face(parent);
+  const auto [a, b, c] = mesh.corners(counted);
+  return find(mesh.original_face(counted),
+              closest_barycentric(surface.point(parent, weights), mesh.vertex(a), mesh.vertex(b),
+                                  mesh.vertex(c)));
+}
+
 // Where pieces meet, the lowest holds the point.
 PieceFinder::Found PieceFinder::find(std::int32_t parent, const Vec3& weights) const {
+  const OrderedSurface& mesh = refined_.original.ordered();
+  if (!mesh.counts(mesh.ordered_face(parent))) return find_below(parent, weights);
   const Grid& grid = grids_[static_cast<std::size_t>(parent)];
   const std::size_t cell =
       grid.first +

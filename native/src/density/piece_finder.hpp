@@ -27,6 +27,7 @@ class PieceFinder {
     std::int32_t side = 1;  // cells along each of the coordinates 1 and 2
   };
   [[nodiscard]] std::vector<Grid> grids() const;
+  [[nodiscard]] Found find_below(std::int32_t parent, const Vec3& weights) const;
   [[nodiscard]] static std::int32_t along(const Grid& grid, double weight);
   template <typename Visit>
   void for_each_cell(std::size_t piece, const Visit& visit) const;

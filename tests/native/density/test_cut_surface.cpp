@@ -70,6 +70,31 @@ TEST(CutSurface, SitesLieOnPiecesOfTheirFaces) {
   }
 }
 
+TEST(CutSurface, SitesOnFacesThatAreThereTwiceLieOnPiecesOfTheOther) {
+  Shape shape = room();
+  const auto first = static_cast<std::int32_t>(shape.faces.size());
+  for (std::int32_t f = 0; f < first; ++f) {
+    const auto [a, b, c] = shape.faces[static_cast<std::size_t>(f)];
+    shape.faces.push_back({b, a, c});
+  }
+  const Surface surface = shape.surface();
+  const auto cut = cut_for(surface, 8192);
+  ASSERT_NE(cut, nullptr);
+  Sites sites;
+  const Vec3 weights(0.2, 0.3, 0.5);
+  for (std::int32_t f = 0; f < 2 * first; ++f) {
+    sites.positions.push_back(surface.point(f, weights));
+    sites.faces.push_back(f);
+    sites.barycentric.push_back(weights);
+  }
+  const Sites found = cut->on_pieces(sites);
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    EXPECT_LT(
+        (cut->surface().point(found.faces[k], found.barycentric[k]) - sites.positions[k]).norm(),
+        1e-12)
+        << k;
+}
+
 TEST(CutSurface, CellsOnPiecesAreThoseOnTheWholeFaces) {
   const Shape shape = box(1);
   const Surface surface = shape.surface();
