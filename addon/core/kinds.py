@@ -151,7 +151,6 @@ def of_classes(ground: Ground, samples: Any, settings: Settings) -> dict[str, An
     """
     if not settings.classes:
         return {}
-    settings = shrunk(settings, ground.surface)
     counts = _counts_of(samples.classes, settings)
     return {"classes": classes_of(ground, settings, counts)}
 

@@ -139,8 +139,7 @@ def by_node(surface: dapple.Surface) -> tuple[float, Found]:
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     density = surface.density
     masked = None if density is None else density.ravel()
-    given = (surface.vertices, surface.faces, surface.area, COUNT, masked)
-    node = ScatterNode(bpy, *given)
+    node = ScatterNode(bpy, surface.vertices, surface.faces, surface.area, COUNT, masked)
     begin = time.perf_counter()
     points = node.points(surface.vertices)
     seconds = time.perf_counter() - begin
