@@ -202,7 +202,6 @@ class Minimizer {
   /// All in one unit, that of the first: what is owned may change a little from step to step.
   void note_energy() {
     if (result_.energies.empty()) owned_ = owned_share(objective_, state_, 0);
-    if (!(owned_ > 0.0)) owned_ = 1.0;  // no cell owns anything
     result_.energies.push_back(state_.total / objective_.total_weight() / (owned_ * owned_) -
                                options_.capacity_weight);
   }

@@ -90,4 +90,9 @@ const ClosePair* worst_pair(const Repulsion& repulsion) {
   return worst == repulsion.pairs.end() ? nullptr : &*worst;
 }
 
+double worst_overlap(const Repulsion& repulsion) {
+  const ClosePair* worst = worst_pair(repulsion);
+  return worst ? worst->overlap : 0.0;
+}
+
 }  // namespace dapple

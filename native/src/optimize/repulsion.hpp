@@ -53,4 +53,7 @@ std::size_t shorten_approaches(const RestrictedVoronoi& diagram, const std::vect
 /// The closest of the pairs; null if there is none.
 [[nodiscard]] const ClosePair* worst_pair(const Repulsion& repulsion);
 
+/// How much it overlaps; 0 if there is none.
+[[nodiscard]] double worst_overlap(const Repulsion& repulsion);
+
 }  // namespace dapple

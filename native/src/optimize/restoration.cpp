@@ -17,11 +17,6 @@ bool too_near(const Objective& objective, const State& state, double alpha) {
          measure_evenness(state.diagram()).alpha_min < alpha;
 }
 
-bool overlaps(const State& state, double most) {
-  const ClosePair* worst = worst_pair(state.discs);
-  return worst && worst->overlap > most;
-}
-
 }  // namespace
 
 double Restoration::cvt_weight(const Objective& objective, const State& state) const {
@@ -30,13 +25,13 @@ double Restoration::cvt_weight(const Objective& objective, const State& state) c
 }
 
 bool Restoration::reached(const Objective& objective, const State& state) const {
-  return !too_near(objective, state, alpha) && !overlaps(state, overlap) &&
+  return !too_near(objective, state, alpha) && worst_overlap(state.discs) <= overlap &&
          capacity_variation(objective, state) <= std::max(variation, first_variation);
 }
 
 bool Restoration::unnecessary(const Objective& objective, const State& state) const {
   return objective.cvt_weight < kIdle && !too_near(objective, state, alpha) &&
-         !overlaps(state, overlap) &&
+         worst_overlap(state.discs) <= overlap &&
          capacity_variation(objective, state) <=
              std::max(kBegin * variation, kAsFirst * first_variation);
 }

@@ -11,6 +11,7 @@
 
 #include "base/progress.hpp"
 #include "relax/relaxation.hpp"
+#include "sample/class_problem.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -19,14 +20,11 @@ namespace {
 
 using Indices = std::vector<std::int32_t>;
 
-constexpr double kRarer = 3.0;   // times as many samples: such a class follows the rarer one
 constexpr double kStill = 0.01;  // spacings of all: who moves by less does not stir the others
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-double wanted(const RelaxedClass& one) {
-  return static_cast<double>(one.count.value_or(one.sites.size()));
-}
+std::size_t wanted(const RelaxedClass& one) { return one.count.value_or(one.sites.size()); }
 
 std::vector<OrderedFace> ordered_faces(const Surface& surface,
                                        std::span<const std::int32_t> faces) {
@@ -71,7 +69,7 @@ Sites left_of(const RelaxedClass& one) {
 }
 
 Companion companion(const RelaxedClass& one) {
-  return {&one.surface, wanted(one) / one.surface.mass(), one.radius};
+  return {&one.surface, static_cast<double>(wanted(one)) / one.surface.mass(), one.radius};
 }
 
 /// What lies on the faces; those that were free when the class was relaxed alone still are.
@@ -142,7 +140,9 @@ void ClassRelaxation::deal_out(const Samples& samples, const Sites& sites) {
 }
 
 void ClassRelaxation::run(Context* context) {
-  const std::vector<std::vector<std::size_t>> groups = groups_by_count();
+  std::vector<std::size_t> counts;
+  for (const RelaxedClass& one : classes_) counts.push_back(wanted(one));
+  const std::vector<std::vector<std::size_t>> groups = groups_by_count(counts);
   done_.resize(classes_.size(), false);
   double begun = 0.0;
   for (const std::vector<std::size_t>& group : groups) {
@@ -157,24 +157,6 @@ void ClassRelaxation::run(Context* context) {
     if (group.size() > 1) relax_together(group, together.context());
     begun = end;
   }
-}
-
-/// Rare classes first; those of about the same number are one group.
-std::vector<std::vector<std::size_t>> ClassRelaxation::groups_by_count() const {
-  std::vector<std::size_t> order(classes_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto rarer = [this](std::size_t a, std::size_t b) {
-    const double left = wanted(classes_[a]), right = wanted(classes_[b]);
-    return left != right ? left < right : a < b;
-  };
-  std::sort(order.begin(), order.end(), rarer);
-  std::vector<std::vector<std::size_t>> groups;
-  for (const std::size_t c : order) {
-    if (groups.empty() || wanted(classes_[c]) >= kRarer * wanted(classes_[groups.back()[0]]))
-      groups.emplace_back();
-    groups.back().push_back(c);
-  }
-  return groups;
 }
 
 /// The faces where something has changed, and those of samples that are where the density is 0; all
@@ -193,14 +175,15 @@ std::vector<OrderedFace> ClassRelaxation::faces_to_relax(const RelaxedClass& one
 /// Those that are done, and others of about the same number; more common ones make room later.
 Company ClassRelaxation::company_of(std::span<const std::size_t> selves) const {
   Company company{{}, {}, options_.union_weight};
-  double least = std::numeric_limits<double>::infinity();
+  std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const std::size_t c : selves) {
     company.selves.push_back(companion(classes_[c]));
     least = std::min(least, wanted(classes_[c]));
   }
   for (std::size_t k = 0; k < classes_.size(); ++k) {
-    if (std::find(selves.begin(), selves.end(), k) != selves.end() || wanted(classes_[k]) == 0.0 ||
-        (!done_[k] && wanted(classes_[k]) >= kRarer * least))
+    if (std::find(selves.begin(), selves.end(), k) != selves.end() || wanted(classes_[k]) == 0 ||
+        (!done_[k] &&
+         static_cast<double>(wanted(classes_[k])) >= kRarer * static_cast<double>(least)))
       continue;
     company.others.push_back(companion(classes_[k]));
     company.others.back().sites = left_of(classes_[k]);
@@ -285,14 +268,7 @@ void ClassRelaxation::store(std::span<const std::size_t> group, const std::vecto
   for (std::size_t k = 0; k < group.size(); ++k) {
     RelaxedClass& one = classes_[group[k]];
     const Sites before = one.sites;
-    for (std::size_t m = 0; m < regions[k].members.size(); ++m) {
-      const Region::Member& member = regions[k].members[m];
-      if (member.fixed) continue;
-      const std::size_t s = at(member.site), at_end = first + m;
-      one.sites.positions[s] = found.state.sites.positions[at_end];
-      one.sites.faces[s] = regions[k].part.outside(found.state.sites.faces[at_end]);
-      one.sites.barycentric[s] = found.state.sites.barycentric[at_end];
-    }
+    regions[k].put_free(found.state.sites, first, one.sites);
     first += regions[k].members.size();
     note_moves(one, before);
   }

@@ -46,7 +46,6 @@ class ClassRelaxation {
  private:
   void add(std::int32_t name, const Surface& surface, std::optional<std::size_t> count,
            double radius);
-  [[nodiscard]] std::vector<std::vector<std::size_t>> groups_by_count() const;
   void deal_out(const Samples& samples, const Sites& sites);
   [[nodiscard]] std::vector<OrderedFace> faces_to_relax(const RelaxedClass& one) const;
   [[nodiscard]] Company company_of(std::span<const std::size_t> selves) const;

@@ -103,9 +103,7 @@ bool discs_overlap(const Region& region, const Company& company) {
   const OrderedSurface& mesh = region.part.surface().ordered();
   for (const std::int32_t face : sites.faces)
     normals.push_back(mesh.geometry(mesh.ordered_face(face)).normal);
-  const Repulsion close = evaluate_disc_repulsion({sites, normals, radii}, 1.0);
-  const ClosePair* worst = worst_pair(close);
-  return worst && worst->overlap > kOverlap;
+  return worst_overlap(evaluate_disc_repulsion({sites, normals, radii}, 1.0)) > kOverlap;
 }
 
 Minimum even_among(std::span<const Self> selves, const Company& company,

@@ -27,6 +27,18 @@ struct Region {
     sites.barycentric.push_back(from.barycentric[k]);
   }
 
+  /// Put where members that may move were found back among all sites.
+  /// \param first of its members among those found
+  void put_free(const Sites& found, std::size_t first, Sites& all) const {
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      if (members[k].fixed) continue;
+      const auto site = static_cast<std::size_t>(members[k].site);
+      all.positions[site] = found.positions[first + k];
+      all.faces[site] = part.outside(found.faces[first + k]);
+      all.barycentric[site] = found.barycentric[first + k];
+    }
+  }
+
   [[nodiscard]] std::vector<bool> fixed() const {
     return which([](const Member& member) { return member.fixed; });
   }

@@ -195,7 +195,7 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
   if (context) context->check();
   check(surface, samples, changed, options);
   const Sites before = carried(surface, samples, changed);
-  const std::optional<Samples> result = with_threads(options.threads, [&] {
+  std::optional<Samples> result = with_threads(options.threads, [&] {
     ClassRelaxation relaxation(surface, samples, before, changed, options);
     in_stage(call.context(), Stage::kStart, [&] { relaxation.run(call.context()); });
     if (!relaxation.has_relaxed()) return std::optional<Samples>();
@@ -206,10 +206,9 @@ Samples relax(const Surface& surface, const Samples& samples, std::span<const st
     }));
   });
   if (!result) return samples;
-  Samples relaxed = *result;
-  call.write(relaxed.report);
+  call.write(result->report);
   if (context) context->advance(1.0);
-  return relaxed;
+  return std::move(*result);
 }
 
 std::vector<std::int32_t> changed_faces(const Surface& before, const Surface& after) {

@@ -450,13 +450,7 @@ Minimum Relaxation::minimum(const Region& region, const SurfaceDomain& domain,
 }
 
 void Relaxation::store(const Region& region, const Sites& found) {
-  for (std::size_t k = 0; k < region.members.size(); ++k) {
-    if (region.members[k].fixed) continue;
-    const std::size_t s = at(region.members[k].site);
-    sites_.positions[s] = found.positions[k];
-    sites_.faces[s] = region.part.outside(found.faces[k]);
-    sites_.barycentric[s] = found.barycentric[k];
-  }
+  region.put_free(found, 0, sites_);
 }
 
 Relaxation::Indices Relaxation::uneven(const Region& region,

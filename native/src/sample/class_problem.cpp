@@ -109,6 +109,21 @@ std::vector<std::int32_t> class_of_sites(const ClassProblem& problem) {
   return classes;
 }
 
+std::vector<std::vector<std::size_t>> groups_by_count(std::span<const std::size_t> counts) {
+  std::vector<std::size_t> order(counts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return counts[a] != counts[b] ? counts[a] < counts[b] : a < b;
+  });
+  const auto count = [&](std::size_t c) { return static_cast<double>(counts[c]); };
+  std::vector<std::vector<std::size_t>> groups;
+  for (const std::size_t c : order) {
+    if (groups.empty() || count(c) >= kRarer * count(groups.back()[0])) groups.emplace_back();
+    groups.back().push_back(c);
+  }
+  return groups;
+}
+
 Objective make_objective(const ClassProblem& problem, std::vector<std::int32_t> classes,
                          const ClassOptions& options, std::vector<bool> locked) {
   const OptimizerOptions& optimizer = options.sample.optimizer;

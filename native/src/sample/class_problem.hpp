@@ -3,6 +3,7 @@
 
 #include <dapple/class_options.hpp>
 #include <dapple/domain.hpp>
+#include <span>
 
 #include "optimize/objective.hpp"
 
@@ -33,6 +34,14 @@ void check(const ClassProblem& problem, const ClassOptions& options);
 
 /// The class of each site, class by class.
 [[nodiscard]] std::vector<std::int32_t> class_of_sites(const ClassProblem& problem);
+
+/// Times as many samples as another class has: the rarer one comes first.
+inline constexpr double kRarer = 3.0;
+
+/// Classes by how rare they are. A group begins with a class that has several times as many samples
+/// as the rarest of the group before; an empty class is one of its own.
+[[nodiscard]] std::vector<std::vector<std::size_t>> groups_by_count(
+    std::span<const std::size_t> counts);
 
 /// What is minimized for sites of the given classes.
 /// \param locked per site; empty: none

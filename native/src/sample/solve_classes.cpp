@@ -32,7 +32,6 @@ constexpr double kOtherSide = -0.5;     // cosine between normals
 constexpr int kSettling = 2;            // times that the numbers of neighborhoods are looked at
 constexpr double kAlone = 0.35;  // of the progress after the start: every class is even by itself
 constexpr double kRound = 0.4;  // of the progress that is left: nobody knows how many there will be
-constexpr double kRarer = 3.0;  // times as many samples: rarer classes come first
 constexpr double kRough = 5e-4;  // tolerance before all classes move together
 constexpr double kPolish = 2.0;  // times the tolerance, where they are nearly even when they meet
 constexpr double kInTurn = 0.6;  // of the progress after the start
@@ -46,11 +45,6 @@ std::vector<std::int32_t> numbers_from(std::int32_t first, std::size_t count) {
 /// At least one: where the sites are is known only then.
 int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
   return std::max(options.max_evaluations - sum.evaluations, 1);
-}
-
-double worst_overlap(const State& state) {
-  const ClosePair* worst = worst_pair(state.discs);
-  return worst ? worst->overlap : 0.0;
 }
 
 }  // namespace
@@ -83,7 +77,8 @@ void end_apart(const Objective& objective, OptimizerOptions options, Minimum& fo
   Minimum apart =
       minimize(objective, discs_apart(objective, found.state.sites, context), options, nullptr);
   found.evaluations += apart.evaluations;
-  if (worst_overlap(apart.state) < worst_overlap(found.state)) found.state = std::move(apart.state);
+  if (worst_overlap(apart.state.discs) < worst_overlap(found.state.discs))
+    found.state = std::move(apart.state);
 }
 
 void settle_alone(const ClassProblem& problem, const ClassOptions& options, Sites& sites,
@@ -203,21 +198,12 @@ bool alike(const ClassProblem& problem) {
   });
 }
 
-/// Classes by how rare they are. A group begins with a class that has several times as many samples
-/// as the rarest of the group before. Empty classes are in none.
+/// Those that are not empty.
 std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& problem) {
-  std::vector<std::size_t> order;
-  for (std::size_t c = 0; c < problem.classes.size(); ++c)
-    if (problem.classes[c].count > 0) order.push_back(c);
-  const auto count = [&](std::size_t c) { return static_cast<double>(problem.classes[c].count); };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return count(a) != count(b) ? count(a) < count(b) : a < b;
-  });
-  std::vector<std::vector<std::size_t>> groups;
-  for (const std::size_t c : order) {
-    if (groups.empty() || count(c) >= kRarer * count(groups.back()[0])) groups.emplace_back();
-    groups.back().push_back(c);
-  }
+  std::vector<std::size_t> counts;
+  for (const ClassProblem::Member& member : problem.classes) counts.push_back(member.count);
+  std::vector<std::vector<std::size_t>> groups = dapple::groups_by_count(counts);
+  std::erase_if(groups, [&](const auto& group) { return counts[group[0]] == 0; });
   return groups;
 }
 
@@ -325,9 +311,9 @@ ClassMinimum solve(Objective objective, const Sites& start, const OptimizerOptio
       minimize(objective, objective.holds_discs ? discs_apart(objective, start, context) : start,
                options, first.context());
   for (int round = 1;; ++round) {
-    if (objective.holds_discs || worst_overlap(found.state) <= kOverlap)
+    if (objective.holds_discs || worst_overlap(found.state.discs) <= kOverlap)
       end_apart(objective, options, found, context);
-    if (round == kRounds || worst_overlap(found.state) <= kOverlap) break;
+    if (round == kRounds || worst_overlap(found.state.discs) <= kOverlap) break;
     objective.discs_weight *= kHarder;
     objective.holds_discs = true;
     const double before = std::exchange(done, done + kRound * (1.0 - done));

@@ -51,17 +51,12 @@ std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClas
   return classes;
 }
 
-double worst_overlap(const State& state) {
-  const ClosePair* worst = worst_pair(state.discs);
-  return worst ? worst->overlap : 0.0;
-}
-
 bool overlaps(const State& state, const Restoration& aim) {
-  return worst_overlap(state) > aim.overlap;
+  return worst_overlap(state.discs) > aim.overlap;
 }
 
 bool overlaps_more(const State& state, const State& than) {
-  return worst_overlap(state) > worst_overlap(than);
+  return worst_overlap(state.discs) > worst_overlap(than.discs);
 }
 
 /// What is minimized on one frame, over domains that it owns.
@@ -278,7 +273,7 @@ FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
   restoration_.cvt = normalized_cvt(frame.objective, state);
   restoration_.first_variation = capacity_variation(frame.objective, state);
   restoration_.alpha = std::min(restoration_.alpha, measure_evenness(state.diagram()).alpha_min);
-  restoration_.overlap = std::max(restoration_.overlap, worst_overlap(state));
+  restoration_.overlap = std::max(restoration_.overlap, worst_overlap(state.discs));
   memory_ = PatternMemory(state.diagram());
   first.energies = {target_energy_};
   first.converged = !has_empty_cell(frame.objective, state);  // no frame has to be more even
