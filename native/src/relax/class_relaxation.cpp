@@ -141,6 +141,7 @@ void ClassRelaxation::deal_out(const Samples& samples, const Sites& sites) {
 
 void ClassRelaxation::run(Context* context) {
   std::vector<std::size_t> counts;
+  counts.reserve(classes_.size());
   for (const RelaxedClass& one : classes_) counts.push_back(wanted(one));
   const std::vector<std::vector<std::size_t>> groups = groups_by_count(counts);
   done_.resize(classes_.size(), false);

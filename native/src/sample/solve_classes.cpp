@@ -201,6 +201,7 @@ bool alike(const ClassProblem& problem) {
 /// Those that are not empty.
 std::vector<std::vector<std::size_t>> groups_by_count(const ClassProblem& problem) {
   std::vector<std::size_t> counts;
+  counts.reserve(problem.classes.size());
   for (const ClassProblem::Member& member : problem.classes) counts.push_back(member.count);
   std::vector<std::vector<std::size_t>> groups = dapple::groups_by_count(counts);
   std::erase_if(groups, [&](const auto& group) { return counts[group[0]] == 0; });
