@@ -172,7 +172,7 @@ class Baker:
             samples = tracker.advance(ground.vertices(self._now.vertices), context=context)
         # What is stored leads back to cut faces but for rounding: the tracker is put there too.
         self._tracked = -1 if ground.is_cut else self.done + 1
-        solved = self._solved_of(ground.back(samples), tracker.settled)
+        solved = self._solved_of(ground.to_original(samples), tracker.settled)
         self._keep(solved, self.first + self.done, self.fingerprint)
         self._add(solved)
 
@@ -233,7 +233,7 @@ class Baker:
         ground = self.grounds.of(self.first_surface, self.first_surface)
         samples = samples_of(self.begin, ground.original, start.ids, start.classes)
         self._stands_on = ground
-        return tracked(ground, ground.there(samples), start.settings)
+        return tracked(ground, ground.from_original(samples), start.settings)
 
     def _begin(self) -> Any:
         """Samples on the ground where the topology begins."""
@@ -243,7 +243,9 @@ class Baker:
     def _started(self, ground: Any) -> Any:
         """Samples as the topology begins, on a ground of its faces."""
         start = self.start
-        return ground.there(samples_of(start.binding, ground.original, start.ids, start.classes))
+        return ground.from_original(
+            samples_of(start.binding, ground.original, start.ids, start.classes)
+        )
 
     def _go_over_to(self, ground: Any) -> None:
         """Take the tracker to another ground, on the last frame."""
@@ -273,7 +275,7 @@ class Baker:
         samples = package().Samples(
             ground.original, placed.faces, weights, ids=start.ids, classes=start.classes
         )
-        return ground.there(samples)
+        return ground.from_original(samples)
 
     def _keep(self, solved: Solved, number: int, fingerprint: str, *, ahead: bool = False) -> None:
         """Keep a frame of the scene, so that a bake that is stopped can go on."""

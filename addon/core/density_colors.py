@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .frames import vertex_normals
-from .ground import Ground
+from .ground import Ground, ground_of
+from .native import package
 from .settings import Settings
 from .solve import named
 from .surface import Floats, SurfaceArrays
@@ -38,11 +38,13 @@ def computed(
     color is 1 then, or more where there is more.
     """
     with named(arrays.name):
-        ground = Ground(arrays, settings, context)
-        density = ground.at_corners(values)
+        ground = ground_of(arrays, settings, context)
+        density = ground.corner_density(values)
     vertices, faces = ground.surface.vertices, ground.surface.faces
     lift = _LIFT * float(np.linalg.norm(np.ptp(arrays.vertices, axis=0)))
-    lifted = (vertices + lift * vertex_normals(vertices, faces)).astype(np.float32)
+    lifted = (vertices + lift * package().density.vertex_normals(vertices, faces)).astype(
+        np.float32
+    )
     most = max(float(density.max()), 1.0 if alone else 1e-300)
     colors = colored(density.ravel() / most)
     points = 0.0 if alone or settings.classes else _points(ground, settings)

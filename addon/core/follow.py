@@ -11,7 +11,7 @@ from .bake import Start
 from .binding import placed_of, samples_of
 from .errors import StoppedError
 from .frames import carried, shading
-from .ground import Ground
+from .ground import ground_of
 from .kinds import tracked
 from .records import Binding
 from .solve import named
@@ -27,9 +27,11 @@ class Follower:
         self._first = surface
         self._seen: Floats = surface.vertices
         with named(surface.name):
-            self._ground = Ground(surface, start.settings, context)
+            self._ground = ground_of(surface, start.settings, context)
             samples = samples_of(start.binding, self._ground.original, start.ids, start.classes)
-            self._tracker = tracked(self._ground, self._ground.there(samples), start.settings)
+            self._tracker = tracked(
+                self._ground, self._ground.from_original(samples), start.settings
+            )
 
     @property
     def topology(self) -> str:
@@ -66,7 +68,7 @@ class Follower:
         try:
             with named(self._first.name):
                 fine = self._ground.vertices(vertices)
-                return self._ground.back(self._tracker.advance(fine, context=context))
+                return self._ground.to_original(self._tracker.advance(fine, context=context))
         except StoppedError:
             if not alarm.rang:
                 raise

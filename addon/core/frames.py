@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from .native import package
 from .records import Binding
 from .surface import Floats, Ints, SurfaceArrays
 
@@ -48,22 +49,6 @@ class Frames:
         return np.arctan2(_dot(direction, self.bitangent), _dot(direction, self.tangent))
 
 
-def vertex_normals(vertices: Floats, faces: Ints) -> Floats:
-    """Unit normals (v, 3): the faces' normals weighted by their corner angles."""
-    corners = vertices[faces]
-    normals = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    total = np.zeros_like(vertices)
-    for k in range(3):
-        ahead = _unit(corners[:, (k + 1) % 3] - corners[:, k])
-        behind = _unit(corners[:, (k + 2) % 3] - corners[:, k])
-        weight = np.arccos(np.clip(_dot(ahead, behind), -1.0, 1.0))
-        for axis in range(3):
-            total[:, axis] += np.bincount(
-                faces[:, k], weight * normals[:, axis], minlength=len(vertices)
-            )
-    return _unit(total)
-
-
 @dataclass(frozen=True)
 class Normals:
     """Shading normals of a surface: of its vertices, or of the mesh's face corners."""
@@ -79,7 +64,7 @@ class Normals:
 
 def smooth(vertices: Floats, faces: Ints) -> Normals:
     """Shading normals of a surface that is smooth everywhere."""
-    return Normals(vertex_normals(vertices, faces))
+    return Normals(package().density.vertex_normals(vertices, faces))
 
 
 def shading(surface: SurfaceArrays, faces: Ints | None = None) -> Normals:
@@ -92,8 +77,9 @@ def shading(surface: SurfaceArrays, faces: Ints | None = None) -> Normals:
 def corner_normals(surface: SurfaceArrays) -> Floats:
     """Unit shading normals (m, 3, 3) at the corners of the faces."""
     if surface.normals is None:
-        return vertex_normals(surface.vertices, surface.faces)[surface.faces]
-    found: Floats = _unit(surface.normals)[surface.face_corners]
+        found: Floats = package().density.vertex_normals(surface.vertices, surface.faces)
+        return found[surface.faces]
+    found = _unit(surface.normals)[surface.face_corners]
     return found
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .ground import Ground
+from .ground import Ground, ground_of
 from .keys import Placed
 from .kinds import shrunk
 from .over_time import arrays_of, moved, with_faces
@@ -45,21 +45,21 @@ class Grounds:
     def first(self) -> Ground:
         """Where the topology begins."""
         if self._first is None:
-            self._first = Ground(self.bound, self._settings)
+            self._first = ground_of(self.bound, self._settings)
         return self._first
 
     @property
     def now(self) -> Ground:
         """Of the density that holds."""
         if self._now is None:
-            self._now = self._laid_on(self.laid, self.first)
+            self._now = self._laid_on(self.laid, self.bound, self.first)
         return self._now
 
     def of(self, laid: SurfaceArrays, bound: SurfaceArrays) -> Ground:
         """Of the density of a frame, on the topology that began at another one."""
         if bound is not self.bound:
-            return self._laid_on(laid, Ground(bound, self._settings))
-        return self.now if laid is self.laid else self._laid_on(laid, self.first)
+            return self._laid_on(laid, bound, ground_of(bound, self._settings))
+        return self.now if laid is self.laid else self._laid_on(laid, bound, self.first)
 
     def with_room(self, placed: Placed, vertices: Floats, classes: Ints) -> Placed:
         """With the room (n,) that each point has on a frame; those that are not there have none."""
@@ -71,7 +71,7 @@ class Grounds:
         found[there] = rooms(places, classes[:count][there], sized)
         return replace(placed, room=found)
 
-    def _laid_on(self, laid: SurfaceArrays, first: Ground) -> Ground:
-        if laid is first.arrays:
+    def _laid_on(self, laid: SurfaceArrays, bound: SurfaceArrays, first: Ground) -> Ground:
+        if laid is bound:
             return first
-        return Ground(laid, self._settings, like=first, first=first.arrays)
+        return ground_of(laid, self._settings, like=first, first=bound)

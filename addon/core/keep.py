@@ -16,7 +16,7 @@ from .binding import binding_of, samples_of
 from .details import Details, details_of
 from .forward import pointing
 from .frames import carried, shading
-from .ground import Ground
+from .ground import Ground, ground_of, shares
 from .kinds import classes_of, sampled, shrunk, wanted_counts
 from .locked import Locked
 from .native import package
@@ -70,7 +70,7 @@ def kept(
     arrays = _cut_alike(before.solved, arrays)
     with named(arrays.name):
         like = before.solved.ground if before.solved else None
-        ground = Ground(arrays, settings, context, like)
+        ground = ground_of(arrays, settings, context, like)
         if locked is not None:
             locked.of_classes(wanted_counts(ground, settings))  # an error if they are more
         given, changed = _given(before, arrays, ground, settings)
@@ -95,10 +95,10 @@ def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes
     """A solution of points with the ids `before`, with the points that are there once some were
     placed by hand: those that were not keep all that is known of them.
     """
-    ground, coarse = solved.ground, solved.ground.back(solved.samples)
+    ground, coarse = solved.ground, solved.ground.to_original(solved.samples)
     found = samples_of(binding, ground.original, ids, classes)
     if not len(before) or not len(ids):
-        return replace(solved, samples=ground.there(found))
+        return replace(solved, samples=ground.from_original(found))
     faces, weights = found.faces.copy(), found.barycentric.copy()
     order = np.argsort(before)
     rows = order[np.minimum(np.searchsorted(before, ids, sorter=order), len(order) - 1)]
@@ -106,7 +106,7 @@ def as_placed(solved: Solved, before: Ints, binding: Binding, ids: Ints, classes
     same &= np.abs(coarse.positions[rows] - found.positions).max(axis=1) <= _SAME * _extent(solved)
     faces[same], weights[same] = coarse.faces[rows[same]], coarse.barycentric[rows[same]]
     samples = package().Samples(ground.original, faces, weights, ids=ids, classes=classes)
-    return replace(solved, samples=ground.there(samples))
+    return replace(solved, samples=ground.from_original(samples))
 
 
 def _extent(solved: Solved) -> float:
@@ -157,7 +157,7 @@ def measured(scattered: Scattered, context: Any) -> Scattered:
         found = report_of(
             package().analyze(ground.surface, samples, capacity_weight=weight, context=context)
         )
-        density = ground.densities(samples)
+        density = ground.density_at(samples)
         gaps = details_of(samples, density).gaps
     effort = {name: getattr(scattered.report, name) for name in (*_EFFORT, *_OVERLAP)}
     report = replace(found, doubled_faces=ground.original.doubled_faces, **effort)
@@ -190,24 +190,26 @@ def _given(
     ids, classes = before.columns["id"], before.columns["dapple_class"]
     if solved is None or not np.array_equal(solved.arrays.faces, arrays.faces):
         samples = samples_of(before.binding, ground.original, ids, classes)
-        return ground.there(samples), everything
+        return ground.from_original(samples), everything
     vertices = _in_pose(solved.arrays, arrays)
     if not (ground.is_cut or solved.ground.is_cut):
         surface = solved.ground.surface.deformed(vertices)
         changed: Ints = package().changed_faces(surface, ground.surface)
         for name in _densities(settings):
-            other = solved.ground.at_corners(name) != ground.at_corners(name)
+            other = solved.ground.corner_density(name) != ground.corner_density(name)
             changed = np.union1d(changed, np.flatnonzero(other.any(axis=1))).astype(np.int32)
         samples = solved.samples
         if vertices is not solved.arrays.vertices or not np.array_equal(samples.ids, ids):
             places = (samples.faces, samples.barycentric)
             samples = package().Samples(surface, *places, ids=ids, classes=classes)
         return samples, changed
-    coarse = solved.ground.back(solved.samples)
+    coarse = solved.ground.to_original(solved.samples)
     places = (coarse.faces, coarse.barycentric)
     samples = package().Samples(ground.original, *places, ids=ids, classes=classes)
     old = replace(solved.arrays, vertices=vertices)
-    return ground.there(samples), _changed_pieces(solved.ground, old, ground, arrays, settings)
+    return ground.from_original(samples), _changed_pieces(
+        solved.ground, old, ground, arrays, settings
+    )
 
 
 def _in_pose(before: SurfaceArrays, now: SurfaceArrays) -> Floats:
@@ -238,7 +240,7 @@ def _changed_pieces(
     now = _pieces(ground, arrays, names)
     same = np.isin(now, _pieces(before, old, names))
     alike = (old.vertices == arrays.vertices).all(axis=1)[arrays.faces].all(axis=1)
-    alike &= (before.uncut == ground.uncut).all(axis=1)
+    alike &= (before.own_density == ground.own_density).all(axis=1)
     for name in names:
         alike &= (_of_faces(old, name) == _of_faces(arrays, name)).all(axis=1)
     parents = before.pieces[0][~_is_plain(before)]
@@ -257,8 +259,8 @@ def _of_faces(arrays: SurfaceArrays, name: str) -> Floats:
 def _is_plain(ground: Ground) -> NDArray[np.bool_]:
     """Which pieces (m,) have the density that the face had before it was cut."""
     parents, corners = ground.pieces
-    values = np.einsum("mkc,mc->mk", corners, ground.uncut[parents])
-    found: NDArray[np.bool_] = np.isclose(ground.at_corners(), values, atol=0.0).all(axis=1)
+    values = np.einsum("mkc,mc->mk", corners, ground.own_density[parents])
+    found: NDArray[np.bool_] = np.isclose(ground.corner_density(), values, atol=0.0).all(axis=1)
     return found
 
 
@@ -269,7 +271,7 @@ def _pieces(ground: Ground, arrays: SurfaceArrays, names: list[str]) -> NDArray[
     parents, corners = ground.pieces
     count = len(parents)
     places = arrays.vertices[arrays.faces[parents]].reshape(count, 9)
-    densities = [ground.at_corners(name) for name in ("", *names)]
+    densities = [ground.corner_density(name) for name in ("", *names)]
     rows = np.concatenate([corners.reshape(count, 9), places, *densities], axis=1)
     bits = (rows + 0.0).view(np.uint64)  # there is a -0.0 too
     odd = 2 * np.random.default_rng(1).integers(2**62, size=1 + bits.shape[1], dtype=np.uint64) + 1
@@ -355,7 +357,7 @@ def _stranded(ground: Ground, given: Any) -> float:
     """Share of the points that are where the density is 0 now."""
     if not len(given):
         return 0.0
-    return float((ground.at_corners()[given.faces] == 0.0).all(axis=1).mean())
+    return float((ground.corner_density()[given.faces] == 0.0).all(axis=1).mean())
 
 
 def _off_nothing(
@@ -365,7 +367,7 @@ def _off_nothing(
     anywhere.
     """
     for _ in range(_TRIES):
-        left = ground.densities(found) == 0.0
+        left = ground.density_at(found) == 0.0
         left[_rows(found, locked)] = False
         if not left.any():
             return found
@@ -381,7 +383,7 @@ def _coming(ground: Ground, given: Any, changed: Ints) -> float:
     corners = ground.surface.vertices[ground.surface.faces]
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    masses = areas * ground.at_corners().mean(axis=1)
+    masses = areas * ground.corner_density().mean(axis=1)
     inside = np.count_nonzero(np.isin(given.faces, changed))
     mass = float(masses[changed].sum())
     rest = float(masses.sum()) - mass
@@ -480,11 +482,11 @@ def _scattered(
     locked: Locked | None,
 ) -> Scattered:
     """What is stored of the samples; those that stay keep all that they had."""
-    samples = ground.back(fine)
+    samples = ground.to_original(fine)
     old, stays = _old_rows(given, fine), _stays(given, fine)
     columns = point_columns(samples.ids, samples.classes, settings.seed)
     columns["dapple_locked"][_rows(samples, locked)] = True
-    columns["dapple_density"] = ground.shares(ground.densities(fine))
+    columns["dapple_density"] = shares(ground, ground.density_at(fine))
     sized = shrunk(settings, ground.surface)
     columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)
     new = own_random(settings.seed, samples.ids, 4)

@@ -19,7 +19,7 @@ def package() -> ModuleType:
             f"Dapple's native Python package '{PACKAGE}' cannot be loaded ({error}): "
             "install it for Blender's Python, then enable the add-on again"
         ) from error
-    if not hasattr(module, "option_table"):
+    if not hasattr(module, "density"):
         raise MissingPackageError(
             f"Dapple's native Python package '{PACKAGE}' is older than this add-on: "
             "install the one that belongs to it for Blender's Python, then start Blender again"

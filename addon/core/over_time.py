@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .density import names_of
-from .masks import mask_of
+from .density import has_mask, names_of
 from .settings import DensitySettings, Settings, materials_of
 from .sources import value_roles
 from .surface import SurfaceArrays, Surroundings
@@ -57,7 +56,7 @@ def arrays_of(frame: SurfaceArrays) -> list[Any]:
 
 
 def _masks(density: DensitySettings) -> list[str]:
-    return [name for name in _OF_THE_WORLD if mask_of(density, name) is not None]
+    return [name for name in _OF_THE_WORLD if has_mask(density, name)]
 
 
 def is_of_the_world(density: DensitySettings, around: Surroundings) -> bool:

@@ -16,7 +16,7 @@ from .bake import Baker
 from .binding import bound_to, faces_with_corners, samples_of
 from .errors import ScatterError
 from .frames import carried, shading
-from .ground import Ground
+from .ground import Ground, ground_of
 from .keys import Placed
 from .kinds import of_classes, sampled
 from .lean import Leaning
@@ -129,7 +129,7 @@ class PopulationBaker(Baker):
         """Solve the frame."""
         with named(self.bound.name):
             samples, report = self._next(context)
-            now = self.grounds.now.back(samples)
+            now = self.grounds.now.to_original(samples)
         there = _There(now.ids, now.classes, now.faces, now.barycentric, now.fade)
         kept = self._kept(there, report_of(report), self._population.state)
         self._keep(kept, self.first + self.done, self.fingerprint)
@@ -169,9 +169,11 @@ class PopulationBaker(Baker):
         found = sampled(self.grounds.now, asked, context)
         ids = np.arange(first, first + count, dtype=np.int32)
         ground = self.grounds.now  # through what is stored, as a bake that goes on finds them
-        kept = ground.back(package().Samples(surface, found.faces, found.barycentric, ids=ids))
+        kept = ground.to_original(
+            package().Samples(surface, found.faces, found.barycentric, ids=ids)
+        )
         stored = package().Samples(ground.original, kept.faces, kept.barycentric, ids=ids)
-        samples = ground.there(stored)
+        samples = ground.from_original(stored)
         self._population = self._population_of(self.grounds.now, samples)
         begun = {"fades": np.full(count, 1.0 / self.fade), "densities": np.array([density])}
         state = self._population.state | begun
@@ -185,7 +187,7 @@ class PopulationBaker(Baker):
         if self._stands < self.done:
             ground = self._ground_then or self.grounds.of(self._laid_then, self._bound_then)
             self._stands_on = ground
-            there = ground.there(_samples(ground, self._there_then))
+            there = ground.from_original(_samples(ground, self._there_then))
             surface = ground.surface.deformed(ground.vertices(self._vertices))
             who = {"ids": there.ids, "classes": there.classes}
             points = package().Samples(surface, there.faces, there.barycentric, **who)
@@ -197,14 +199,14 @@ class PopulationBaker(Baker):
         """At the start of the bake, or where points have appeared behind frames without faces."""
         if self._began is not None:
             bound, there = self._began
-            ground = Ground(bound, self.start.settings)
-            return self._population_of(ground, ground.there(_samples(ground, there)))
+            ground = ground_of(bound, self.start.settings)
+            return self._population_of(ground, ground.from_original(_samples(ground, there)))
         ground, start = self.grounds.of(self.first_surface, self.first_surface), self.start
         samples = samples_of(self.begin, ground.original, start.ids, start.classes)
         if self._laid_then is self.first_surface:
             self._ground_then = ground
         self._stands_on = ground
-        return self._population_of(ground, ground.there(samples))
+        return self._population_of(ground, ground.from_original(samples))
 
     def _population_of(self, ground: Ground, samples: Any) -> Any:
         settings = self.start.settings

@@ -13,7 +13,7 @@ from .binding import binding_of, bound_nearest
 from .details import Details, details_of
 from .errors import ScatterError, StoppedError
 from .forward import pointing
-from .ground import Ground
+from .ground import Ground, ground_of, shares
 from .kinds import sampled, shrunk
 from .locked import Locked, kept_ids, rows_of
 from .native import package
@@ -81,16 +81,16 @@ def scatter(
 ) -> Scattered:
     """Scatter points over a surface as it stands, around those that are locked."""
     with named(arrays.name):
-        ground = Ground(arrays, settings)
+        ground = ground_of(arrays, settings)
         fine = sampled(ground, settings, context, locked)
-        samples = ground.back(fine)
+        samples = ground.to_original(fine)
         ranks = package().progressive_ranks(fine.positions, fine.classes)
     ids = samples.ids if locked is None else kept_ids(locked, samples.classes)
     columns = point_columns(ids, samples.classes, settings.seed)
     if locked is not None:
         columns["dapple_locked"][rows_of(locked, samples.classes)] = True
-    density = ground.densities(fine)
-    columns["dapple_density"] = ground.shares(density)
+    density = ground.density_at(fine)
+    columns["dapple_density"] = shares(ground, density)
     columns["dapple_rank"] = (ranks + 0.5) / max(len(ranks), 1)
     sized = shrunk(settings, ground.surface)
     columns["dapple_room"] = rooms(fine.positions, samples.classes, sized)

@@ -26,7 +26,7 @@ class Surroundings:
 
     uv: Floats | None = None  # (m, 3, 2) texture coordinates of the faces' corners
     image: Floats | None = None  # (rows, columns) >= 0, row 0 at v = 0
-    tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles in its place, by their numbers: udim.py
+    tiles: tuple[tuple[int, Floats], ...] = ()  # UDIM tiles in its place, by their numbers
     camera: Floats | None = None  # (4, 4) world space to clip space
     obstacles: tuple[tuple[Floats, Ints], ...] = ()  # vertices, faces of meshes in world space
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # others' to keep away from

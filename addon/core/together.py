@@ -116,7 +116,7 @@ class TogetherBaker(Baker):
             tracker, ground = self._ready_tracker()
             frames = [ground.vertices(one.surface.vertices) for one in self._held[:count]]
             found = tracker.advance(frames, done, context=context)
-            return [ground.back(one) for one in found]
+            return [ground.to_original(one) for one in found]
 
     def _piece(self, count: int, done: int) -> str:
         """Fingerprint of a piece."""

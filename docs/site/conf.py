@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import dapple3d
-from dapple3d import gltf, instances, plot, stippling, tables, texturing, usd, writing
+from dapple3d import density, gltf, instances, plot, stippling, tables, texturing, usd, writing
 from sphinx.pycode import ModuleAnalyzer
 
 from docs.site import docstrings, typed_api
@@ -37,7 +37,18 @@ pygments_style = "tango"
 pygments_dark_style = "github-dark"
 
 # Python
-for module in (gltf, instances, plot, stippling, tables, texturing, usd, writing):
+parts = (
+    density.arrays,
+    density.ranges,
+    density.orientation,
+    density.nearest,
+    density.noise,
+    density.normals,
+    density.fields,
+    density.masked,
+    density,
+)
+for module in (*parts, gltf, instances, plot, stippling, tables, texturing, usd, writing):
     typed_api.defer(module)
 vars(dapple3d).update(Dots=stippling.Dots, stipple=stippling.stipple)
 package = Path(dapple3d.__file__).parent

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scenes
 from contents import linked, note, reason, solved
+from dapple3d.density import noise
 from following import driven
 from test_panels import drawn
 from test_surroundings import activate, collection, obstacle, optimized, picture, plane
@@ -261,7 +262,7 @@ def test_aspect_keeps_one_side_of_a_sphere():
 
 def test_noise_makes_patches_that_stay_with_the_surface():
     obj, found = on_plane(400, use_noise=True, noise_scale=0.5, noise_fade=0.0)
-    values = addon_host.part("core.noise").noise(found / 0.5, 2, 0)
+    values = noise(found / 0.5, 2, 0)
     assert np.quantile(values, 0.05) > 0.45
     surface = obj.dapple.surface
     surface.location, surface.rotation_euler.z = (3.0, 4.0, 0.0), 0.8
@@ -269,7 +270,7 @@ def test_noise_makes_patches_that_stay_with_the_surface():
     assert reason(obj) == ""
     there = np.array(surface.matrix_world.inverted())
     again = optimized(obj) @ there[:3, :3].T + there[:3, 3]
-    values = addon_host.part("core.noise").noise(again / 0.5, 2, 0)
+    values = noise(again / 0.5, 2, 0)
     assert np.quantile(values, 0.05) > 0.45
     other = optimized(obj, noise_seed=1)
     assert not np.allclose(other, found)

@@ -249,7 +249,7 @@ def test_the_package_is_told_the_shading_normals(make):
     part = addon_host.part
     reading, settings = part("blender.surface.surface_mesh"), part("core.settings")
     arrays = reading.read_surface(surface, bpy.context.evaluated_depsgraph_get())
-    ground = part("core.ground").Ground(arrays, settings.Settings())
+    ground = part("core.ground").ground_of(arrays, settings.Settings())
     told, own = ground.surface.corner_normals, part("core.frames").corner_normals(arrays)
     np.testing.assert_allclose(told, own, atol=2e-3)  # where smooth: of other triangles
 

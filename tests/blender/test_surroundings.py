@@ -75,7 +75,7 @@ def test_an_image_that_repeats_is_cut_no_finer_than_the_points_need(times):
     obj.dapple.density.image = picture(values)
     settings = addon_host.part("blender.data.scatter").settings_of(obj)
     arrays = addon_host.part("blender.surface.reading").read(obj.dapple.surface, settings)
-    ground = addon_host.part("core.ground").Ground(arrays, settings)
+    ground = addon_host.part("core.ground").ground_of(arrays, settings)
     assert len(ground.surface.faces) < 30 * 400 + 2 * len(arrays.faces)
     assert bpy.ops.dapple.optimize() == {"FINISHED"}
     assert obj.dapple.report.converged

@@ -6,11 +6,13 @@ from dataclasses import replace
 import dapple3d as dapple
 import numpy as np
 import pytest
+from dapple3d import density
 from shapes import torus
 
-from addon.core import density, raw
+from addon.core import raw
+from addon.core.density import density_of
 from addon.core.errors import ScatterError
-from addon.core.ground import Ground
+from addon.core.ground import ground_of
 from addon.core.keep import Before, evened, is_whole, kept
 from addon.core.locked import Locked
 from addon.core.settings import MATERIAL, ClassSettings, DensitySettings, Settings
@@ -63,14 +65,14 @@ def test_faces_keep_their_values_where_others_cut_them(width, cut):
     more = {"use_height": True, "height_from": -9.0, "height_to": 0.1, "height_fade": 0.2}
     settings = DensitySettings(attribute="Grass", **(more if cut else {}))
     surface = surface_of(Grass=half(width), Moss=half(width, upper=False))
-    ground = Ground(surface, Settings(count=500, density=settings))
+    ground = ground_of(surface, Settings(count=500, density=settings))
     assert ground.is_cut == cut
     upper = above(surface)[ground.pieces[0]]
-    assert not ground.at_corners()[~upper].any()
-    assert ground.at_corners()[upper].max() == 1.0
-    assert not ground.at_corners("Moss").any()
-    plain = Ground(surface, Settings(count=500, density=replace(settings, attribute="")))
-    own = plain.at_corners("Moss")
+    assert not ground.corner_density()[~upper].any()
+    assert ground.corner_density()[upper].max() == 1.0
+    assert not ground.corner_density("Moss").any()
+    plain = ground_of(surface, Settings(count=500, density=replace(settings, attribute="")))
+    own = plain.corner_density("Moss")
     assert not own[above(surface)[plain.pieces[0]]].any()
     assert own.any()
 
@@ -115,13 +117,13 @@ def test_a_material_mask_is_constant_on_faces(invert, strength, other):
         material_invert=bool(invert),
         material_strength=strength,
     )
-    found = density.density_of(surface_of(**{MATERIAL: half()}), settings)
+    found = density_of(surface_of(**{MATERIAL: half()}), settings)
     expected = np.where(half() > 0.0, 0.0 if invert else 1.0, other)
     np.testing.assert_allclose(found, expected)
     unused = replace(settings, use_material=False)
-    assert density.density_of(surface_of(), unused) is None
-    assert density.density_of(surface_of(), replace(settings, material_strength=0.0)) is None
-    assert density.density_of(surface_of(), replace(settings, materials=())) is None
+    assert density_of(surface_of(), unused) is None
+    assert density_of(surface_of(), replace(settings, material_strength=0.0)) is None
+    assert density_of(surface_of(), replace(settings, materials=())) is None
 
 
 def changed(before, surface, settings, locked=None):

@@ -4,7 +4,7 @@
 import bpy
 
 from ...core.errors import ScatterError
-from ...core.nearest import border_of
+from ...core.native import package
 from .surface_mesh import read_surface
 
 _MOST = 64
@@ -29,4 +29,6 @@ def _look(surface: bpy.types.Object) -> bool:
         arrays = read_surface(surface, bpy.context.evaluated_depsgraph_get())
     except ScatterError:  # it says so elsewhere
         return False
-    return bool(len(arrays.faces)) and not len(border_of(arrays.vertices, arrays.faces))
+    if not len(arrays.faces):
+        return False
+    return not len(package().density.border_edges(arrays.vertices, arrays.faces))

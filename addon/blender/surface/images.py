@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ...core.errors import ScatterError
 from ...core.raw import RawImage
 from ...core.sources import digest_of
-from ...core.udim import ACROSS, FIRST
 from .beside import by_full_name
 
+FIRST, ACROSS = 1001, 10  # of UDIM tiles: number 1001 + u + 10 v
 Pixels = NDArray[np.float32]  # (rows, columns, channels), row 0 at the bottom
 _SAVES_COPIES = (4, 4, 0)  # the first Blender that saves an image elsewhere and leaves it as it is
 

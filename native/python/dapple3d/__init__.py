@@ -70,6 +70,7 @@ from ._native import (
     track_window,
     write_mesh,
 )
+from . import density  # noqa: F401  found as dapple3d.density without an import
 from ._pieces import track_pieces
 from .stippling import Dots, stipple
 

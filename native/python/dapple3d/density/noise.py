@@ -7,7 +7,7 @@ No function here is rounded otherwise elsewhere: products, sums, square roots.
 import numpy as np
 from numpy.typing import NDArray
 
-from .surface import Floats
+from .arrays import Floats
 
 _PART = 65_536  # places at a time, which the processor keeps at hand
 _SPREAD = 4.8  # of a noise's values, with which they fall evenly into 0 to 1
@@ -23,10 +23,13 @@ Words = NDArray[np.uint32]
 
 
 def noise(places: Floats, detail: int, seed: int) -> Floats:
-    """Values (n,) in 0..1 at places (n, 3) in sizes of the largest patches.
+    """Values (n,) from 0 to 1 at places (n, 3), which are in units of the largest patches' size.
 
-    detail finer noises are added, each of half the size and half the height. As much of space has
-    values below a number as that number says, about.
+    Values are spread evenly: about a share t of space has values below t.
+
+    Args:
+        detail: how many finer noises are added, each of half the size and half the height.
+        seed: each gives another noise.
     """
     found = np.empty(len(places))
     for first in range(0, len(places), _PART):

@@ -1,33 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances to meshes and lines, by the search of the native package.
+"""Distances to meshes and segments, and the segments of a border.
 
-Lines are given to it as triangles that are hardly wider than them.
+Segments are given to the native search as triangles that are hardly wider than them.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from .frames import vertex_normals
-from .native import package
-from .surface import Floats, Ints
+from .._native import Surface, project
+from .arrays import Floats, Ints
+from .normals import vertex_normals
 
 _THIN = 1e-9  # width of what stands for a line, of the size of all of them
-Mesh = tuple[Floats, Ints]  # vertices and faces, in world space
+Mesh = tuple[Floats, Ints]  # vertices (v, 3) and faces (m, 3)
 
 
 class Body:
     """A mesh that may have an inside."""
 
     def __init__(self, vertices: Floats, faces: Ints) -> None:
-        self._mesh = package().Surface(vertices, faces)
+        self._mesh = Surface(vertices, faces)
         self._normals = vertex_normals(vertices, faces)
         self.closed = bool(self._mesh.topology.closed)
         self._box = vertices[faces].min(axis=(0, 1)), vertices[faces].max(axis=(0, 1))
 
     def outside(self, points: Floats) -> Floats:
         """Distances (k,) from the mesh, less than 0 inside."""
-        closest = package().project(self._mesh, points)
+        closest = project(self._mesh, points)
         distance: Floats = np.array(closest.distances)
         if self.closed:
             corners = self._normals[self._mesh.faces[closest.faces]]
@@ -62,11 +62,11 @@ class Lines:
         for corner in (1, 2):
             corners[np.arange(count), corner, across[:, corner - 1]] += width
         faces = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-        self._mesh = package().Surface(corners.reshape(-1, 3), faces, weld=None)
+        self._mesh = Surface(corners.reshape(-1, 3), faces, weld=None)
 
     def distances(self, points: Floats) -> Floats:
         """Distances (n,) of points (n, 3) to the nearest segment."""
-        begin, end = self._segments[package().project(self._mesh, points).faces].transpose(1, 0, 2)
+        begin, end = self._segments[project(self._mesh, points).faces].transpose(1, 0, 2)
         ahead, there = end - begin, points - begin
         length = np.maximum((ahead * ahead).sum(axis=1), 1e-300)
         share = np.clip((there * ahead).sum(axis=1) / length, 0.0, 1.0)
@@ -75,19 +75,29 @@ class Lines:
 
 
 class Nearest:
-    """The nearest of meshes and lines; the inside of closed meshes belongs to them.
+    """The nearest of meshes and segments; inside closed meshes the distance is 0."""
 
-    In plan all is seen from above: only horizontal distances count, and a mesh is its outline with
-    what that encloses.
-    """
+    def __init__(
+        self, meshes: Sequence[Mesh] = (), segments: Floats | None = None, plan: bool = False
+    ) -> None:
+        """Args:
+            meshes: vertices (v, 3) and faces (m, 3) of each.
+            segments: (s, 2, 3); one without length is a point.
+            plan: whether all is seen from above: only horizontal distances count, and a mesh is
+                its outline with what that encloses.
 
-    def __init__(self, meshes: Sequence[Mesh], segments: Floats, plan: bool = False) -> None:
+        Raises:
+            ValueError: there are neither meshes nor segments, or as `dapple.Surface` for a mesh.
+        """
+        segments = np.empty((0, 2, 3)) if segments is None else segments
+        if not len(meshes) and not len(segments):
+            raise ValueError("there is neither a mesh nor a segment to measure a distance to")
         self._scale = np.array([1.0, 1.0, 0.0 if plan else 1.0])
         self._bodies = [] if plan else [Body(*mesh) for mesh in meshes]
         joined = _joined(meshes)
         if plan:
             joined, segments = _in_plan(joined, segments * self._scale)
-        self._meshes = package().Surface(*joined, weld=None) if len(joined[1]) else None
+        self._meshes = Surface(*joined, weld=None) if len(joined[1]) else None
         self._lines = Lines(segments) if len(segments) else None
 
     def distances(self, points: Floats) -> Floats:
@@ -95,7 +105,7 @@ class Nearest:
         points = points * self._scale
         found = np.full(len(points), np.inf)
         if self._meshes is not None:
-            found = np.minimum(found, package().project(self._meshes, points).distances)
+            found = np.minimum(found, project(self._meshes, points).distances)
         if self._lines is not None:
             found = np.minimum(found, self._lines.distances(points))
         for body in self._bodies:
@@ -124,8 +134,11 @@ def _joined(meshes: Sequence[Mesh]) -> Mesh:
     return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
 
 
-def border_of(vertices: Floats, faces: Ints) -> Floats:
-    """Edges (k, 2, 3) of one face alone; edges of several vertices at one place are one edge."""
+def border_edges(vertices: Floats, faces: Ints) -> Floats:
+    """Edges (k, 2, 3) of vertices (v, 3) that only one face (m, 3) has.
+
+    Edges at the same place are one edge, so that seams are no border.
+    """
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     alone = edges[_once(edges)]
     used = np.unique(alone)

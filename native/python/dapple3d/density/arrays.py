@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values of a surface: (v,) at its vertices, (m, 1) on its faces or (m, 3) at their corners."""
+
+from collections.abc import Sequence
+from functools import reduce
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._native import Surface
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Flags = NDArray[np.bool_]
+
+
+def product(values: Sequence[Floats], faces: Ints) -> Floats:
+    """Values multiplied, each at vertices (v,), on faces (m, 1) or at their corners (m, 3).
+
+    The product is at the coarsest of these places that holds all of it: of (v,) and (m, 1) it is at
+    the corners.
+    """
+    of_vertices = [one for one in values if one.ndim == 1]
+    found = [one for one in values if one.ndim == 2]
+    if of_vertices:
+        smooth: Floats = np.prod(of_vertices, axis=0)
+        found.append(smooth[faces] if found else smooth)
+    return reduce(np.multiply, found)
+
+
+def at_corners(values: Floats | None, faces: Ints) -> Floats:
+    """Values at the corners (m, 3) of faces (m, 3); 1 where there are none."""
+    if values is None:
+        return np.ones((len(faces), 3))
+    if values.ndim == 1:
+        return values[faces]
+    found: Floats = np.broadcast_to(values, (len(faces), 3))
+    return found
+
+
+def density_of(surface: Surface) -> Floats | None:
+    """Density of a surface as (v,), (m, 1) or (m, 3); None where it is the same everywhere."""
+    density = surface.density
+    if density is None or surface.density_at != "faces":
+        return density
+    return density[:, None]
+
+
+def placed(values: Floats | None) -> tuple[Floats | None, Literal["vertices", "faces", "corners"]]:
+    """Values as `dapple.Surface` takes a density, and the name of the place that they are at."""
+    if values is None or values.ndim == 1:
+        return values, "vertices"
+    return (values[:, 0], "faces") if values.shape[1] == 1 else (values, "corners")
+
+
+def multiplied(surface: Surface, *factors: Floats) -> Surface:
+    """The surface with its density multiplied by factors: (v,), (m, 1) or (m, 3), each >= 0.
+
+    Raises:
+        ValueError: a factor has another shape, or a value that no density can have.
+    """
+    vertices, faces = len(surface.vertices), len(surface.faces)
+    for k, one in enumerate(factors):
+        if one.shape not in ((vertices,), (faces, 1), (faces, 3)):
+            raise ValueError(
+                f"factor {k} has the shape {one.shape}: ({vertices},), ({faces}, 1) or "
+                f"({faces}, 3) is needed"
+            )
+    own = density_of(surface)
+    terms = [*factors] if own is None else [*factors, own]
+    if not factors:
+        return surface
+    values, at = placed(product(terms, surface.faces))
+    return surface.with_density(values, density_at=at)

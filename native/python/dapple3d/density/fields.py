@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fields: factors of the density that know places and nothing of faces.
+
+Each has its values at places, and the faces on which it changes: only these need to be cut.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .arrays import Flags, Floats, Ints
+from .nearest import Body, Nearest
+from .noise import bend, noise
+from .ranges import Range
+
+_INNER = 0.58  # farthest that a place of a triangle is from its corners, of its longest edge
+_COARSE = 0.25  # of the falloff: where values differ by less over a face, it needs no cut
+_SOFT = 2.0  # times as long edges as at a sharp change are good enough where there is a falloff
+_INWARD = 0.05  # of the way from a corner of a face to its middle
+_ROUNDING = 2.5e-7  # of coordinates, which are stored in single precision
+
+
+class Field:
+    """A factor of the density at each place.
+
+    coarseness: how much longer the edges of faces may be than at a sharp change.
+    rides: whether the field belongs to the surface, and is looked up where that is at rest.
+    blocks: whether faces that reach where the field is 0 are cut as `refine_obstacles` does it.
+    """
+
+    coarseness: float = 1.0
+    rides: bool = False
+    blocks: bool = False
+
+    def values(self, points: Floats) -> Floats:
+        """Factors (n,), >= 0, at points (n, 3)."""
+        raise NotImplementedError
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        """Which faces (m, 3) of vertices (v, 3) may have places with several factors: (m,)."""
+        raise NotImplementedError
+
+    def at_corners(self, points: Floats, faces: Ints) -> Floats:
+        """Factors (m, 3) at the corners of faces (m, 3) of vertices (v, 3)."""
+        return self.values(points)[faces]
+
+
+class RangeField(Field):
+    """A field by a range of a quantity, which a subclass computes."""
+
+    def __init__(self, within: Range, rides: bool = False) -> None:
+        self._within, self.rides = within, rides
+        self.coarseness = _SOFT if within.falloff > 0.0 else 1.0
+        self._known: tuple[Floats, Floats] = (np.empty((0, 3)), np.empty(0))
+
+    def at(self, points: Floats) -> Floats:
+        """The quantity (n,) at points (n, 3)."""
+        raise NotImplementedError
+
+    def beyond(self, longest: Floats) -> Floats:
+        """How far the quantity in triangles with these longest edges (m,) may be from its values at
+        the corners.
+        """
+        raise NotImplementedError
+
+    def values(self, points: Floats) -> Floats:
+        return self._within.factors(self._looked_up(points))
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        values, corners = self._looked_up(points)[faces], points[faces]
+        beyond = self.beyond(_longest_edges(corners))
+        least, most = values.min(axis=1), values.max(axis=1)
+        found: Flags = self._within.varies(least - beyond, most + beyond)
+        found &= most - least + beyond > _COARSE * self._within.falloff
+        return found
+
+    def _looked_up(self, points: Floats) -> Floats:
+        """The quantity at places of which many begin with those that were looked up last."""
+        places, values = self._known
+        count = len(places)
+        if not np.array_equal(points[:count], places):
+            count = 0
+        if count < len(points):
+            values = np.concatenate([values[:count], self.at(points[count:])])
+            self._known = (points.copy(), values)
+        return values[: len(points)]
+
+
+class Distance(RangeField):
+    """A field by the distance to meshes and segments; `border_edges` gives those of a border."""
+
+    def __init__(self, within: Range, nearest: Nearest, *, rides: bool = False) -> None:
+        super().__init__(within, rides)
+        self._nearest = nearest
+
+    def beyond(self, longest: Floats) -> Floats:
+        return _INNER * longest
+
+    def at(self, points: Floats) -> Floats:
+        return self._nearest.distances(points)
+
+
+class Noise(RangeField):
+    """A field by a noise in patches, whose values are from 0 to 1 and spread evenly."""
+
+    def __init__(
+        self,
+        within: Range,
+        *,
+        size: float = 1.0,
+        detail: int = 2,
+        seed: int = 0,
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        axes: ArrayLike | None = None,
+        rides: bool = False,
+    ) -> None:
+        """Args:
+            within: values of the noise with full density, from 0 to 1.
+            size: > 0, of the patches, a length.
+            detail: how many finer noises are added, each of half the size and half the influence.
+            seed: each gives other patches.
+            origin: (3,), of the noise.
+            axes: (3, 3), orthonormal axes of the noise as columns; None: those of space.
+            rides: see `Field`.
+
+        Raises:
+            ValueError: size is not positive, or detail is less than 0.
+        """
+        super().__init__(within, rides)
+        if not 0.0 < size < np.inf:
+            raise ValueError(f"size is {size}: it must be finite and greater than 0")
+        if detail < 0:
+            raise ValueError(f"detail is {detail}: it must be at least 0")
+        self._size, self._detail, self._seed = size, detail, seed
+        self._origin = np.asarray(origin, dtype=np.float64)
+        self._axes = np.eye(3) if axes is None else np.asarray(axes, dtype=np.float64)
+
+    def beyond(self, longest: Floats) -> Floats:
+        return bend(longest / self._size, self._detail)
+
+    def at(self, points: Floats) -> Floats:
+        places = _along(points - self._origin, self._axes) / self._size
+        return noise(places, self._detail, self._seed)
+
+
+class Height(Field):
+    """A field by a range of z."""
+
+    def __init__(self, within: Range, largest: float = 0.0) -> None:
+        """Args:
+        within: heights with full density.
+        largest: |z| of the surface. A sharp end counts as so much farther off as coordinates of
+            that size are rounded in single precision: so a floor lies in a range that ends at it.
+        """
+        slack = _ROUNDING * largest if within.falloff <= 0.0 else 0.0
+        self._within = replace(within, low=within.low - slack, high=within.high + slack)
+
+    def values(self, points: Floats) -> Floats:
+        return self._within.factors(points[:, 2])
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        z = points[:, 2][faces]
+        return self._within.varies(z.min(axis=1), z.max(axis=1))
+
+    def at_corners(self, points: Floats, faces: Ints) -> Floats:
+        """Factors of a sharp end as they are inside of each face: the walls below a floor have
+        none of what the floor has.
+        """
+        if self._within.falloff > 0.0:
+            return self.values(points)[faces]
+        corners = points[faces]
+        inside = corners + _INWARD * (corners.mean(axis=1, keepdims=True) - corners)
+        return self.values(inside.reshape(-1, 3)).reshape(-1, 3)
+
+
+class Camera(Field):
+    """1 in the view of a camera, 0 elsewhere; what hides a place does not count."""
+
+    def __init__(self, clip: Floats, margin: float = 0.0) -> None:
+        """Args:
+        clip: (4, 4), the matrix from space to the camera's clip space.
+        margin: >= 0, how far the view extends beyond the frame, of half the frame.
+        """
+        x, y, w = clip[0], clip[1], (1.0 + margin) * clip[3]
+        self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
+
+    def _inside(self, points: Floats) -> Flags:
+        signed: Floats = points @ self._planes[:, :3].T + self._planes[:, 3]
+        found: Flags = signed >= 0.0
+        return found
+
+    def values(self, points: Floats) -> Floats:
+        seen: Flags = np.all(self._inside(points), axis=1)
+        return seen.astype(np.float64)
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        inside = self._inside(points)[faces]  # (m, 3 corners, 5 planes)
+        beyond: Flags = np.any(np.all(~inside, axis=1), axis=1)  # all of them beyond one plane
+        within: Flags = np.all(inside, axis=(1, 2))
+        found: Flags = ~beyond & ~within
+        return found
+
+
+class Obstacle(Field):
+    """0 near a mesh and, where that is closed, inside it; 1 elsewhere."""
+
+    blocks = True
+
+    def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
+        """Args:
+        vertices, faces: (v, 3) and (m, 3) of the mesh.
+        margin: >= 0, the distance from it that is still 0.
+        """
+        self._body, self._margin = Body(vertices, faces), margin
+
+    def values(self, points: Floats) -> Floats:
+        return (self._outside(points, self._margin) >= self._margin).astype(np.float64)
+
+    def changes(self, points: Floats, faces: Ints) -> Flags:
+        """By the corners' distances: nothing else is known of what lies between them."""
+        found = np.zeros(len(faces), dtype=bool)
+        if not len(faces):
+            return found
+        longest = _longest_edges(points[faces])
+        near = self._body.beyond(points) <= self._margin + float(longest.max())
+        chosen = np.flatnonzero(near[faces].any(axis=1))
+        used = np.zeros(len(points), dtype=bool)
+        used[faces[chosen]] = True
+        away = np.full(len(points), np.inf)
+        away[used] = np.abs(self._outside(points[used], np.inf) - self._margin)
+        found[chosen] = away[faces[chosen]].min(axis=1) <= longest[chosen]
+        return found
+
+    def _outside(self, points: Floats, needed: float) -> Floats:
+        """Distances (k,) from the body, less than 0 inside; infinite where a box around it tells
+        that they are larger than needed.
+        """
+        found = np.full(len(points), np.inf)
+        near = self._body.beyond(points) <= needed
+        found[near] = self._body.outside(points[near])
+        return found
+
+
+def needs_cut(
+    fields: Sequence[Field], places: Sequence[Floats], faces: Ints, lengths: Floats, target: float
+) -> Flags:
+    """Faces (m,) on which some field changes and that are too large for it.
+
+    Args:
+        places: the vertices (v, 3) where each field is looked up.
+        faces: (m, 3).
+        lengths: (m,), their longest edges.
+        target: the longest edge that is good at a sharp change.
+    """
+    found = np.zeros(len(lengths), dtype=bool)
+    for field, points in zip(fields, places, strict=True):
+        open_ones = np.flatnonzero(~found & (lengths > field.coarseness * target))
+        found[open_ones] = field.changes(points, faces[open_ones])
+    return found
+
+
+def _longest_edges(corners: Floats) -> Floats:
+    """Of triangles (m, 3, 3): (m,)."""
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    found: Floats = edges.max(axis=1)
+    return found
+
+
+def _along(places: Floats, axes: Floats) -> Floats:
+    """places @ axes, rounded alike on every machine."""
+    x, y, z = places.T
+    parts = [x * one[0] + y * one[1] + z * one[2] for one in axes.T]
+    found: Floats = np.stack(parts, axis=1)
+    return found

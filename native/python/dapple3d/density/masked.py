@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A surface with a density that varies within its faces, cut finer there.
+
+A field or a picture knows nothing of the faces of a surface. So the faces are cut before samples
+are made, and samples are returned on the original faces. During a deformation the fine vertices
+follow the original ones.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .._native import (
+    Context,
+    Refined,
+    Samples,
+    Surface,
+    refine_edges,
+    refine_image,
+    refine_obstacles,
+)
+from .arrays import Flags, Floats, Ints, at_corners, density_of, placed, product
+from .fields import Field, needs_cut
+from .pictures import Tile, crossing, filled_share, laid_out, reduced, repeats, texture_area
+
+_FINE = 0.3  # longest edge where a density changes within faces, in spacings of the points
+_AT_BORDER = 0.05  # the same at the border of a UDIM tile, where a density may jump
+_ROUNDS = 24  # of halving edges there
+_MOST_FACES = 1_000_000
+_COUNTS = (100, 1_000_000)  # of points that faces are cut for
+_PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are averaged
+_REPEATED = 1.5  # the same of one that the surface has many times, which is fine everywhere
+_SHORTEST = 0.7  # edge that a picture still has cut, in spacings where it is densest
+
+
+class MaskedSurface:
+    """A surface whose density is multiplied by fields and pictures.
+
+    `surface` has the faces that were cut, for `dapple.sample` and others; `to_original` gives what
+    they make on the faces of the surface that was masked.
+
+    >>> masked = MaskedSurface(surface, [Height(Range(high=0.4))], count=2000)
+    >>> samples = masked.to_original(dapple.sample(masked.surface, 2000))
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        fields: Sequence[Field] = (),
+        *,
+        count: int,
+        balls: tuple[Floats, Floats] | None = None,
+        uv: Floats | None = None,
+        image: Floats | None = None,
+        tiles: Sequence[Tile] = (),
+        values: Mapping[str, Floats] | None = None,
+        rest: Floats | None = None,
+        context: Context | None = None,
+    ) -> None:
+        """Args:
+            surface: of v vertices and m faces; it keeps its own density as a factor.
+            fields: factors of the density at each place.
+            count: number of points that will be sampled: edges are cut relative to their spacing.
+            balls: centers (k, 3) and radii (k,) of balls that are taken out.
+            uv: (m, 3, 2), texture coordinates at the corners of the faces.
+            image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
+            tiles: UDIM tiles in place of the image, by their numbers.
+            values: more values by name, each (v,), (m, 1) or (m, 3): densities of classes.
+            rest: (v, 3), vertices of the surface where fields that ride on it are looked up; None:
+                where they are.
+            context: cancels the cutting.
+
+        Raises:
+            ValueError: fields or pictures leave no density, texture coordinates are in no tile, or
+                as the functions that cut faces.
+        """
+        self.surface, self._original, self._context = surface, surface, context
+        self._values, self._rest = values or {}, rest
+        self._refined: Refined | None = None
+        count = min(max(count, _COUNTS[0]), _COUNTS[1])
+        if fields or balls is not None:
+            self._cut_for(fields, balls, count)
+        if image is not None and uv is not None:
+            self._lay_image(image, uv, count)
+        if tiles and uv is not None:
+            self._lay_tiles(tiles, uv, count)
+
+    @property
+    def original(self) -> Surface:
+        """The surface with the faces that were given."""
+        return self._original if self._refined is None else self._refined.original
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether `surface` has other faces than `original`."""
+        return self._refined is not None
+
+    @property
+    def pieces(self) -> tuple[Ints, Floats]:
+        """For each face of `surface` the original face (m,) that has it, and its corners (m, 3, 3)
+        there in barycentric coordinates.
+        """
+        if self._refined is not None:
+            return self._refined.parents, self._refined.barycentric
+        count = len(self.surface.faces)
+        corners = np.broadcast_to(np.eye(3), (count, 3, 3))
+        return np.arange(count, dtype=np.int32), corners
+
+    def to_original(self, samples: Samples) -> Samples:
+        """Samples of `surface`, on the faces of `original`."""
+        return samples if self._refined is None else self._refined.to_original(samples)
+
+    def from_original(self, samples: Samples) -> Samples:
+        """Samples of `original`, on the faces of `surface`."""
+        return samples if self._refined is None else self._refined.from_original(samples)
+
+    def vertices(self, original: Floats) -> Floats:
+        """Vertices of `surface` once those of `original` are at (v, 3)."""
+        return original if self._refined is None else self._refined.vertices(original)
+
+    @property
+    def own_density(self) -> Floats:
+        """Density (m, 3) of `original` at the corners of its faces, without fields and pictures."""
+        return at_corners(density_of(self._original), self._original.faces)
+
+    def corner_density(self, name: str = "") -> Floats:
+        """Density (m, 3) at the corners of the faces of `surface`, times the values of that name;
+        1 where it is the same everywhere.
+        """
+        own, common = [], density_of(self.surface)
+        if name:
+            own.append(self._carried(self._values[name]))
+        if common is not None:
+            own.append(common)
+        faces = self.surface.faces
+        return at_corners(product(own, faces) if own else None, faces)
+
+    def class_density(self, name: str) -> dict[str, Any]:
+        """Options of a `dapple.SampleClass` for the density times the values of that name; those of
+        a class without a density for ''.
+        """
+        if not name:
+            return {}
+        own, common = self._carried(self._values[name]), density_of(self.surface)
+        found = own if common is None else product([own, common], self.surface.faces)
+        values, place = placed(found)
+        return {"density": values, "density_at": place}
+
+    def density_at(self, samples: Samples) -> Floats:
+        """Density (n,) at samples of `surface`; 1 where it is the same everywhere."""
+        density, at = density_of(self.surface), samples.faces
+        if density is None:
+            return np.ones(len(samples))
+        values = density[at] if density.ndim == 2 else density[self.surface.faces[at]]
+        found: Floats = np.einsum(
+            "nk,nk->n", samples.barycentric, np.broadcast_to(values, (len(at), 3))
+        )
+        return found
+
+    def _carried(self, values: Floats) -> Floats:
+        """Values of the original surface, as they are on the faces of the fine one."""
+        if self._refined is None:
+            return values
+        if values.ndim == 2:
+            parents, corners = self.pieces
+            own = values[parents]
+            return own if own.shape[1] == 1 else np.einsum("mkc,mc->mk", corners, own)
+        return self._refined.vertices(np.repeat(values[:, None], 3, axis=1))[:, 0]
+
+    def _extend(self, cut: Refined) -> None:
+        self._refined = cut if self._refined is None else self._refined.then(cut)
+        self.surface = self._refined.surface
+
+    def _cut_for(
+        self, fields: Sequence[Field], balls: tuple[Floats, Floats] | None, count: int
+    ) -> None:
+        """Halve the edges of the faces on which fields change, until they are short."""
+
+        def long(lengths: Floats) -> Flags:
+            target = _FINE * _spacing(self.surface, self._product(fields), count)
+            places = self._places(fields)
+            return needs_cut(fields, places, self.surface.faces, lengths, target)
+
+        self._halve(long)
+        if self._refined is None:
+            self._extend(refine_edges(self.surface, np.inf))
+        self._take_away(fields, balls or (np.empty((0, 3)), np.empty(0)))
+
+    def _halve(self, long: Callable[[Floats], Flags]) -> None:
+        """Halve the edges of faces, until by their longest edges (m,) none is too long."""
+        for _ in range(_ROUNDS):
+            lengths = _longest_edges(self.surface)
+            chosen = long(lengths)
+            if not chosen.any():
+                break
+            limits = np.where(chosen, 0.51 * lengths, np.inf)
+            cut = refine_edges(self.surface, limits, max_faces=_MOST_FACES, context=self._context)
+            self._extend(cut)
+            if not cut.resolved:
+                break
+
+    def _take_away(self, fields: Sequence[Field], balls: tuple[Floats, Floats]) -> None:
+        surface = self.surface.with_density(self._product(fields), density_at="corners")
+        self._extend(
+            refine_obstacles(
+                surface,
+                *balls,
+                areas=_blocked(fields, surface),
+                max_faces=4 * _MOST_FACES,
+                context=self._context,
+            )
+        )
+
+    def _product(self, fields: Sequence[Field]) -> Floats:
+        """The density (m, 3) at the corners of the faces as they are cut so far."""
+        faces = self.surface.faces
+        factors = np.ones((len(faces), 3))
+        for field, points in zip(fields, self._places(fields), strict=True):
+            factors = factors * field.at_corners(points, faces)
+        return factors * self.corner_density()
+
+    def _places(self, fields: Sequence[Field]) -> list[Floats]:
+        """Vertices (v, 3) as they are cut so far, where each of the fields is looked up."""
+        now = self.surface.vertices
+        if self._rest is None or not any(field.rides for field in fields):
+            return [now] * len(fields)
+        rest = self.vertices(self._rest)
+        return [rest if field.rides else now for field in fields]
+
+    def _cut_uv(self, uv: Floats) -> Floats:
+        """Texture coordinates of the faces as they are cut so far, of those of the original."""
+        if self._refined is None:
+            return uv
+        found: Floats = np.einsum(
+            "fkc,fcd->fkd", self._refined.barycentric, uv[self._refined.parents]
+        )
+        return found
+
+    def _lay_tiles(self, tiles: Sequence[Tile], uv: Floats, count: int) -> None:
+        self._cut_at_borders(tiles, uv, count)
+        most = int(_PIXELS * np.sqrt(count))
+        small = [(number, reduced(picture, most)) for number, picture in tiles]
+        picture, places = laid_out(self._cut_uv(uv), small)
+        share = min(filled_share(one) for _, one in tiles)
+        self._lay(places, picture, count, share)
+
+    def _cut_at_borders(self, tiles: Sequence[Tile], uv: Floats, count: int) -> None:
+        """Halve the edges of the faces that reach over a tile's border, until they are short."""
+        target = _AT_BORDER * _spacing(self.surface, self.corner_density(), count)
+        self._halve(lambda lengths: crossing(self._cut_uv(uv), tiles) & (lengths > target))
+
+    def _lay_image(self, image: Floats, uv: Floats, count: int) -> None:
+        uv = self._cut_uv(uv)
+        times, share = max(texture_area(uv), 1.0), filled_share(image)
+        least = min(_REPEATED / float(np.sqrt(times * share)), _PIXELS)
+        most = max(_PIXELS / times, least) * np.sqrt(count)
+        self._lay(uv, reduced(image, max(int(most), 1)), count, share, repeat=repeats(uv))
+
+    def _lay(
+        self, uv: Floats, picture: Floats, count: int, share: float, *, repeat: bool = False
+    ) -> None:
+        """Multiply by a picture; edges shorter than its details' share of a spacing stay whole."""
+        spacing = _spacing(self.surface, self.corner_density(), count)
+        self._extend(
+            refine_image(
+                self.surface,
+                uv,
+                picture,
+                repeat=repeat,
+                shortest=_SHORTEST * float(np.sqrt(share)) * spacing,
+                max_faces=2 * _MOST_FACES,
+                context=self._context,
+            )
+        )
+
+
+def _blocked(fields: Sequence[Field], surface: Surface) -> Flags:
+    """Faces (m,) that reach where fields are 0 that block."""
+    found = np.zeros(len(surface.faces), dtype=bool)
+    for field in fields:
+        if field.blocks:
+            found |= (field.values(surface.vertices) == 0.0)[surface.faces].any(axis=1)
+    return found
+
+
+def _longest_edges(surface: Surface) -> Floats:
+    corners = surface.vertices[surface.faces]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    found: Floats = edges.max(axis=1)
+    return found
+
+
+def _spacing(surface: Surface, density: Floats, count: int) -> float:
+    """Of so many points, packed as well as can be on what the density leaves of a surface."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    areas = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    left = float((areas * (density.mean(axis=1) > 0.0)).sum())
+    return float(np.sqrt(2.0 * left / (np.sqrt(3.0) * count)))
