@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks the rooms of native/src, whose order is the table in CONTRIBUTING.md.
+"""Checks the rooms of native/src, whose order is the table in docs/development/rooms.md.
 
 A file includes only files of its own room and of rooms before it, and no circle leads from a
 header over its source back to it. A public header belongs to the room that lists it. Every line
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
+PAGE = "docs/development/rooms.md"
 ROOM = re.compile(r"^\| `(?P<room>[a-z]+)/` \|[^|]*\|(?P<headers>[^|]*)\|$", re.MULTILINE)
 INCLUDE = re.compile(r'#include (?:<dapple/(?P<public>\w+)|"\w+/(?P<internal>\w+))\.hpp[>"]')
 
@@ -32,7 +33,7 @@ class Include(NamedTuple):
 
 def listed_rooms() -> dict[str, list[str]]:
     """The rooms in order, with the public headers that each lists."""
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    text = (ROOT / PAGE).read_text(encoding="utf-8")
     return {m["room"]: re.findall(r"`(\w+)`", m["headers"]) for m in ROOM.finditer(text)}
 
 
@@ -61,16 +62,16 @@ def room_of_stems(rooms: dict[str, list[str]]) -> dict[str, str]:
 
 
 def list_problems(rooms: dict[str, list[str]]) -> Iterator[str]:
-    """What CONTRIBUTING.md lists and what is there must be the same."""
+    """What the page lists and what is there must be the same."""
     there = {path.stem for path in (ROOT / "native/include/dapple").glob("*.hpp")}
     listed = [header for headers in rooms.values() for header in headers]
     folders = {path.name for path in (ROOT / "native/src").iterdir() if path.is_dir()}
     for header in sorted(there - set(listed)):
-        yield f"native/include/dapple/{header}.hpp: no room in CONTRIBUTING.md lists it"
+        yield f"native/include/dapple/{header}.hpp: no room in {PAGE} lists it"
     for header in sorted({name for name in listed if name not in there or listed.count(name) > 1}):
-        yield f"CONTRIBUTING.md: the header {header} is not there or listed twice"
+        yield f"{PAGE}: the header {header} is not there or listed twice"
     for room in sorted(folders ^ set(rooms)):
-        yield f"native/src/{room}: must be a folder and a row of the table in CONTRIBUTING.md"
+        yield f"native/src/{room}: must be a folder and a row of the table in {PAGE}"
     for path in (ROOT / "native/src").rglob("*.[ch]pp"):
         for room, headers in rooms.items():
             if path.stem in headers and path.parent.name != room:

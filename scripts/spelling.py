@@ -8,7 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-WORD_LISTS = ("scripts/spelling.py", "tests/python/test_spelling.py")
+WORD_LISTS = (
+    "docs/development/words.md",
+    "scripts/spelling.py",
+    "tests/python/test_spelling.py",
+)
 OTHER_LANGUAGES = "addon/translations/"  # tests/blender/test_translation.py looks at the English
 _VERBS = (  # without their -ise, -ised, -ising, -isation
     "capital character custom discret emphas equal final general initial local maxim memor "

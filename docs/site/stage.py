@@ -15,7 +15,8 @@ from docs.site import headers
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Beside docs/*.md and docs/manual/*.md. The start page shows what README.md says.
+FOLDERS = ("docs", "docs/manual", "docs/development")
+# Beside the pages in these folders. The start page shows what README.md says.
 PAGES = (
     "CHANGELOG.md",
     "CODE_OF_CONDUCT.md",
@@ -29,7 +30,7 @@ LINK = re.compile(r"(?<!!)\[(?P<text>[^][]+)\]\((?P<target>[^)#:]+)(?P<anchor>#[
 
 def pages() -> list[Path]:
     """Every page that is also read in the repository."""
-    found = [path for folder in ("docs", "docs/manual") for path in (ROOT / folder).glob("*.md")]
+    found = [path for folder in FOLDERS for path in (ROOT / folder).glob("*.md")]
     return sorted(found) + [ROOT / name for name in PAGES]
 
 

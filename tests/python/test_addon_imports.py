@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modules of the add-on import only from rooms above their own.
 
-The rooms and their order are the table in CONTRIBUTING.md.
+The rooms and their order are the table in docs/development/addon.md.
 """
 
 import ast
@@ -27,8 +27,8 @@ def imported(path):
 
 
 def rooms():
-    """Those of CONTRIBUTING.md, in order."""
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    """The rooms of the page, in order."""
+    text = (ROOT / "docs/development/addon.md").read_text(encoding="utf-8")
     table = text.split("## The add-on's rooms")[1].split("\n## ")[0]
     return re.findall(r"^\| `([a-z/]+)` \|", table, re.MULTILINE)
 

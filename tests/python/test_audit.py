@@ -17,10 +17,10 @@ import audit  # noqa: E402
 import bill_of_materials  # noqa: E402
 import package  # noqa: E402
 
-LINUX = "dapple3d-0.1.0-cp311-cp311-manylinux_2_28_x86_64.whl"
-WINDOWS = "dapple3d-0.1.0-cp313-cp313-win_amd64.whl"
-MACOS = "dapple3d-0.1.0-cp311-cp311-macosx_11_0_arm64.whl"
-INFO = "dapple3d-0.1.0.dist-info"
+LINUX = "dapple3d-1.0.0-cp311-cp311-manylinux_2_28_x86_64.whl"
+WINDOWS = "dapple3d-1.0.0-cp313-cp313-win_amd64.whl"
+MACOS = "dapple3d-1.0.0-cp311-cp311-macosx_11_0_arm64.whl"
+INFO = "dapple3d-1.0.0.dist-info"
 
 
 def wheel(folder: Path, name: str, module: bytes | None = b"", licenses: int = 9) -> Path:

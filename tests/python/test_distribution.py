@@ -156,10 +156,12 @@ def test_every_part_has_the_same_version(root):
     manifest = tomllib.loads((root / "addon" / "blender_manifest.toml").read_text())
     port = json.loads((root / "packaging" / "vcpkg" / "dapple" / "vcpkg.json").read_text())
     recipe = (root / "packaging" / "conda" / "recipe.yaml").read_text()
+    citation = (root / "CITATION.cff").read_text()
     repeated = {
         "Blender": manifest["version"],
         "vcpkg": port["version"],
         "conda": re.search(r'^  version: "(.*)"$', recipe, re.MULTILINE)[1],
+        "citation": re.search(r"^version: (.*)$", citation, re.MULTILINE)[1],
     }
     assert repeated == dict.fromkeys(repeated, dapple.__version__)
 

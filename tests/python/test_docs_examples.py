@@ -18,7 +18,10 @@ BLOCK = re.compile(r"^```(?P<language>[^\n]*)\n(?P<code>.*?)^```", re.DOTALL | r
 # Number of the examples in a language and who runs them.
 RUN = {
     "README.md": {"sh": (1, "tests/run.sh runs the same set-up"), "python": (1, "test_module.py")},
-    "CONTRIBUTING.md": {"": (1, "a list of folders")},
+    "CONTRIBUTING.md": {
+        "": (1, "a list of folders"),
+        "sh": (1, "tests/run.sh runs the same set-up"),
+    },
     "native/python/README.md": {
         "sh": (1, "test_distribution.py installs what is built"),
         "python": (1, "test_module.py"),

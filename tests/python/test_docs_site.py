@@ -41,10 +41,9 @@ def test_every_page_is_in_the_contents():
 
 
 def test_every_page_of_the_repository_is_a_page_of_the_site():
-    there = {
-        path for folder in ("", "docs", "blend_examples") for path in (ROOT / folder).glob("*.md")
-    }
-    assert there | set((ROOT / "docs/manual").glob("*.md")) == {*stage.pages(), ROOT / "README.md"}
+    folders = ("", "blend_examples", *stage.FOLDERS)
+    there = {path for folder in folders for path in (ROOT / folder).glob("*.md")}
+    assert there == {*stage.pages(), ROOT / "README.md"}
 
 
 def test_every_public_name_is_on_one_page():

@@ -15,7 +15,7 @@ PUBLIC = sorted(set(dapple.__all__) - {"__version__"})
 
 
 def test_has_its_version(root):
-    assert dapple.__version__ == "0.1.0"
+    assert dapple.__version__ == "1.0.0"
     assert f"VERSION {dapple.__version__}" in (root / "CMakeLists.txt").read_text()
 
 

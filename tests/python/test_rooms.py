@@ -23,7 +23,8 @@ LIST = """
 def house(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two rooms with a public header and its source each."""
     monkeypatch.setattr(rooms, "ROOT", tmp_path)
-    (tmp_path / "CONTRIBUTING.md").write_text(LIST)
+    (tmp_path / rooms.PAGE).parent.mkdir(parents=True)
+    (tmp_path / rooms.PAGE).write_text(LIST)
     for room, stem, lines in (
         ("low", "ground", ""),
         ("high", "roof", "#include <dapple/ground.hpp>\n"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same arguments give the same bytes today as yesterday. CONTRIBUTING.md: "Equal bytes"."""
+"""The same arguments give the same bytes today as yesterday; see docs/development/testing.md."""
 
 import json
 import re
