@@ -10,6 +10,7 @@ from typing import Any
 import dapple3d as dapple
 import matplotlib
 import numpy as np
+from dapple3d import density
 from dapple3d.distributed import HeightField, sample_tiles
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -343,11 +344,75 @@ def draw_corner(axes: Axes, points: Floats, lines: list[float]) -> None:
         axes.plot(lines[0] + ends, [lines[1]] * 2, color=ACCENT, lw=1.6)
 
 
+# ---- masks ----
+
+
+SPAN, STEPS = 10.0, 96  # side of the hills, and of how many squares
+ROAD = np.array([[-0.5, 2.0], [3.0, 3.2], [5.5, 6.4], [10.5, 8.0]])  # seen from above
+
+
+def hills() -> tuple[dapple.Surface, Floats]:
+    """Some hills, and their heights in rows."""
+    y, x = np.mgrid[: STEPS + 1, : STEPS + 1] * SPAN / STEPS
+    z = 1.1 * np.sin(0.9 * x + 0.4) * np.cos(0.7 * y) + 0.5 * np.cos(0.5 * x - 0.9 * y)
+    rows, columns = np.indices((STEPS, STEPS)).reshape(2, -1)
+    a = rows * (STEPS + 1) + columns
+    b, c, d = a + 1, a + STEPS + 2, a + STEPS + 1
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    vertices = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    return dapple.Surface(vertices, faces.astype(np.int32), sharp_angle=180.0), z
+
+
+def masked(surface: dapple.Surface, name: str) -> density.MaskedSurface:
+    """The hills in one mask."""
+    normals, within = surface.corner_normals, density.Range
+    road = np.column_stack([ROAD, np.zeros(len(ROAD))])
+    segments = np.stack([road[:-1], road[1:]], axis=1)
+    border = density.border_edges(surface.vertices, surface.faces)
+    factors: dict[str, Floats] = {
+        "slope": density.slope(normals, within(0.0, np.radians(25.0), falloff=np.radians(5.0))),
+        "aspect": density.aspect(normals, within(0.0, np.radians(60.0), falloff=np.radians(30.0))),
+    }
+    fields: dict[str, density.Field] = {
+        "height": density.Height(within(0.3, np.inf)),
+        "distance": density.Distance(
+            within(0.4, 1.0, falloff=0.8), density.Nearest(segments=segments, plan=True)
+        ),
+        "border": density.Distance(within(1.5, np.inf), density.Nearest(segments=border)),
+        "noise": density.Noise(within(0.55, 1.0, falloff=0.05), size=2.0),
+    }
+    if name in factors:
+        surface = density.multiplied(surface, factors[name])
+    return density.MaskedSurface(surface, [fields[name]] if name in fields else [], count=900)
+
+
+def masks() -> Figure:
+    """Each mask of the command line on the same hills, seen from above."""
+    figure, axes = plain((9.0, 6.4), columns=3, rows=2)
+    surface, heights = hills()
+    for one, name in zip(
+        axes, ("slope", "height", "distance", "border", "aspect", "noise"), strict=True
+    ):
+        found = masked(surface, name)
+        samples = dapple.sample(found.surface, 900)
+        ends = (0.0, SPAN, 0.0, SPAN)
+        one.contour(heights, 7, extent=ends, colors=LINE, linewidths=0.6, negative_linestyles="-")
+        if name == "distance":
+            one.plot(*ROAD.T, color=ACCENT, lw=1.5)
+        one.scatter(
+            samples.positions[:, 0], samples.positions[:, 1], s=2.2, color=INK, linewidths=0
+        )
+        one.set(xlim=(0.0, SPAN), ylim=(0.0, SPAN))
+        one.set_title(name, color=INK, fontsize=11)
+    return figure
+
+
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
     matplotlib.rcParams["svg.hashsalt"] = "dapple"  # the same names in every run
     for draw in (cells, uncovered, repulsion, keyframes, seams):
         draw().savefig(folder / f"{draw.__name__}.svg", facecolor="white", metadata={"Date": None})
+    masks().savefig(folder / "masks.png", facecolor="white", dpi=110)  # too many dots for paths
 
 
 if __name__ == "__main__":

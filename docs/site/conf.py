@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sphinx's settings; scripts/docs.sh calls it on what stage.py has gathered."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -37,18 +38,13 @@ pygments_style = "tango"
 pygments_dark_style = "github-dark"
 
 # Python
-parts = (
-    density.arrays,
-    density.ranges,
-    density.orientation,
-    density.nearest,
-    density.noise,
-    density.normals,
-    density.fields,
-    density.masked,
-    density,
-)
-for module in (*parts, gltf, instances, plot, stippling, tables, texturing, usd, writing):
+parts = [
+    sys.modules[f"{density.__name__}.{name}"]  # a function is named as its module
+    for name in (
+        "arrays", "ranges", "orientation", "nearest", "noise", "normals", "fields", "masked",
+    )
+]  # fmt: skip
+for module in (*parts, density, gltf, instances, plot, stippling, tables, texturing, usd, writing):
     typed_api.defer(module)
 vars(dapple3d).update(Dots=stippling.Dots, stipple=stippling.stipple)
 package = Path(dapple3d.__file__).parent

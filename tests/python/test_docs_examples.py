@@ -39,6 +39,7 @@ RUN = {
         "json": (1, "tests/blender/test_command.py"),
     },
     "docs/large.md": {"python": (2, "here")},
+    "docs/masks.md": {"sh": (1, "here"), "python": (1, "here")},
     "docs/releasing.md": {"sh": (2, "test_release.py compares them with the workflow")},
     "docs/peers.md": {"sh": (1, "test_peers.py")},
     "docs/stippling.md": {"sh": (1, "here"), "python": (1, "here")},
@@ -155,6 +156,21 @@ def test_the_export_page_runs(files):
     for command in code("docs/export.md", "sh").splitlines():
         assert run(*shlex.split(command)[1:]).exit_code == 0, command
     assert Path("frame_3.csv").is_file()
+
+
+def test_the_masks_page_runs(here):
+    """With fewer points than it shows."""
+    vertices, faces = shapes.grid(20)
+    hills = vertices * 20.0 + np.array([0.0, 0.0, 4.0]) * np.sin(5.0 * vertices[:, :1])
+    dapple.write_mesh("hills.ply", hills, faces)
+    dapple.write_mesh("road.ply", hills[:42], faces[:10] % 42)
+    for command in code("docs/masks.md", "sh").splitlines():
+        arguments = shlex.split(command.replace("5000", "300").replace("0.2 ", "1.5 "))[1:]
+        assert run(*arguments).exit_code == 0, command
+    namespace = {}
+    exec(code("docs/masks.md", "python").replace("2000", "300"), namespace)
+    assert len(namespace["samples"]) == 300
+    assert Path("trees.csv").is_file()
 
 
 def test_the_stippling_page_runs(files):

@@ -65,6 +65,15 @@ class Density:
     at: Place = "vertices"
     source: str = ""
 
+    def options(self) -> dict[str, Any]:
+        """Those of a dapple.SampleClass or a surface with this density."""
+        return {"density": self.values, "density_at": self.at}
+
+    def as_rows(self) -> NDArray[np.float64]:
+        """(v,) at vertices, (m, 1) on faces, (m, 3) at corners."""
+        values = np.asarray(self.values, dtype=np.float64)
+        return values[:, None] if self.at == "faces" else values
+
 
 def read_mesh(path: Path, *, may_be_empty: bool = False) -> Mesh:
     """Read a mesh, by the extension of its file; one without faces only if it may be empty.

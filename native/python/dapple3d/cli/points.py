@@ -432,5 +432,6 @@ READERS: dict[str, Callable[[Path], Points]] = {
     **dict.fromkeys(usd.SUFFIXES, _read_usd),
     **dict.fromkeys(gltf.SUFFIXES, lambda path: of_instances(gltf.read(path))),
 }
+ONLY_POINTS = (".csv", *usd.SUFFIXES)  # formats that hold no mesh
 SCENES = (*usd.SUFFIXES, *gltf.SUFFIXES)  # which hold what stands at the points too
 FORMATS = (*WRITERS, *SCENES)

@@ -107,9 +107,17 @@ class MaskedSurface:
         corners = np.broadcast_to(np.eye(3), (count, 3, 3))
         return np.arange(count, dtype=np.int32), corners
 
-    def to_original(self, samples: Samples) -> Samples:
-        """Samples of `surface`, on the faces of `original`."""
-        return samples if self._refined is None else self._refined.to_original(samples)
+    def to_original(self, samples: Samples, vertices: Floats | None = None) -> Samples:
+        """Samples of `surface`, on the faces of `original`: the same ids, classes and report.
+
+        Args:
+            samples: of `surface`, or of it with the vertices that a deformation moved.
+            vertices: (v, 3), those of `original` in that deformation; None: where they are.
+        """
+        if self._refined is None:
+            return samples
+        moved = self._refined if vertices is None else self._refined.deformed(vertices)
+        return moved.to_original(samples)
 
     def from_original(self, samples: Samples) -> Samples:
         """Samples of `original`, on the faces of `surface`."""

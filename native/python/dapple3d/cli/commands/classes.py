@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """dapple classes: points of several classes on a mesh."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -9,11 +10,11 @@ from typing import Any
 import click
 
 import dapple3d as dapple
-from dapple3d.cli import meshes, options, points
-from dapple3d.cli.attributes import with_attributes
-from dapple3d.cli.files import check_outputs
-from dapple3d.cli.report import Reporter, figures
-from dapple3d.cli.work import Work
+from dapple3d.cli import meshes, options
+from dapple3d.cli.masks import Command, hexagonal_count
+from dapple3d.cli.output import Output, Source, point_options
+from dapple3d.cli.report import figures
+from dapple3d.density import MaskedSurface
 
 CLASS_METAVAR = "COUNT|spacing=S[:radius=R,density=D]"
 
@@ -32,17 +33,45 @@ class Wanted:
         told = {"count": count, "radius": self.radius, "density": self.density}
         return told | options.given({"spacing": self.spacing})
 
-    def on(self, loaded: meshes.Loaded) -> dapple.SampleClass:
-        """The class with the density that it names."""
+    def amount(self, surface: dapple.Surface) -> int:
+        """About how many points it has."""
+        return self.count or hexagonal_count(surface.area, self.spacing or 1.0)
+
+    def density_on(self, loaded: meshes.Loaded) -> meshes.Density:
+        """The density that it names, checked on the surface; else that of the mesh."""
         if self.density is None:
-            count = options.counted(loaded.surface, self.count, self.spacing)
-            return dapple.SampleClass(count, radius=self.radius)
+            return loaded.density
         found = meshes.read_density(loaded.mesh, self.density)
-        surface = meshes.with_density(loaded.surface, found)  # whose errors name the file
-        count = options.counted(surface, self.count, self.spacing)
-        return dapple.SampleClass(
-            count, density=found.values, density_at=found.at, radius=self.radius
-        )
+        meshes.with_density(loaded.surface, found)  # whose errors name the file
+        return found
+
+    def on(self, surface: dapple.Surface, **density: Any) -> dapple.SampleClass:
+        """The class on a surface, with the options of a density if it has its own."""
+        own = surface.with_density(**density) if density else surface
+        count = options.counted(own, self.count, self.spacing)
+        return dapple.SampleClass(count, radius=self.radius, **density)
+
+
+def classes_on(
+    wanted: Sequence[Wanted], loaded: meshes.Loaded, source: Source, count: int | None = None
+) -> tuple[MaskedSurface, list[dapple.SampleClass]]:
+    """The surface in its masks, and the classes with their densities there.
+
+    Args:
+        count: of all points, where the classes do not say it.
+    """
+    surface, path = loaded.surface, loaded.mesh.path
+    densities = [one.density_on(loaded) for one in wanted]
+    count = count or sum(one.amount(surface) for one in wanted)
+    if not source.masks.given or not wanted:
+        own = [one.options() if w.density else {} for one, w in zip(densities, wanted, strict=True)]
+        masked = source.masks.on(surface, path, count=count)
+    else:  # each class has its density: that of the surface is the masks alone
+        values = {str(k): one.as_rows() for k, one in enumerate(densities) if one.source}
+        masked = source.masks.on(surface.with_density(None), path, count=count, values=values)
+        own = [masked.class_density(str(k) if str(k) in values else "") for k in range(len(wanted))]
+    pairs = zip(wanted, own, strict=True)
+    return masked, [one.on(masked.surface, **density) for one, density in pairs]
 
 
 class WantedType(click.ParamType):
@@ -67,7 +96,7 @@ class WantedType(click.ParamType):
         return Wanted(options.COUNT.convert(head, param, ctx), **fields)
 
 
-@click.command("classes", short_help="Several classes of points on a mesh, even together.")
+@click.command("classes", cls=Command, short_help="Several classes of points, even together.")
 @click.argument("mesh", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @click.option(
@@ -82,24 +111,9 @@ class WantedType(click.ParamType):
     "points, which stay outside the things of others. Both are in the units of MESH. D is a "
     "density as for --density, else that of MESH.",
 )
-@options.density_options
-@options.attributes_option
-@options.library_options("sample_classes")
-@options.surface_options
-@options.profile_option
-@options.report_options
+@point_options("sample_classes")
 def command(
-    mesh: Path,
-    out: Path,
-    wanted: tuple[Wanted, ...],
-    density: str | None,
-    density_at: meshes.Place | None,
-    attributes: bool,
-    surface_options: meshes.SurfaceOptions,
-    profile: bool,
-    json_out: str | None,
-    quiet: bool,
-    **solver: Any,
+    mesh: Path, wanted: tuple[Wanted, ...], source: Source, output: Output, **solver: Any
 ) -> None:
     """Put points of several classes on MESH: each class even by itself, and all together.
 
@@ -112,32 +126,16 @@ def command(
       dapple classes meadow.ply plants.ply --class spacing=0.1 --class spacing=0.5:radius=0.1
       dapple classes meadow.npz plants.csv --class 800:density=moist --class 200
     """
-    reporter = Reporter(json_out, quiet)
-    points.check_extension(out)
-    densities = [options.density_file(name) for name in (density, *(w.density for w in wanted))]
-    check_outputs([mesh, *densities], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
-    listed = [one.on(loaded) for one in wanted]
+    output.check(source, [mesh, *(options.density_file(one.density) for one in wanted)])
+    loaded = source.load(mesh)
+    masked, listed = classes_on(wanted, loaded, source)
     chosen = options.given(solver)
-    with Work("sampling", quiet=quiet) as work:
-        samples = work.run(partial(dapple.sample_classes, loaded.surface, listed, **chosen))
-    found = points.points_of(samples)
-    if attributes:
-        found = with_attributes(loaded.mesh, samples, found)
-    points.write_points(out, found)
-    settings = {**options.library_defaults("sample_classes"), **chosen}
-    reporter.store(
-        "classes",
-        input=loaded.describe(),
-        output=str(out),
-        settings={
-            "classes": [one.settings(made.count) for one, made in zip(wanted, listed, strict=True)],
-            **settings,
-        },
-        report=samples.report.to_dict(),
-    )
-    reporter.say(f"{out}: {len(samples)} points, {figures(samples.report)}{loaded.doubled()}")
-    for k, quality in enumerate(samples.report.classes):
-        reporter.say(f"  class {k}: {quality.count} points, {figures(quality)}")
-    if profile:
-        reporter.show_profile([samples.report])
+    solving = partial(dapple.sample_classes, masked.surface, listed, **chosen)
+    samples = masked.to_original(output.run("sampling", solving))
+    settings = {
+        "classes": [one.settings(made.count) for one, made in zip(wanted, listed, strict=True)],
+        **source.masks.describe(),
+        **options.library_defaults("sample_classes"),
+    }
+    said = f"{len(samples)} points, {figures(samples.report)}"
+    output.write("classes", loaded, samples, said, settings=settings | chosen)

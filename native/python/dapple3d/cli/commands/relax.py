@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 
 import dapple3d as dapple
 from dapple3d.cli import indices, meshes, options, points
-from dapple3d.cli.attributes import with_attributes
-from dapple3d.cli.commands.classes import CLASS_METAVAR, Wanted, WantedType
-from dapple3d.cli.files import about, check_outputs
-from dapple3d.cli.report import Reporter, figures
-from dapple3d.cli.work import Work
+from dapple3d.cli.commands.classes import CLASS_METAVAR, Wanted, WantedType, classes_on
+from dapple3d.cli.files import about
+from dapple3d.cli.masks import Command
+from dapple3d.cli.output import Output, Source, point_options
+from dapple3d.cli.report import figures
 
 
-@click.command("relax", short_help="Points made even again where something has changed.")
+@click.command(
+    "relax", cls=Command, short_help="Points made even again where something has changed."
+)
 @click.argument("mesh", type=options.INPUT)
-@click.argument("source", metavar="POINTS", type=options.INPUT)
+@click.argument("points_file", metavar="POINTS", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @click.option(
     "--before",
@@ -60,29 +62,18 @@ from dapple3d.cli.work import Work
     metavar=indices.METAVAR,
     help=f"Points that stay where they are. {indices.HELP}",
 )
-@options.density_options
-@options.attributes_option
-@options.library_options("relax")
-@options.surface_options
-@options.profile_option
-@options.report_options
+@point_options("relax")
 def command(
     mesh: Path,
-    source: Path,
-    out: Path,
+    points_file: Path,
     before: Path | None,
     density_before: str | None,
     changed: NDArray[np.int64] | Path | None,
     count: int | None,
     wanted: tuple[Wanted, ...],
     locked: NDArray[np.int64] | Path | None,
-    density: str | None,
-    density_at: meshes.Place | None,
-    attributes: bool,
-    surface_options: meshes.SurfaceOptions,
-    profile: bool,
-    json_out: str | None,
-    quiet: bool,
+    source: Source,
+    output: Output,
     **solver: Any,
 ) -> None:
     """Make POINTS on MESH even again where something has changed, into OUT.
@@ -98,57 +89,53 @@ def command(
       dapple relax hills.npz plants.npz new.npz --density road --density-before plain
         --class 50:radius=1 --class 2000
     """
-    reporter = Reporter(json_out, quiet)
-    points.check_extension(out)
     if (changed is None) == (before is None and density_before is None):
         raise click.UsageError("give either --changed, or --before and --density-before")
-    files = [mesh, source, before, options.density_file(density)]
-    files += [options.density_file(density_before), indices.file_of(changed)]
+    files = [mesh, points_file, before, options.density_file(density_before)]
     files += [options.density_file(one.density) for one in wanted]
-    check_outputs([*files, indices.file_of(locked)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
+    output.check(source, [*files, indices.file_of(changed), indices.file_of(locked)])
+    loaded = source.load(mesh)
     surface = loaded.surface
     if changed is None:
-        then = surface_before(loaded, before, density_before or density, density_at)
+        then = surface_before(loaded, before, density_before or source.density, source.density_at)
         where = dapple.changed_faces(then, surface)
     else:
         then, found = surface, indices.indices("--changed", changed, len(surface.faces), "faces")
         assert found is not None
         where = found
-    old = points.bound(then, source)
+    old = points.bound(then, points_file)
     old = dapple.Samples(surface, old.faces, old.barycentric, ids=old.ids, classes=old.classes)
-    classes = [one.on(loaded) for one in wanted] or None
     stay = indices.indices("--locked", locked, len(old), "points")
+    masked, classes = classes_on(wanted, loaded, source, count or len(old))
     chosen = options.given(solver)
     solving = partial(
-        dapple.relax, surface, old, where, classes=classes, count=count, locked=stay, **chosen
+        dapple.relax,
+        masked.surface,
+        masked.from_original(old),
+        np.flatnonzero(np.isin(masked.pieces[0], where)),
+        classes=classes or None,
+        count=count,
+        locked=stay,
+        **chosen,
     )
-    with Work("relaxing", quiet=quiet) as work:
-        samples = work.run(solving)
-    made = points.points_of(samples)
-    points.write_points(out, with_attributes(loaded.mesh, samples, made) if attributes else made)
+    samples = masked.to_original(output.run("relaxing", solving))
     settings = {
         "count": count,
-        "classes": [
-            one.settings(made.count) for one, made in zip(wanted, classes or [], strict=True)
-        ],
+        "classes": [one.settings(made.count) for one, made in zip(wanted, classes, strict=True)],
         "locked": 0 if stay is None else len(stay),
+        **source.masks.describe(),
         **options.library_defaults("relax"),
     }
-    reporter.store(
+    output.write(
         "relax",
-        input={**loaded.describe(), "points": str(source), "before": str(before or mesh)},
-        output=str(out),
+        loaded,
+        samples,
+        f"{len(samples)} points of {len(old)}, {len(where)} faces changed, "
+        f"{figures(samples.report)} there",
         settings=settings | chosen,
+        read={"points": str(points_file), "before": str(before or mesh)},
         changed_faces=len(where),
-        report=samples.report.to_dict(),
     )
-    reporter.say(
-        f"{out}: {len(samples)} points of {len(old)}, {len(where)} faces changed, "
-        f"{figures(samples.report)} there{loaded.doubled()}"
-    )
-    if profile:
-        reporter.show_profile([samples.report])
 
 
 def surface_before(

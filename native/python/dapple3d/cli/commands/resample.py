@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple3d as dapple
-from dapple3d.cli import indices, meshes, options, points
-from dapple3d.cli.attributes import with_attributes
-from dapple3d.cli.files import check_outputs
-from dapple3d.cli.report import Reporter, figures
-from dapple3d.cli.work import Work
+from dapple3d.cli import indices, options, points
+from dapple3d.cli.masks import Command
+from dapple3d.cli.output import Output, Source, point_options
+from dapple3d.cli.report import figures
 
 
-@click.command("resample", short_help="Another number of points, most of which stay.")
+@click.command("resample", cls=Command, short_help="Another number of points, most of which stay.")
 @click.argument("mesh", type=options.INPUT)
-@click.argument("source", metavar="POINTS", type=options.INPUT)
+@click.argument("points_file", metavar="POINTS", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @options.count_options("Number of points wanted, with those that stay.")
 @click.option(
@@ -28,26 +27,15 @@ from dapple3d.cli.work import Work
     metavar=indices.METAVAR,
     help=f"Points that stay where they are. {indices.HELP}",
 )
-@options.density_options
-@options.attributes_option
-@options.library_options("resample")
-@options.surface_options
-@options.profile_option
-@options.report_options
+@point_options("resample")
 def command(
     mesh: Path,
-    source: Path,
-    out: Path,
+    points_file: Path,
     count: int | None,
     spacing: float | None,
     locked: NDArray[np.int64] | Path | None,
-    density: str | None,
-    density_at: meshes.Place | None,
-    attributes: bool,
-    surface_options: meshes.SurfaceOptions,
-    profile: bool,
-    json_out: str | None,
-    quiet: bool,
+    source: Source,
+    output: Output,
     **solver: Any,
 ) -> None:
     """Make COUNT points of POINTS on MESH, or follow another density, into OUT.
@@ -61,36 +49,29 @@ def command(
       dapple resample bunny.ply points.npz more.npz -n 3000
       dapple resample bunny.ply points.npz more.npz -n 3000 --locked 0-99,120
     """
-    reporter = Reporter(json_out, quiet)
     options.check_amount(count, spacing)
-    points.check_extension(out)
-    inputs = [mesh, source, options.density_file(density), indices.file_of(locked)]
-    check_outputs(inputs, [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
-    count = options.counted(loaded.surface, count, spacing)
-    before = points.bound(loaded.surface, source)
+    output.check(source, [mesh, points_file, indices.file_of(locked)])
+    loaded = source.load(mesh)
+    masked = source.masks.on(loaded.surface, mesh, count=count, spacing=spacing)
+    count = options.counted(masked.surface, count, spacing)
+    before = points.bound(loaded.surface, points_file)
     stay = indices.indices("--locked", locked, len(before), "points")
     chosen = options.given(solver)
-    solving = partial(dapple.resample, loaded.surface, before, count, locked=stay, **chosen)
-    with Work("sampling", quiet=quiet) as work:
-        samples = work.run(solving)
-    found = points.points_of(samples)
-    points.write_points(out, with_attributes(loaded.mesh, samples, found) if attributes else found)
+    there = masked.from_original(before)
+    solving = partial(dapple.resample, masked.surface, there, count, locked=stay, **chosen)
+    samples = masked.to_original(output.run("sampling", solving))
     settings = {
         "count": count,
         **options.given({"spacing": spacing}),
         "locked": 0 if stay is None else len(stay),
+        **source.masks.describe(),
         **options.library_defaults("resample"),
     }
-    reporter.store(
+    output.write(
         "resample",
-        input={**loaded.describe(), "points": str(source)},
-        output=str(out),
+        loaded,
+        samples,
+        f"{count} points of {len(before)}, {figures(samples.report)}",
         settings=settings | chosen,
-        report=samples.report.to_dict(),
+        read={"points": str(points_file)},
     )
-    reporter.say(
-        f"{out}: {count} points of {len(before)}, {figures(samples.report)}{loaded.doubled()}"
-    )
-    if profile:
-        reporter.show_profile([samples.report])

@@ -8,21 +8,18 @@ from typing import Any
 import click
 
 import dapple3d as dapple
-from dapple3d.cli import meshes, options, points
-from dapple3d.cli.attributes import with_attributes
-from dapple3d.cli.files import check_outputs
-from dapple3d.cli.report import Reporter, figures
-from dapple3d.cli.work import Work
+from dapple3d.cli import options
+from dapple3d.cli.masks import Command
+from dapple3d.cli.output import Output, Source, point_options
+from dapple3d.cli.report import figures
 
 PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
 
 
-@click.command("sample", short_help="Points on a mesh, evenly spaced.")
+@click.command("sample", cls=Command, short_help="Points on a mesh, evenly spaced.")
 @click.argument("mesh", type=options.INPUT)
 @click.argument("out", type=options.OUTPUT)
 @options.count_options("Number of points.")
-@options.density_options
-@options.attributes_option
 @click.option(
     "--preset",
     type=click.Choice(list(PRESETS)),
@@ -31,23 +28,14 @@ PRESETS: dict[str, dict[str, Any]] = {"default": {}, "paper": dapple.PAPER}
     help="paper: as in Chen et al. 2012, from white noise by plain L-BFGS; the options "
     "below change it.",
 )
-@options.library_options("sample")
-@options.surface_options
-@options.profile_option
-@options.report_options
+@point_options("sample")
 def command(
     mesh: Path,
-    out: Path,
     count: int | None,
     spacing: float | None,
-    density: str | None,
-    density_at: meshes.Place | None,
-    attributes: bool,
     preset: str,
-    surface_options: meshes.SurfaceOptions,
-    profile: bool,
-    json_out: str | None,
-    quiet: bool,
+    source: Source,
+    output: Output,
     **solver: Any,
 ) -> None:
     """Put COUNT points on MESH, evenly spaced and unpatterned, into OUT.
@@ -63,33 +51,22 @@ def command(
       dapple sample bunny.ply points.ply -n 2000
       dapple sample bunny.ply points.ply --spacing 0.004
       dapple sample bunny.npz points.csv -n 2000 --density fur --json report.json
+      dapple sample hills.obj trees.csv -n 5000 --slope 0 30 --distance road.obj 3 inf
     """
-    reporter = Reporter(json_out, quiet)
     options.check_amount(count, spacing)
-    points.check_extension(out)
-    check_outputs([mesh, options.density_file(density)], [out, reporter.file])
-    loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
-    count = options.counted(loaded.surface, count, spacing)
+    output.check(source, [mesh])
+    loaded = source.load(mesh)
+    masked = source.masks.on(loaded.surface, mesh, count=count, spacing=spacing)
+    count = options.counted(masked.surface, count, spacing)
     chosen = PRESETS[preset] | options.given(solver)
-    with Work("sampling", quiet=quiet) as work:
-        samples = work.run(partial(dapple.sample, loaded.surface, count, **chosen))
-    found = points.points_of(samples)
-    if attributes:
-        found = with_attributes(loaded.mesh, samples, found)
-    points.write_points(out, found)
+    solving = partial(dapple.sample, masked.surface, count, **chosen)
+    samples = masked.to_original(output.run("sampling", solving))
     settings = {
         "count": count,
         **options.given({"spacing": spacing}),
         "preset": preset,
+        **source.masks.describe(),
         **options.library_defaults("sample"),
     }
-    reporter.store(
-        "sample",
-        input=loaded.describe(),
-        output=str(out),
-        settings=settings | chosen,
-        report=samples.report.to_dict(),
-    )
-    reporter.say(f"{out}: {count} points, {figures(samples.report)}{loaded.doubled()}")
-    if profile:
-        reporter.show_profile([samples.report])
+    said = f"{count} points, {figures(samples.report)}"
+    output.write("sample", loaded, samples, said, settings=settings | chosen)

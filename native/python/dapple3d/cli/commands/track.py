@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 import dapple3d as dapple
 from dapple3d.cli import meshes, options, sequences
 from dapple3d.cli.files import about, check_outputs
+from dapple3d.cli.masks import Command, Masks, mask_options
 from dapple3d.cli.points import bound
 from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.sequences import Frames
 from dapple3d.cli.work import Work
+from dapple3d.density import MaskedSurface
 from dapple3d.distributed.shots import changing_arrays, motion_arrays
 from dapple3d.writing import replacing, write_npz
 
@@ -28,7 +30,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 }
 
 
-@click.command("track", short_help="Points that stay put on a moving mesh.")
+@click.command("track", cls=Command, short_help="Points that stay put on a moving mesh.")
 @click.argument("frames", type=options.FRAMES, nargs=-1, required=True)
 @click.argument("out", type=options.OUTPUT)
 @options.count_options("Number of points, on the first frame.")
@@ -53,6 +55,7 @@ START = {*options.library_defaults("sample")} & {*options.library_defaults("Trac
 @options.library_options("Population", only=["fade", "reach"], before="With --keep-density: ")
 @options.library_options("sample", only=["seed"])
 @options.library_options("Tracker", without=["union_weight"])
+@mask_options
 @options.surface_options
 @options.profile_option
 @options.report_options
@@ -69,6 +72,7 @@ def command(
     fade: int | None,
     reach: float | None,
     seed: int | None,
+    masks: Masks,
     surface_options: meshes.SurfaceOptions,
     profile: bool,
     json_out: str | None,
@@ -86,6 +90,8 @@ def command(
     name has a number in its place (f-1, f0), else a dash (shot-1, shot-2). Polygons may begin at
     another corner. Triangles of .stl hang together where those of the first frame do.
 
+    Masks count as on the first frame, and go with the surface.
+
     With --keep-density faces may be others on each frame, or none: no points then. One .npz then
     has 'vertices_0', 'faces_0', 'vertices_1' and so on. The points of all frames follow each other
     in OUT: those of frame k are the rows 'starts'[k] to 'starts'[k + 1] of each array. 'fade'
@@ -101,15 +107,10 @@ def command(
     reporter = Reporter(json_out, quiet)
     if out.suffix.lower() != ".npz":
         raise click.ClickException(f"{out}: the points of all frames are written as .npz")
-    if not together and (closed or sweeps is not None):
-        raise click.UsageError("--closed and --sweeps need --together")
-    if not keep_density and (fade is not None or reach is not None):
-        raise click.UsageError("--fade and --reach need --keep-density")
-    if keep_density and together:
-        raise click.UsageError("--keep-density goes frame by frame, so not --together")
+    check_usage(together, closed, sweeps, keep_density, fade, reach, masks)
     options.check_either(count, spacing, points)
     files = sequences.files_of(frames)
-    check_outputs([*files, points], [out, reporter.file])
+    check_outputs([*files, points, *masks.files], [out, reporter.file])
     motion = sequences.read(files, may_be_empty=keep_density)
     if not keep_density:
         motion = sequences.with_same_faces(motion)
@@ -118,6 +119,7 @@ def command(
         replace(motion[begin][1], path=Path(motion[begin][0])),
         options=surface_options,
     )
+    masked = masks.on(loaded.surface, loaded.mesh.path, count=count, spacing=spacing)
     tracking = options.given(solver)
     sampling = {name: tracking[name] for name in START if name in tracking}
     sampling |= options.given({"seed": seed})
@@ -126,11 +128,11 @@ def command(
     tracking |= options.given({"fade": fade, "reach": reach})
     with Work("tracking", steps=2 if together else len(motion), quiet=quiet) as work:
         if points:
-            first = bound(loaded.surface, points)
+            first = masked.from_original(bound(loaded.surface, points))
             tracking |= of_classes(points, first)
         else:
-            count = options.counted(loaded.surface, count, spacing)
-            first = work.run(partial(dapple.sample, loaded.surface, count, **sampling))
+            count = options.counted(masked.surface, count, spacing)
+            first = work.run(partial(dapple.sample, masked.surface, count, **sampling))
         if keep_density:
             empty: list[Any] = [Nothing() for _ in motion[:begin]]
             results = empty + follow_population(
@@ -138,7 +140,11 @@ def command(
             )
         else:
             follow = follow_together if together else follow_each
-            results = follow(work, loaded.surface, motion, first, tracking)
+            found = follow(work, masked, motion, first, tracking)
+            results = [
+                masked.to_original(samples, mesh.vertices)
+                for samples, (_, mesh) in zip(found, motion, strict=True)
+            ]
     with replacing(out) as file:
         write_npz(file, (changing_arrays if keep_density else motion_arrays)(results))
     verb = "Population" if keep_density else "track_window" if together else "Tracker"
@@ -146,6 +152,7 @@ def command(
         "count": len(first),
         **options.given({"spacing": spacing}),
         "together": together,
+        **masks.describe(),
     } | options.library_defaults(verb)
     settings["seed"] = options.library_defaults("sample")["seed"]
     reporter.store(
@@ -164,6 +171,26 @@ def command(
     )
     if profile:
         reporter.show_profile([samples.report for samples in results if len(samples)])
+
+
+def check_usage(
+    together: bool,
+    closed: bool | None,
+    sweeps: int | None,
+    keep_density: bool,
+    fade: int | None,
+    reach: float | None,
+    masks: Masks,
+) -> None:
+    """Raise UsageError for options that mean nothing together."""
+    if not together and (closed or sweeps is not None):
+        raise click.UsageError("--closed and --sweeps need --together")
+    if not keep_density and (fade is not None or reach is not None):
+        raise click.UsageError("--fade and --reach need --keep-density")
+    if keep_density and together:
+        raise click.UsageError("--keep-density goes frame by frame, so not --together")
+    if keep_density and masks.given:
+        raise click.UsageError("masks are of the first frame, so not with --keep-density")
 
 
 def first_with_faces(motion: Frames) -> int:
@@ -239,17 +266,17 @@ def of_classes(path: Path, first: dapple.Samples) -> dict[str, Any]:
 
 def follow_each(
     work: Work,
-    surface: dapple.Surface,
+    masked: MaskedSurface,
     motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
 ) -> list[dapple.Samples]:
     """Frame after frame."""
-    tracker = dapple.Tracker(surface, first, **given)
+    tracker = dapple.Tracker(masked.surface, first, **given)
     results = [first]
     for name, mesh in motion[1:]:
         with about(name):
-            results.append(work.run(partial(tracker.advance, mesh.vertices)))
+            results.append(work.run(partial(tracker.advance, masked.vertices(mesh.vertices))))
     return results
 
 
@@ -324,12 +351,12 @@ def begun(
 
 def follow_together(
     work: Work,
-    surface: dapple.Surface,
+    masked: MaskedSurface,
     motion: Frames,
     first: dapple.Samples,
     given: dict[str, Any],
 ) -> list[dapple.Samples]:
     """All frames at once."""
-    frames = [mesh.vertices for _, mesh in motion[1:]]
+    frames = [masked.vertices(mesh.vertices) for _, mesh in motion[1:]]
     with about(motion[0][0]):
-        return work.run(partial(dapple.track_window, surface, frames, first, **given))
+        return work.run(partial(dapple.track_window, masked.surface, frames, first, **given))
