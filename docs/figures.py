@@ -11,7 +11,7 @@ import dapple3d as dapple
 import matplotlib
 import numpy as np
 from dapple3d import density
-from dapple3d.distributed import HeightField, sample_tiles
+from dapple3d.extras.distributed import HeightField, sample_tiles
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon

@@ -120,11 +120,11 @@ def _write_scene(path: Path, scatters: Sequence[Exported], moment: Moment) -> No
         for name, one in zip(identifiers(one.name for one in scatters), scatters, strict=True)
     ]
     if path.suffix.lower() in GLTF:
-        _part("gltf").write_scatters(path, listed, meters_per_unit=moment.meters_per_unit)
+        _part("extras.gltf").write_scatters(path, listed, meters_per_unit=moment.meters_per_unit)
     else:
         times = moment.times if len(moment.times) > 1 else None
         given = {"fps": moment.fps, "meters_per_unit": moment.meters_per_unit}
-        _part("usd").write_scatters(path, listed, times=times, **given)
+        _part("extras.usd").write_scatters(path, listed, times=times, **given)
 
 
 def _write_tables(path: Path, scatters: Sequence[Exported], moment: Moment) -> list[Path]:

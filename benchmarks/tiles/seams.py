@@ -10,7 +10,7 @@ from statistics import median
 
 import dapple3d as dapple
 import numpy as np
-from dapple3d.distributed import HeightField, Tiles, sample_tiles
+from dapple3d.extras.distributed import HeightField, Tiles, sample_tiles
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay  # type: ignore[import-untyped]
 

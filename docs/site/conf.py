@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import dapple3d
-from dapple3d import density, gltf, instances, plot, stippling, tables, texturing, usd, writing
+from dapple3d import density, instances, plot, stippling, tables, texturing, writing
+from dapple3d.extras import gltf, usd
 from sphinx.pycode import ModuleAnalyzer
 
 from docs.site import docstrings, typed_api

@@ -152,7 +152,7 @@ def test_what_blenders_exporter_refuses_is_told(tmp_path, trees, monkeypatch):
 
 @pytest.mark.usefixtures("needs_usd")
 def test_the_files_hold_ids_types_materials_and_velocities(tmp_path, trees):
-    usd = pytest.importorskip("dapple3d.usd")
+    usd = pytest.importorskip("dapple3d.extras.usd")
     path = tmp_path / "trees.usda"
     bpy.context.scene.render.fps, bpy.context.scene.unit_settings.scale_length = 30, 0.01
     part("points").export_points(path, [trees], [1, 2, 3, 4])

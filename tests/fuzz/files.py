@@ -22,10 +22,11 @@ import click
 import dapple3d as dapple
 import numpy as np
 from damage import damaged
-from dapple3d import gltf, stippling
+from dapple3d import stippling
 from dapple3d.cli import files, meshes, motions, points
 from dapple3d.cli.attributes import with_attributes
-from dapple3d.distributed import streams
+from dapple3d.extras import gltf
+from dapple3d.extras.distributed import streams
 from dapple3d.instances import Instances, Mesh, Reference
 from dapple3d.reading import BROKEN
 from PIL import Image

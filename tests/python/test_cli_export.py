@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import shapes
 from command_line import done, refused, run
-from dapple3d import gltf, instances, usd
+from dapple3d import instances
 from dapple3d.cli import points
+from dapple3d.extras import gltf, usd
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
 

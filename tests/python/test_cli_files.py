@@ -12,8 +12,9 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused, run
-from dapple3d import gltf, stippling, usd
+from dapple3d import stippling
 from dapple3d.cli import points
+from dapple3d.extras import gltf, usd
 from dapple3d.writing import replacing
 from PIL import Image
 

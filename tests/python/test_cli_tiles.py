@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command_line import done, refused, run
 from dapple3d.cli.work import Work
-from dapple3d.distributed import HeightField, sample_tiles
+from dapple3d.extras.distributed import HeightField, sample_tiles
 from test_tiles import TILE, contents, hills
 
 SETTINGS = ("-n", 4_000, "--tile", TILE)

@@ -13,8 +13,8 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
-from dapple3d.distributed import map_shots, sample_tiles, track_shot
-from dapple3d.distributed.shots import work_digest
+from dapple3d.extras.distributed import map_shots, sample_tiles, track_shot
+from dapple3d.extras.distributed.shots import work_digest
 from test_tiles import TILE, contents, hills
 
 distributed = pytest.importorskip("distributed")

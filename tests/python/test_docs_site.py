@@ -50,9 +50,14 @@ def test_every_public_name_is_on_one_page():
     text = "\n".join(page.read_text() for page in PYTHON)
     listed = re.findall(r"^\.\. auto(?:class|function|exception|data):: (\w+)$", text, re.MULTILINE)
     assert sorted(listed) == sorted(set(dapple.__all__) - {"__version__"})
-    modules = set(re.findall(r"^\.\. automodule:: dapple3d\.(\w+)$", text, re.MULTILINE))
+    modules = set(
+        re.findall(r"^\.\. automodule:: dapple3d\.(?:extras\.)?(\w+)$", text, re.MULTILINE)
+    )
     of_ours = {"reading", "writing"}  # how the package reads and writes files
-    there = {path.stem for path in Path(dapple.__file__).parent.glob("[a-z]*.py")}
+    package = Path(dapple.__file__).parent
+    there = {
+        path.stem for folder in ("", "extras") for path in (package / folder).glob("[a-z]*.py")
+    }
     assert modules == {"density"} | there - of_ours
 
 

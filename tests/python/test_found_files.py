@@ -10,8 +10,8 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused
-from dapple3d import gltf
 from dapple3d.cli import points
+from dapple3d.extras import gltf
 
 FLOOR = [(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)]  # with a notch
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]

@@ -11,12 +11,13 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
-from dapple3d import gltf, instances, stippling, tables, usd
+from dapple3d import instances, stippling, tables
 from dapple3d.cli import motions, points, polygons
 from dapple3d.cli.commands import analyze
 from dapple3d.cli.report import Reporter
-from dapple3d.distributed import Tiles, open_surface, sample_tiles
-from dapple3d.distributed.shots import motion_arrays
+from dapple3d.extras import gltf, usd
+from dapple3d.extras.distributed import Tiles, open_surface, sample_tiles
+from dapple3d.extras.distributed.shots import motion_arrays
 from dapple3d.writing import replacing, write_npz
 from test_tiles import TILE, contents, hills
 

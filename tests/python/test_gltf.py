@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dapple3d import gltf, instances
+from dapple3d import instances
+from dapple3d.extras import gltf
 from dapple3d.instances import Instances, Mesh, Reference, Scatter
 
 EXTENSION = "EXT_mesh_gpu_instancing"

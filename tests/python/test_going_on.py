@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import shapes
 from command_line import done, refused
-from dapple3d.distributed import HeightField, Tiles, open_surface, sample_tiles
-from dapple3d.distributed.digests import write_checked
+from dapple3d.extras.distributed import HeightField, Tiles, open_surface, sample_tiles
+from dapple3d.extras.distributed.digests import write_checked
 from test_tiles import TILE, contents, gathered, hills
 
 COUNT = 4_000

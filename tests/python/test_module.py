@@ -81,13 +81,13 @@ dapple3d\._native\.\w+\.__init__
 dapple3d\.libdapple_embree
 dapple3d\.cli\.meshes\.Place
 dapple3d\._meshes\.MeshArrays
-dapple3d\.distributed\.grids\._open_\w+
-dapple3d\.distributed\.layout\.Kind
-dapple3d\.distributed\.meshes\._mapped
-dapple3d\.distributed\.patches\.Place
+dapple3d\.extras\.distributed\.grids\._open_\w+
+dapple3d\.extras\.distributed\.layout\.Kind
+dapple3d\.extras\.distributed\.meshes\._mapped
+dapple3d\.extras\.distributed\.patches\.Place
 dapple3d\.instances\.Up
 dapple3d\.stippling\.stipple
-dapple3d\.usd\._pxr
+dapple3d\.extras\.usd\._pxr
 """
 
 UNTYPED = "[mypy]\n[mypy-pxr.*,rasterio.*]\nignore_missing_imports = True\n"

@@ -12,8 +12,9 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
-from dapple3d import gltf, instances, stippling, tables, texturing, usd
-from dapple3d.distributed import HeightField, sample_tiles, track_shot
+from dapple3d import instances, stippling, tables, texturing
+from dapple3d.extras import gltf, usd
+from dapple3d.extras.distributed import HeightField, sample_tiles, track_shot
 
 FEW = {"max_evaluations": 2, "threads": 1}
 COLORED = np.array(list(stippling.COLORS.values()), np.uint8).repeat(8, axis=0).reshape(7, 8, 3)
@@ -336,7 +337,9 @@ def test_a_number_of_numpy_is_a_number(tmp_path, name):
 def numbers_of_stubs() -> Iterator[str]:
     """Functions and classes of the package, with each parameter that is a number."""
     folder = Path(dapple.__file__).parent
-    for path in [folder / "_native.pyi", *folder.glob("*.py"), folder / "distributed/tiling.py"]:
+    extras = folder / "extras"
+    files = [folder / "_native.pyi", *folder.glob("*.py"), *extras.glob("*.py")]
+    for path in [*files, extras / "distributed/tiling.py"]:
         module = "" if path.stem in ("_native", "_pieces", "tiling") else f"{path.stem}."
         if path.stem.startswith("_") and module:
             continue

@@ -13,9 +13,10 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import refused
-from dapple3d import gltf, reading, stippling
+from dapple3d import reading, stippling
 from dapple3d.cli import ply
-from dapple3d.distributed import open_surface, track_shot
+from dapple3d.extras import gltf
+from dapple3d.extras.distributed import open_surface, track_shot
 
 try:
     import resource

@@ -28,11 +28,14 @@ DASK = "Dask runs work on the machines of a cluster that the caller has made and
 INTENDED = {
     ("addon/blender/surface/images.py", "ctypes"): "keeps a Python object alive; loads no library",
     ("dapple3d/cli/work.py", "concurrent"): "a thread beside the progress bar; starts no process",
-    ("dapple3d/distributed/running.py", "dask"): DASK,
-    ("dapple3d/distributed/running.py", "distributed"): DASK,
-    ("dapple3d/distributed/shots.py", "distributed"): DASK,
-    ("dapple3d/distributed/tiling.py", "distributed"): DASK,
-    ("dapple3d/gltf.py", "urllib.parse"): "decodes the path of a file beside a glTF; opens nothing",
+    ("dapple3d/extras/distributed/running.py", "dask"): DASK,
+    ("dapple3d/extras/distributed/running.py", "distributed"): DASK,
+    ("dapple3d/extras/distributed/shots.py", "distributed"): DASK,
+    ("dapple3d/extras/distributed/tiling.py", "distributed"): DASK,
+    (
+        "dapple3d/extras/gltf.py",
+        "urllib.parse",
+    ): "decodes the path of a file beside a glTF; opens nothing",
 }
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import dapple3d as dapple
 import numpy as np
 import pytest
-from dapple3d.distributed import HeightField, Patch, Tiles, sample_tiles
-from dapple3d.distributed.plan import allot
+from dapple3d.extras.distributed import HeightField, Patch, Tiles, sample_tiles
+from dapple3d.extras.distributed.plan import allot
 
 TILE = 2_000  # the smallest
 

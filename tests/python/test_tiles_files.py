@@ -7,7 +7,7 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 import shapes
-from dapple3d.distributed import HeightField, open_surface, sample_tiles, streams
+from dapple3d.extras.distributed import HeightField, open_surface, sample_tiles, streams
 from test_tiles import TILE, contents, gathered, hills, whole
 
 HEIGHTS = np.array(hills(60, 80).heights)
@@ -105,7 +105,7 @@ def test_tiles_of_a_file_have_the_bytes_of_those_of_the_array(tmp_path):
 def mesh(tmp_path, monkeypatch):
     """A long torus in a file, and what its faces are; chunks and buckets are small."""
     monkeypatch.setattr(streams, "ROWS", 100)
-    monkeypatch.setattr("dapple3d.distributed.meshes.BUCKET", 50)
+    monkeypatch.setattr("dapple3d.extras.distributed.meshes.BUCKET", 50)
     vertices, faces = shapes.torus()
     return vertices * [1.0, 3.0, 1.0], faces.astype(np.int32)
 

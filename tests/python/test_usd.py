@@ -6,7 +6,8 @@ import sys
 
 import numpy as np
 import pytest
-from dapple3d import instances, usd
+from dapple3d import instances
+from dapple3d.extras import usd
 from dapple3d.instances import Instances, Mesh, Reference, Scatter
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -274,7 +275,7 @@ def test_without_usd_the_module_says_what_to_install(tmp_path):
     code = f"""
 import sys
 sys.modules["pxr"] = None
-from dapple3d import usd
+from dapple3d.extras import usd
 try:
     usd.read({str(tmp_path / "points.usd")!r})
 except ImportError as error:

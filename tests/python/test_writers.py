@@ -9,9 +9,10 @@ import dapple3d as dapple
 import numpy as np
 import pytest
 from command_line import done, refused
-from dapple3d import gltf, instances, stippling, tables, usd
+from dapple3d import instances, stippling, tables
 from dapple3d.cli import points, polygons
 from dapple3d.cli.points import Points
+from dapple3d.extras import gltf, usd
 
 SCENES = tuple(one for one in points.SCENES if find_spec("pxr") or one not in usd.SUFFIXES)
 FORMATS = (*points.WRITERS, *SCENES)

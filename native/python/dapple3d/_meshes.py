@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native as native
-from ._gltf_meshes import SUFFIXES as GLTF
-from ._gltf_meshes import read_arrays
+from .extras._gltf_meshes import SUFFIXES as GLTF
+from .extras._gltf_meshes import read_arrays
 
 __all__ = ["SUFFIXES", "MeshArrays", "read_mesh"]
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What stands at points: where, turned how, how large, which kind. For files of other programs.
 
->>> from dapple3d import instances, usd
+>>> from dapple3d import instances
+>>> from dapple3d.extras import usd
 >>> usd.write("points.usda", instances.of_samples(samples))
 """
 

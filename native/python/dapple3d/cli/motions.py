@@ -11,10 +11,10 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from dapple3d import usd
 from dapple3d.cli import points, text
 from dapple3d.cli.files import about, load_npz
 from dapple3d.cli.points import Points
+from dapple3d.extras import usd
 from dapple3d.writing import replacing, write_npz
 
 
@@ -23,7 +23,7 @@ class Motion:
     """Points on one or more frames.
 
     times: their numbers, if the file has them.
-    scene: fps, up and meters_per_unit as in dapple3d.usd, if the file has them.
+    scene: fps, up and meters_per_unit as in dapple3d.extras.usd, if the file has them.
     """
 
     frames: list[Points]

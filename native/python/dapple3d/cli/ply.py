@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from dapple3d import _native as native
 from dapple3d.cli.files import Arrays
-from dapple3d.distributed.streams import ORDERS as BINARY
-from dapple3d.distributed.streams import TYPES
+from dapple3d.extras.distributed.streams import ORDERS as BINARY
+from dapple3d.extras.distributed.streams import TYPES
 
 WRITTEN = {"f": ("double", "<f8"), "i": ("int", "<i4"), "u": ("uchar", "u1")}
 ORDERS = {**BINARY, "ascii": "="}

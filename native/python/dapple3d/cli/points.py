@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dapple3d as dapple
-from dapple3d import gltf, instances, usd
+from dapple3d import instances
 from dapple3d.cli import ply, text
 from dapple3d.cli.files import Arrays, about, listed, load_npz
+from dapple3d.extras import gltf, usd
 from dapple3d.tables import COLUMNS
 from dapple3d.writing import replacing, write_npz
 

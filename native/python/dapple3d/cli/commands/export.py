@@ -9,10 +9,11 @@ from typing import Any
 import click
 import numpy as np
 
-from dapple3d import gltf, instances, usd
+from dapple3d import instances
 from dapple3d.cli import meshes, motions, options, points
 from dapple3d.cli.files import about, check_outputs
 from dapple3d.cli.report import Reporter
+from dapple3d.extras import gltf, usd
 
 POSITIVE = click.FloatRange(min=0, min_open=True)
 SCENE = {"fps": 24.0, "up": "Z", "meters_per_unit": 1.0}

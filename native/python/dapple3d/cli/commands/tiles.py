@@ -12,8 +12,8 @@ from dapple3d._starting import INTERRUPTED
 from dapple3d.cli import options
 from dapple3d.cli.report import Reporter
 from dapple3d.cli.work import Work
-from dapple3d.distributed import open_surface, sample_tiles
-from dapple3d.distributed.results import Folder
+from dapple3d.extras.distributed import open_surface, sample_tiles
+from dapple3d.extras.distributed.results import Folder
 
 SURFACE = click.Path(exists=True, path_type=Path)  # of Zarr it is a folder
 FOLDER = click.Path(file_okay=False, path_type=Path)

@@ -20,7 +20,7 @@ from dapple3d.cli.report import Reporter, figures
 from dapple3d.cli.sequences import Frames
 from dapple3d.cli.work import Work
 from dapple3d.density import MaskedSurface
-from dapple3d.distributed.shots import changing_arrays, motion_arrays
+from dapple3d.extras.distributed.shots import changing_arrays, motion_arrays
 from dapple3d.writing import replacing, write_npz
 
 LARGEST_CLASS = 1_000_000

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """glTF files: instances by EXT_mesh_gpu_instancing, for game engines and the web.
 
->>> from dapple3d import gltf, instances
+>>> from dapple3d import instances
+>>> from dapple3d.extras import gltf
 >>> gltf.write("points.glb", instances.of_samples(samples))
 >>> gltf.read("points.glb").positions
 
@@ -23,9 +24,9 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from .instances import Instances, Mesh, Reference, Scatter, Up, of_matrices
-from .reading import WRONG_ENTRY
-from .writing import replacing
+from ..instances import Instances, Mesh, Reference, Scatter, Up, of_matrices
+from ..reading import WRONG_ENTRY
+from ..writing import replacing
 
 __all__ = ["SUFFIXES", "read", "write", "write_scatters"]
 

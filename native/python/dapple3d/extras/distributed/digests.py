@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..reading import BROKEN, read_npz
-from ..writing import replacing, write_npz
+from ...reading import BROKEN, read_npz
+from ...writing import replacing, write_npz
 
 SIZE = 16  # bytes of a digest
 BANDS = 16  # of a grid, so that a message can say where another one differs

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _native as native
+from ... import _native as native
 from .patches import Floats, Patch
 from .results import Bound
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import _native as native
+from ... import _native as native
 from .digests import plain
 from .files import open_surface
 from .layout import Job, Layout

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work for many processes and machines: surfaces with more points than memory, many shots.
 
->>> from dapple3d.distributed import HeightField, sample_tiles
+>>> from dapple3d.extras.distributed import HeightField, sample_tiles
 >>> pines = sample_tiles(HeightField(heights), "pines", 10_000_000)
 >>> for tile in pines.tiles():
 ...     place(tile.positions, tile.normals)

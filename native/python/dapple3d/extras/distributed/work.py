@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from .. import _native as native
+from ... import _native as native
 from .layout import TOUCH, Job, Zone
 from .patches import Patch, Tileable
 from .plan import Plan

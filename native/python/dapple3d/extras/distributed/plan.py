@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..reading import BROKEN
-from ..writing import replacing
+from ...reading import BROKEN
+from ...writing import replacing
 from .digests import of_document
 from .layout import KINDS, Job, Layout, unit_within
 from .patches import BINS, Census, Floats

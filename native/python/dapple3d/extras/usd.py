@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """USD files: instances as a PointInstancer, on one frame or many; needs usd-core.
 
->>> from dapple3d import instances, usd
+>>> from dapple3d import instances
+>>> from dapple3d.extras import usd
 >>> usd.write("points.usda", instances.of_samples(samples))
 >>> usd.read("points.usda").frames[0].positions
 
@@ -25,8 +26,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .instances import Instances, Mesh, Reference, Scatter, Up
-from .writing import replacing
+from ..instances import Instances, Mesh, Reference, Scatter, Up
+from ..writing import replacing
 
 __all__ = ["SUFFIXES", "Contents", "check_installed", "read", "write", "write_scatters"]
 

@@ -12,8 +12,8 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _meshes as meshes
-from ..reading import check_archive, entry_header, npy_header
+from ... import _meshes as meshes
+from ...reading import check_archive, entry_header, npy_header
 from .patches import check_real
 
 ROWS = 1 << 19  # of a chunk

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .. import _native as native
+from ... import _native as native
 
 if TYPE_CHECKING:
     from distributed import Client, Future, as_completed

@@ -15,9 +15,9 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from .._native import FileError
-from ..reading import BROKEN
-from ..writing import naming, replacing
+from ..._native import FileError
+from ...reading import BROKEN
+from ...writing import naming, replacing
 from .digests import of_document, of_file, of_text
 from .grids import State, state_of
 from .patches import Floats, Patch, Place, check_density

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _native as native
-from ..reading import read_npz
+from ... import _native as native
+from ...reading import read_npz
 from .digests import is_foreign, is_there, of_file, of_text, write_checked
 from .running import Task, connected, runner_on, shown
 
