@@ -72,9 +72,7 @@ fi
 targets=(dapple _native)
 [ "${1:-}" != --tests ] || targets=(all)
 stage 'build' cmake --build build/release -j "$(build_jobs)" --target "${targets[@]}"
-# The package was named dapple before: what a build of then has installed would be imported still.
-[ ! -f "$site_packages/dapple/_native.pyi" ] || rm -rf "$site_packages/dapple"
 stage 'install the Python package' cmake --install build/release --component python
-# So would modules of before that have another name since.
+# Modules that have another name since the last build would still be imported.
 comm -23 <(find "$site_packages/dapple3d" -type f -not -path '*/__pycache__/*' | sort) \
   <(sort build/release/install_manifest_python.txt) | xargs -r -d '\n' rm

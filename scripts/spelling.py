@@ -31,10 +31,6 @@ BRITISH = re.compile(
     rf"({'|'.join(_VERBS.split())})is(e|ing|ation|able)|{'|'.join(_STEMS.split())}",
     re.IGNORECASE,
 )
-ALLOWED = (  # names that others gave, and those that older files hold
-    "colour_by",
-    '"Colour"',
-)
 
 
 def lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -47,8 +43,6 @@ def lines(path: Path) -> Iterator[tuple[int, str]]:
 
 def british(line: str) -> str:
     """The first British spelling of a line; empty where there is none."""
-    for name in ALLOWED:
-        line = line.replace(name, "")
     found = BRITISH.search(line)
     return found[0] if found else ""
 

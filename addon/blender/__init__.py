@@ -11,7 +11,6 @@ from ..core.worker import end_free_threads
 from . import copies, ui
 from .base import recent, renders, translation, under_way
 from .command import entry
-from .data import older_files
 from .live import copied, instanced, modifier_tab, placing, watcher
 from .ops import (
     add_operators,
@@ -88,7 +87,7 @@ def _register() -> None:
 
 def _steps() -> list[Step]:
     first: Any = (translation, properties)
-    early: Any = (pictures, shown, older_files, workfiles, freshness, renders, under_way)
+    early: Any = (pictures, shown, workfiles, freshness, renders, under_way)
     later: Any = (*early, recent, preview)
     edge: Any = (keymaps, point_tool, export_operators, entry)
     last: Any = (overlay, remembered, watcher, placing, modifier_tab, instanced, copied, *edge)

@@ -57,8 +57,6 @@ class Setting:
     own_words: bool = False  # Blender translates these words as something else
     under: str = ""  # the setting without which it has no effect
     field: str = ""  # in core/settings.py, where it has another name there
-    older: str = ""  # its name in older files
-    oldest: bool = False  # files of all versions have it; others were solved with its default
 
     @property
     def in_presets(self) -> bool:

@@ -251,6 +251,5 @@ TILES = (
             ("CLASS", "Object Type", "Tiles of the same object type have the same hue"),
         ),
         own_words=True,
-        older="colour_by",
     ),
 )

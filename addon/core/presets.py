@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from .errors import ScatterError
-from .older_names import rename
 from .settings import ClassSettings, DensitySettings, Settings
 from .tables import GROUPS
 
@@ -52,8 +51,6 @@ def load(folder: Path, name: str) -> Values:
         if not isinstance(stored["settings"], dict) or stored["schema"] > SCHEMA:
             raise ValueError(f"schema {stored['schema']} is not known")
         groups = stored["settings"]
-        for group in NAMES:
-            rename(group, groups.get(group, {}))
         found: Values = {
             group: _known(groups.get(group, {}), names) for group, names in NAMES.items()
         }

@@ -69,7 +69,7 @@ POINT_ATTRIBUTES = {
     "dapple_turn": "FLOAT",
 }
 # Where a point stands, 0..1, in an order of which every beginning is even; whether it stays where
-# it is; half the distance to its nearest like. Older files have none of them, or not all.
+# it is; half the distance to its nearest like.
 ADDED_ATTRIBUTES = {"dapple_rank": "FLOAT", "dapple_locked": "BOOLEAN", "dapple_room": "FLOAT"}
 
 MOST_CLASSES = 10_000

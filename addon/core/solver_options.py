@@ -20,21 +20,17 @@ _WORDS: dict[str, dict[str, Any]] = {
         "label": "Seed",
         "tooltip": "Seed of the random start; each seed gives another scatter",
         "soft_high": 10_000,
-        "oldest": True,
     },
     "capacity_weight": {
         "label": "Area Uniformity",
         "tooltip": "How strongly the areas of the points are made equal, at the expense of "
         "regular spacing",
         "soft_high": 100.0,
-        "oldest": True,
     },
     "repulsion_weight": {
         "label": "Separation",
         "tooltip": "How strongly close neighbors are pushed apart",
         "soft_high": 10.0,
-        "older": "gap_weight",
-        "oldest": True,
     },
     "tolerance": {
         "label": "Tolerance",
@@ -43,13 +39,11 @@ _WORDS: dict[str, dict[str, Any]] = {
         "low": 1e-9,
         "high": 1.0,
         "precision": 7,
-        "oldest": True,
     },
     "max_evaluations": {
         "label": "Max Iterations",
         "tooltip": "Stop after this many evaluations of the energy",
         "soft_high": 1000,
-        "oldest": True,
     },
     "stickiness": {
         "label": "Stickiness",

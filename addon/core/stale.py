@@ -14,16 +14,12 @@ import numpy as np
 
 from .density_table import DENSITY
 from .descriptors import DATA_BLOCKS, Changes, Kind
-from .older_names import rename
 from .records import own_random
 from .settings import BakeSettings, Settings
 from .solver_options import MOTION, SAMPLE
 from .surface import Floats, SurfaceArrays, turn_of
-from .tables import SCATTER
 
 SKETCH_SUMS = 3
-# Settings that all files have; without another one they were solved with its default.
-_OLDEST = [setting.name for setting in SCATTER if setting.oldest]
 # Options that change no solution: of a bake alone, or of no result.
 _APART = [one.name for one in (*SAMPLE, *MOTION) if one.changes is not Changes.SOLUTION]
 _NAMES = [setting.name for setting in DENSITY if setting.kind in {Kind.VALUES, *DATA_BLOCKS}]
@@ -45,10 +41,10 @@ def changed_settings(stored: str, now: Settings) -> list[str]:
     stand for. Those that another setting leaves without effect do not count.
     """
     before, defaults = _read(stored), _plain(Settings())
-    for name in defaults.keys() - _OLDEST:
-        before.setdefault(name, defaults[name])
-    if isinstance(before["density"], dict):
-        before["density"] = defaults["density"] | before["density"]
+    if "count" in before:  # a setting that is not there is newer: solved as with its default
+        before = defaults | before
+        if isinstance(before["density"], dict):
+            before["density"] = defaults["density"] | before["density"]
     wanted = {name: value for name, value in _plain(now).items() if name not in _APART}
     known = _of_effect(before)
     return [
@@ -71,7 +67,6 @@ def _read(stored: str) -> dict[str, Any]:
         return {}
     if not isinstance(values, dict):
         return {}
-    rename("", values)
     return _rounded(values)
 
 
@@ -95,9 +90,9 @@ def _of_effect(values: dict[str, Any]) -> dict[str, Any]:
     found = dict(values)
     if found.get("per_area"):
         found["count"] = 0
-    if isinstance(found["density"], dict):
+    if isinstance(found.get("density"), dict):
         found["density"] = _terms(found["density"])
-    if isinstance(found["classes"], list):
+    if isinstance(found.get("classes"), list):
         found["classes"] = [_solved_class(one) for one in found["classes"]]
     return found
 

@@ -8,7 +8,7 @@ from .forward import AXES
 from .instance_table import CLASS, INSTANCES, TILES
 from .solver_options import MOTION, SAMPLE
 
-BOUND_TO = (  # the numbers are those of older files
+BOUND_TO = (  # the numbers are what files hold
     (
         "FACES",
         "Faces",
@@ -49,7 +49,6 @@ _AMOUNT = (
         "Exact number of points",
         low=1,
         soft_high=100_000,
-        oldest=True,
     ),
     Setting(
         "amount",

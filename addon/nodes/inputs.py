@@ -5,21 +5,18 @@ from typing import Any
 
 import bpy
 
-_OLDER = {"Warning": "Stale"}  # what groups of older versions call an input
-
 
 def _identifier(group: bpy.types.NodeTree, name: str) -> str:
-    names = (name, _OLDER.get(name))
     for item in group.interface.items_tree:
-        if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name in names:
+        if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name == name:
             return item.identifier
     raise KeyError(f"node group {group.name!r} has no input {name!r}")
 
 
 def has_input(modifier: bpy.types.NodesModifier, name: str) -> bool:
-    """Whether the node group, perhaps of an older version, has an input called name."""
-    names, items = (name, _OLDER.get(name)), modifier.node_group.interface.items_tree
-    return any(item.item_type == "SOCKET" and item.name in names for item in items)
+    """Whether the node group has an input called name."""
+    items = modifier.node_group.interface.items_tree
+    return any(item.item_type == "SOCKET" and item.name == name for item in items)
 
 
 def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:

@@ -8,7 +8,6 @@ from .builder import Builder, Socket, new_group
 from .groups import VERSION, VERSION_KEY, inner, version_of
 
 GROUP_NAME = "Dapple Scatter"
-KEPT_SINCE = 4  # groups from this version on have the same INPUTS
 _KINDS_KEY = "dapple_classes"  # that a group has inputs for; 0: one kind, inputs without a number
 _INSTANCES, _BOUNDS, _POINTS = range(3)  # what the input Display asks for
 _DOT = 0.15  # radius of a point that is shown, in spacings

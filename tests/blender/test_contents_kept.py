@@ -106,16 +106,6 @@ def test_on_another_frame_what_moves_is_no_change():
     assert "Values of 'Grass'" in reason(obj)
 
 
-def test_a_result_of_an_older_version_says_what_is_not_compared():
-    obj = solved(scenes.sphere())
-    obj.dapple.solved_from = obj.dapple.solved_points = ""
-    obj.dapple.surface.scale.x = 3.0
-    assert reason(obj) == ""
-    assert note(obj) == "Made by an older version: only settings and faces are compared"
-    obj.dapple.solved_from = '{"exact": 3}'
-    assert note(obj) == "Made by an older version: only settings and faces are compared"
-
-
 @pytest.mark.parametrize("seen", range(3))
 def test_every_vertex_counts_in_a_large_surface(seen):
     sources, surface = addon_host.part("core.sources"), addon_host.part("core.surface")

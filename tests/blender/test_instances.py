@@ -248,14 +248,6 @@ def test_instances_that_are_too_large_for_the_surface_become_as_large_as_fits():
     assert (np.pi * radii**2).sum() > 0.4 * 4.0 * np.pi
 
 
-def test_points_of_older_files_have_the_room_of_the_mean_spacing():
-    obj = scenes.scattered(scenes.sphere())
-    obj.dapple.instance, obj.dapple.fit = box("Thing", (1.0, 1.0, 1.0)), 1.0
-    obj.data.attributes.remove(obj.data.attributes["dapple_room"])
-    size = shown(obj)[2][:, 0] * np.sqrt(0.5)
-    assert np.allclose(size, 0.5 * obj.dapple.report.spacing, rtol=1e-4)
-
-
 def test_a_new_setting_gives_a_scatter_of_an_older_version_the_group_of_this_one():
     nodes, builder = addon_host.part("nodes"), addon_host.part("nodes.builder")
     obj = scenes.scattered(scenes.sphere())

@@ -179,14 +179,6 @@ def test_a_cleared_bake_leaves_the_figures_and_locks_of_the_solution(breathing):
     assert obj.dapple.baked_settings == obj.dapple.baked_from == ""
 
 
-def test_a_cleared_bake_of_an_older_version_leaves_its_points(breathing):
-    _, obj = breathing
-    assert bpy.ops.dapple.bake() == {"FINISHED"}
-    obj.dapple.solved.count = 0
-    assert bpy.ops.dapple.clear_bake() == {"FINISHED"}
-    assert obj.dapple.report.count == 80
-
-
 def remeshed():
     """A ball that grows through the voxels of a Remesh modifier: other faces in every frame."""
     surface = scenes.sphere()

@@ -703,14 +703,3 @@ def test_the_panel_looks_at_the_disk_only_when_something_was_changed(tmp_path, m
     for name in ("_count", "start_digest"):
         monkeypatch.setattr(workfiles, name, lambda *_: pytest.fail("it was looked up anew"))
     assert going_on(obj) == kept
-
-
-def test_a_scatter_of_an_older_version_keeps_its_work_files_when_it_is_renamed(tmp_path):
-    obj = saved_scatter(tmp_path / "old.blend")
-    obj.dapple.bake_key = ""
-    bpy.ops.wm.save_mainfile()
-    obj = opened(tmp_path / "old.blend")
-    stop_after(3)
-    kept = going_on(obj)
-    obj.name = "New"
-    expect_to_go_on(obj, kept)

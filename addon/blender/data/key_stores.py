@@ -66,7 +66,7 @@ def new_store(
     count = len(columns[next(iter(types))])
     write_points(store.data, np.zeros((count, 3)) if places is None else places)
     write_columns(store.data, columns, types)
-    once_done(lambda: _name(store, label))  # those of an older bake have it until then
+    once_done(lambda: _name(store, label))  # those of the last bake have it until then
     return store
 
 

@@ -87,8 +87,5 @@ def _remove(stores: list[bpy.types.Object]) -> None:
 
 
 def _write_solved_report(obj: bpy.types.Object) -> None:
-    """Show the figures of the solution again; older bakes have not kept more than the points."""
-    if obj.dapple.solved.count:
-        copy_report(obj.dapple.solved, obj.dapple.report)
-    else:
-        obj.dapple.report.count = len(obj.data.vertices)
+    """Show the figures of the solution again."""
+    copy_report(obj.dapple.solved, obj.dapple.report)

@@ -12,7 +12,6 @@ from ...nodes import (
     GROUP_NAME,
     INPUTS,
     INSTANCE_INPUTS,
-    KEPT_SINCE,
     ensure_group,
     get_input,
     has_input,
@@ -65,8 +64,8 @@ def _is_detailed(obj: bpy.types.Object) -> bool:
 
 
 def _inputs(modifier: bpy.types.NodesModifier) -> dict[str, Any]:
-    """Inputs that a group for another number of classes has too; none of old versions."""
-    if version_of(modifier.node_group) < KEPT_SINCE:
+    """Inputs that a group for another number of classes has too; none where there is no group."""
+    if modifier.node_group is None:
         return {}
     names = [name for name, kind in INPUTS if kind != "NodeSocketGeometry"]
     return {name: get_input(modifier, name) for name in names if has_input(modifier, name)}
@@ -119,9 +118,7 @@ def _kinds(obj: bpy.types.Object) -> list[tuple[int | None, bpy.types.PropertyGr
 
 
 def _lacks_inputs(obj: bpy.types.Object, modifier: bpy.types.NodesModifier) -> bool:
-    """Whether another group is needed to show what is asked for; oldest ones wait for a result."""
-    if version_of(modifier.node_group) < KEPT_SINCE:
-        return False
+    """Whether another group is needed to show what is asked for."""
     detailed = _is_detailed(obj)
     other = detailed != has_input(modifier, DETAIL_INPUTS[0][0])
     other = other or (obj.dapple.display_as != "INSTANCES" and not has_input(modifier, "Display"))

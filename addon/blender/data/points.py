@@ -103,9 +103,5 @@ def read_binding(obj: bpy.types.Object, vertex_count: int) -> tuple[Binding, Col
 
 
 def read_at_rest(obj: bpy.types.Object) -> AtRest:
-    """Where the points are on the rest shape; older files know no parts of it."""
-    types = dict(REST_ATTRIBUTES)
-    if "dapple_part" not in obj.data.attributes:
-        del types["dapple_part"]
-    columns = {"dapple_part": np.zeros(int(own_points(obj).sum()), np.int32)}
-    return AtRest({**columns, **own_columns(obj, types)}, obj.dapple.bound_parts)
+    """Where the points are on the rest shape."""
+    return AtRest(own_columns(obj, REST_ATTRIBUTES), obj.dapple.bound_parts)

@@ -84,15 +84,10 @@ def settings_reason(obj: bpy.types.Object, say: Say = told) -> str:
         return ""
     names = changed_settings(obj.dapple.solved_settings, settings_of(obj))
     if obj.dapple.baked_keys:
-        names += changed_baking(_baked_settings(obj), bake_settings_of(obj))
+        names += changed_baking(obj.dapple.baked_settings, bake_settings_of(obj))
     if obj.dapple.bind_to not in ("AUTO", obj.dapple.bound_to):
         names.append("bind_to")
     return solve_again(obj, settings_changed(names, say), say) if names else ""
-
-
-def _baked_settings(obj: bpy.types.Object) -> str:
-    """Older bakes have kept the settings of the solution only, and stickiness with them."""
-    return str(obj.dapple.baked_settings or obj.dapple.solved_settings)
 
 
 def settings_changed(names: list[str], say: Say = told) -> str:

@@ -48,9 +48,7 @@ def contents(obj: bpy.types.Object, now: Sources) -> tuple[list[str], str]:
     before = sources_from(obj.dapple.baked_from if baked else obj.dapple.solved_from)
     if before is not None:
         return _compared(obj, before, now)
-    if baked or not obj.dapple.report.count:
-        return [], ""
-    return [], told("Made by an older version: only settings and faces are compared")
+    return [], ""
 
 
 def _compared(obj: bpy.types.Object, before: Sources, now: Sources) -> tuple[list[str], str]:

@@ -105,7 +105,7 @@ def _temporary() -> Path:
 
 
 def _folders(base: Path, key: str) -> list[Path]:
-    """Folders of a key; also those that were called by the scatter's name only."""
+    """Folders of a key, whatever the scatter was called."""
     return [path for path, own in _keyed(base) if own == key]
 
 
@@ -249,9 +249,6 @@ def _loaded(*_arguments: Any) -> None:
     """Find the work files of a file that was renamed while it was not open."""
     _forget()
     _known.base = _base()
-    for obj in filter(is_scatter, bpy.data.objects):
-        if not obj.dapple.bake_key and obj.library is None:  # of an older version
-            obj.dapple.bake_key = _digest(obj.name)
     if not bpy.data.filepath or not _keys():
         return
     try:

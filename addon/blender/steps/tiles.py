@@ -11,7 +11,6 @@ from ..data.library import open_collections, read_only
 from ..data.scatter import is_scatter
 
 COLOR = "Color"
-_OLDER = "Colour"  # of tiles made by older versions: their materials name it
 _FACE_ATTRIBUTES = {"cell": "cells", "dapple_class": "classes"}
 
 
@@ -34,7 +33,6 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     made = _own_object(obj)
     _lay_on(made, obj.dapple.surface)
     mesh, places = made.data, to_local(made, tiles.vertices)
-    color = _OLDER if _OLDER in mesh.color_attributes else COLOR
     mesh.clear_geometry()
     mesh.vertices.add(len(tiles.vertices))
     mesh.loops.add(len(tiles.corners))
@@ -45,7 +43,7 @@ def write_tiles(obj: bpy.types.Object, tiles: Tiles) -> bpy.types.Object:
     for name, field in _FACE_ATTRIBUTES.items():
         attribute = mesh.attributes.new(name, "INT", "FACE")
         attribute.data.foreach_set("value", np.ascontiguousarray(getattr(tiles, field)))
-    colors = mesh.color_attributes.new(color, "FLOAT_COLOR", "POINT")
+    colors = mesh.color_attributes.new(COLOR, "FLOAT_COLOR", "POINT")
     colors.data.foreach_set("color", tiles.colors.astype(np.float32).ravel())
     mesh.update(calc_edges=True)
     if not mesh.materials:

@@ -202,7 +202,7 @@ def _leaving(*_arguments: Any) -> None:
 
 
 def _loaded(*_arguments: Any) -> None:
-    """Files that were saved while they recovered, or by older versions, may show a preview."""
+    """Files that were saved while they recovered may show a preview."""
     clear_bindings()
 
 
