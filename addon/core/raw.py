@@ -40,13 +40,6 @@ class RawMesh:
         alike = np.array_equal(self.matrix, other.matrix)
         return alike and np.array_equal(self.positions, other.positions)
 
-    def same_normals(self, other: "RawMesh") -> bool:
-        """Whether both are shaded alike."""
-        own, others = self.normals, other.normals
-        if own is None or others is None:
-            return own is others
-        return np.array_equal(own, others)
-
     def same_faces(self, other: "RawMesh") -> bool:
         """Whether both have the same vertices at the polygons' corners."""
         if self.is_fluid and not np.array_equal(self.positions, other.positions):

@@ -98,13 +98,13 @@ def test_disabling_ends_idle_threads(steps):
         yield steps.Task(lambda _: None)
 
     finish(steps.Stepper(generator()))
-    assert worker.free_threads()
+    assert worker._free
     worker.end_free_threads()
     end = time.monotonic() + 60.0
     while [thread for thread in threading.enumerate() if thread.name == "dapple"]:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert not worker.free_threads()
+    assert not worker._free
     finish(steps.Stepper(generator()))  # and there are new ones
 
 
@@ -184,7 +184,7 @@ def test_closing_stops_the_worker_and_restores_the_frame(steps):
     assert scenes.snapshot() == before
     assert not stepper.waits
     at_work = [thread for thread in threading.enumerate() if thread.name == "dapple"]
-    assert len(at_work) == addon_host.part("core.worker").free_threads()
+    assert len(at_work) == len(addon_host.part("core.worker")._free)
 
 
 def test_a_scatter_removed_meanwhile_is_named(steps, errors):
