@@ -257,6 +257,22 @@ def test_faults_of_ranges_are_named():
         Nearest()
 
 
+def test_shapes_of_arrays_are_checked():
+    for arguments, said in (
+        ({"uv": np.zeros((2, 3))}, r"uv has the shape \(2, 3\): \(2, 3, 2\) is needed"),
+        ({"rest": np.zeros((5, 3))}, r"rest has the shape \(5, 3\): \(4, 3\) is needed"),
+        ({"values": {"moss": np.ones(3)}}, r"values 'moss' has the shape \(3,\): \(4,\), "),
+    ):
+        with pytest.raises(ValueError, match=said):
+            density.MaskedSurface(plane(), count=9, **arguments)
+    with pytest.raises(ValueError, match=r"clip has the shape \(3, 3\): \(4, 4\) is needed"):
+        density.Camera(np.eye(3))
+    with pytest.raises(ValueError, match=r"segments has the shape \(3,\): \(n, 2, 3\) is needed"):
+        Nearest(segments=[0.0, 1.0, 2.0])
+    with pytest.raises(ValueError, match=r"origin has the shape \(2,\): \(3,\) is needed"):
+        density.Noise(Range(0.5, 1.0), origin=(0.0, 1.0))
+
+
 def test_factors_multiply_a_density_wherever_they_are():
     vertices, faces = grid(3)
     own = RANDOM.random(len(vertices))

@@ -4,9 +4,10 @@
 A mask is a quantity and a `Range` of it in which the density is full:
 
 - `slope` and `aspect` are functions of the normals. Their factors multiply a density: `multiplied`.
-- `Height`, `Distance`, `Noise`, `Camera` and `Obstacle` are fields, which have a value at each
-  place, also within large faces. `MaskedSurface` cuts the faces on which they change. So it does
-  with pictures on texture coordinates.
+- `Height`, `Distance`, `Noise`, `Camera` and `Obstacle` are fields: values at places.
+
+`MaskedSurface` cuts the faces on which fields change, as it does for pictures on texture
+coordinates: so a mask holds within large faces.
 
 >>> low = density.Range(high=0.4, falloff=0.1)
 >>> flat = density.slope(surface.corner_normals, density.Range(0.0, math.radians(45.0)))

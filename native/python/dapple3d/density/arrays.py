@@ -6,13 +6,38 @@ from functools import reduce
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._native import Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Flags = NDArray[np.bool_]
+
+
+def shaped(name: str, values: ArrayLike, *shape: int) -> Floats:
+    """Values as an array of that shape, in which -1 is any length.
+
+    Raises:
+        ValueError: naming the argument, if its shape is another.
+    """
+    found = np.asarray(values, dtype=np.float64)
+    alike = found.ndim == len(shape)
+    if not alike or any(n not in (-1, have) for n, have in zip(shape, found.shape, strict=True)):
+        wanted = ", ".join("n" if n < 0 else str(n) for n in shape)
+        wanted += "," if len(shape) == 1 else ""
+        raise ValueError(f"{name} has the shape {found.shape}: ({wanted}) is needed")
+    return found
+
+
+def check_values(name: str, values: Floats, surface: Surface) -> None:
+    """Raise ValueError, naming the values, unless they are (v,), (m, 1) or (m, 3) of a surface."""
+    vertices, faces = len(surface.vertices), len(surface.faces)
+    if values.shape not in ((vertices,), (faces, 1), (faces, 3)):
+        raise ValueError(
+            f"{name} has the shape {values.shape}: ({vertices},), ({faces}, 1) or ({faces}, 3) is "
+            "needed"
+        )
 
 
 def product(values: Sequence[Floats], faces: Ints) -> Floats:
@@ -60,13 +85,8 @@ def multiplied(surface: Surface, *factors: Floats) -> Surface:
     Raises:
         ValueError: a factor has another shape, or a value that no density can have.
     """
-    vertices, faces = len(surface.vertices), len(surface.faces)
     for k, one in enumerate(factors):
-        if one.shape not in ((vertices,), (faces, 1), (faces, 3)):
-            raise ValueError(
-                f"factor {k} has the shape {one.shape}: ({vertices},), ({faces}, 1) or "
-                f"({faces}, 3) is needed"
-            )
+        check_values(f"factor {k}", one, surface)
     own = density_of(surface)
     terms = [*factors] if own is None else [*factors, own]
     if not factors:

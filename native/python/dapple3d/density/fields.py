@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Flags, Floats, Ints
+from .arrays import Flags, Floats, Ints, shaped
 from .nearest import Body, Nearest
 from .noise import bend, noise
 from .ranges import Range
@@ -103,7 +103,20 @@ class Distance(RangeField):
 
 
 class Noise(RangeField):
-    """A field by a noise in patches, whose values are from 0 to 1 and spread evenly."""
+    """A field by a noise in patches, whose values are from 0 to 1 and spread evenly.
+
+    Args:
+        within: values of the noise with full density.
+        size: > 0, of the patches, a length.
+        detail: >= 0, how many finer noises are added, each of half the size and half the influence.
+        seed: each gives other patches.
+        origin: (3,), of the noise.
+        axes: (3, 3), orthonormal axes of the noise as columns; None: those of space.
+        rides: see `Field`.
+
+    Raises:
+        ValueError: naming the argument that is out of its range or has another shape.
+    """
 
     def __init__(
         self,
@@ -116,26 +129,14 @@ class Noise(RangeField):
         axes: ArrayLike | None = None,
         rides: bool = False,
     ) -> None:
-        """Args:
-            within: values of the noise with full density, from 0 to 1.
-            size: > 0, of the patches, a length.
-            detail: how many finer noises are added, each of half the size and half the influence.
-            seed: each gives other patches.
-            origin: (3,), of the noise.
-            axes: (3, 3), orthonormal axes of the noise as columns; None: those of space.
-            rides: see `Field`.
-
-        Raises:
-            ValueError: size is not positive, or detail is less than 0.
-        """
         super().__init__(within, rides)
         if not 0.0 < size < np.inf:
             raise ValueError(f"size is {size}: it must be finite and greater than 0")
         if detail < 0:
             raise ValueError(f"detail is {detail}: it must be at least 0")
         self._size, self._detail, self._seed = size, detail, seed
-        self._origin = np.asarray(origin, dtype=np.float64)
-        self._axes = np.eye(3) if axes is None else np.asarray(axes, dtype=np.float64)
+        self._origin = shaped("origin", origin, 3)
+        self._axes = np.eye(3) if axes is None else shaped("axes", axes, 3, 3)
 
     def beyond(self, longest: Floats) -> Floats:
         return bend(longest / self._size, self._detail)
@@ -146,14 +147,15 @@ class Noise(RangeField):
 
 
 class Height(Field):
-    """A field by a range of z."""
+    """A field by a range of z.
 
-    def __init__(self, within: Range, largest: float = 0.0) -> None:
-        """Args:
+    Args:
         within: heights with full density.
         largest: |z| of the surface. A sharp end counts as so much farther off as coordinates of
             that size are rounded in single precision: so a floor lies in a range that ends at it.
-        """
+    """
+
+    def __init__(self, within: Range, largest: float = 0.0) -> None:
         slack = _ROUNDING * largest if within.falloff <= 0.0 else 0.0
         self._within = replace(within, low=within.low - slack, high=within.high + slack)
 
@@ -176,13 +178,18 @@ class Height(Field):
 
 
 class Camera(Field):
-    """1 in the view of a camera, 0 elsewhere; what hides a place does not count."""
+    """1 in the view of a camera, 0 elsewhere; what hides a place does not count.
 
-    def __init__(self, clip: Floats, margin: float = 0.0) -> None:
-        """Args:
+    Args:
         clip: (4, 4), the matrix from space to the camera's clip space.
-        margin: >= 0, how far the view extends beyond the frame, of half the frame.
-        """
+        margin: >= 0, how far the view extends beyond the frame, relative to half the frame.
+
+    Raises:
+        ValueError: clip has another shape.
+    """
+
+    def __init__(self, clip: ArrayLike, margin: float = 0.0) -> None:
+        clip = shaped("clip", clip, 4, 4)
         x, y, w = clip[0], clip[1], (1.0 + margin) * clip[3]
         self._planes = np.array([w - x, w + x, w - y, w + y, clip[3]])
 
@@ -204,15 +211,19 @@ class Camera(Field):
 
 
 class Obstacle(Field):
-    """0 near a mesh and, where that is closed, inside it; 1 elsewhere."""
+    """0 near a mesh and, where that is closed, inside it; 1 elsewhere.
+
+    Args:
+        vertices, faces: (v, 3) and (m, 3) of the mesh.
+        margin: >= 0, the distance from it that is still 0.
+
+    Raises:
+        ValueError: as `dapple.Surface`.
+    """
 
     blocks = True
 
     def __init__(self, vertices: Floats, faces: Ints, margin: float) -> None:
-        """Args:
-        vertices, faces: (v, 3) and (m, 3) of the mesh.
-        margin: >= 0, the distance from it that is still 0.
-        """
         self._body, self._margin = Body(vertices, faces), margin
 
     def values(self, points: Floats) -> Floats:

@@ -20,7 +20,17 @@ from .._native import (
     refine_image,
     refine_obstacles,
 )
-from .arrays import Flags, Floats, Ints, at_corners, density_of, placed, product
+from .arrays import (
+    Flags,
+    Floats,
+    Ints,
+    at_corners,
+    check_values,
+    density_of,
+    placed,
+    product,
+    shaped,
+)
 from .fields import Field, needs_cut
 from .pictures import Tile, crossing, filled_share, laid_out, reduced, repeats, texture_area
 
@@ -42,6 +52,24 @@ class MaskedSurface:
 
     >>> masked = MaskedSurface(surface, [Height(Range(high=0.4))], count=2000)
     >>> samples = masked.to_original(dapple.sample(masked.surface, 2000))
+
+    Args:
+        surface: of v vertices and m faces; it keeps its own density as a factor.
+        fields: factors of the density at each place.
+        count: number of points that will be sampled: edges are cut relative to their spacing.
+        balls: centers (k, 3) and radii (k,) of balls that are taken out.
+        uv: (m, 3, 2), texture coordinates at the corners of the faces.
+        image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
+        tiles: UDIM tiles in place of the image: the number and the factors of each.
+        values: more values by name, each (v,), (m, 1) or (m, 3): densities of classes.
+        rest: (v, 3), vertices of the surface where fields that ride on it are looked up; None:
+            where they are.
+        context: cancels the cutting.
+
+    Raises:
+        ValueError: an array has another shape, fields or pictures leave no density, or texture
+            coordinates are in no tile.
+        Cancelled
     """
 
     def __init__(
@@ -58,23 +86,12 @@ class MaskedSurface:
         rest: Floats | None = None,
         context: Context | None = None,
     ) -> None:
-        """Args:
-            surface: of v vertices and m faces; it keeps its own density as a factor.
-            fields: factors of the density at each place.
-            count: number of points that will be sampled: edges are cut relative to their spacing.
-            balls: centers (k, 3) and radii (k,) of balls that are taken out.
-            uv: (m, 3, 2), texture coordinates at the corners of the faces.
-            image: (rows, columns), factors >= 0 by texture coordinates, row 0 at v = 0.
-            tiles: UDIM tiles in place of the image, by their numbers.
-            values: more values by name, each (v,), (m, 1) or (m, 3): densities of classes.
-            rest: (v, 3), vertices of the surface where fields that ride on it are looked up; None:
-                where they are.
-            context: cancels the cutting.
-
-        Raises:
-            ValueError: fields or pictures leave no density, texture coordinates are in no tile, or
-                as the functions that cut faces.
-        """
+        if uv is not None:
+            uv = shaped("uv", uv, len(surface.faces), 3, 2)
+        if rest is not None:
+            rest = shaped("rest", rest, len(surface.vertices), 3)
+        for name, own in (values or {}).items():
+            check_values(f"values '{name}'", own, surface)
         self.surface, self._original, self._context = surface, surface, context
         self._values, self._rest = values or {}, rest
         self._refined: Refined | None = None

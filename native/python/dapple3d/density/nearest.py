@@ -7,9 +7,10 @@ Segments are given to the native search as triangles that are hardly wider than 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._native import Surface, project
-from .arrays import Floats, Ints
+from .arrays import Floats, Ints, shaped
 from .normals import vertex_normals
 
 _THIN = 1e-9  # width of what stands for a line, of the size of all of them
@@ -75,21 +76,24 @@ class Lines:
 
 
 class Nearest:
-    """The nearest of meshes and segments; inside closed meshes the distance is 0."""
+    """The nearest of meshes and segments; inside closed meshes the distance is 0.
+
+    Args:
+        meshes: vertices (v, 3) and faces (m, 3) of each.
+        segments: (s, 2, 3); one without length is a point.
+        plan: whether all is seen from above: only horizontal distances count, and a mesh is its
+            outline with what that encloses.
+
+    Raises:
+        ValueError: there are neither meshes nor segments, or as `dapple.Surface` for a mesh.
+    """
 
     def __init__(
-        self, meshes: Sequence[Mesh] = (), segments: Floats | None = None, plan: bool = False
+        self, meshes: Sequence[Mesh] = (), segments: ArrayLike | None = None, plan: bool = False
     ) -> None:
-        """Args:
-            meshes: vertices (v, 3) and faces (m, 3) of each.
-            segments: (s, 2, 3); one without length is a point.
-            plan: whether all is seen from above: only horizontal distances count, and a mesh is
-                its outline with what that encloses.
-
-        Raises:
-            ValueError: there are neither meshes nor segments, or as `dapple.Surface` for a mesh.
-        """
-        segments = np.empty((0, 2, 3)) if segments is None else segments
+        segments = (
+            np.empty((0, 2, 3)) if segments is None else shaped("segments", segments, -1, 2, 3)
+        )
         if not len(meshes) and not len(segments):
             raise ValueError("there is neither a mesh nor a segment to measure a distance to")
         self._scale = np.array([1.0, 1.0, 0.0 if plan else 1.0])

@@ -3,6 +3,7 @@
 
 - `dapple3d.extras.gltf`: meshes from glTF files, and points as instances in them.
 - `dapple3d.extras.usd`: points as a PointInstancer of USD; needs `dapple3d[usd]`.
-- `dapple3d.extras.distributed`: surfaces larger than memory in tiles, and many shots, by one
-  process or by those of Dask; this needs `dapple3d[farm]`.
+- `dapple3d.extras.distributed`: surfaces larger than memory, and many shots.
+
+Work by several processes of Dask needs `dapple3d[farm]`.
 """
