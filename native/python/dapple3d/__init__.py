@@ -6,7 +6,7 @@
 >>> samples.positions  # (2000, 3): evenly spaced, never patterned
 """
 
-from . import _starting  # noqa: F401, I001  first, as the others take long
+from . import _starting  # noqa: F401, I001  imported first: the other imports take long
 
 from typing import Any, Final
 

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 
 
 def start() -> None:
-    """Run the command line, or say what it lacks."""
+    """Run the command line, or name the package that is missing."""
     if not find_spec("click"):
         sys.exit("Error: the command line needs click, which is missing: pip install click")
     from dapple3d import _starting

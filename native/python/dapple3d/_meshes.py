@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes from files: vertices, faces, and what a file says besides."""
+"""Meshes from files: vertices, faces and other arrays."""
 
 import os
 from collections.abc import Mapping
@@ -16,13 +16,13 @@ from .extras._gltf_meshes import read_arrays
 __all__ = ["SUFFIXES", "MeshArrays", "read_mesh"]
 
 SUFFIXES: Final = (".ply", ".obj", ".stl", ".off", *GLTF)
-"""Of the files that read_mesh() knows."""
+"""Suffixes of the files that read_mesh() reads."""
 
 Floats = NDArray[np.float64]
 
 
 class MeshArrays(tuple[Floats, NDArray[np.int32]]):
-    """A pair of vertices and faces, as Surface takes them, with what a file says besides.
+    """Vertices and faces as Surface takes them, with the other arrays of the file.
 
     What a file does not say is None.
 
@@ -75,7 +75,7 @@ class MeshArrays(tuple[Floats, NDArray[np.int32]]):
 
 
 def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> MeshArrays:
-    """Read a mesh from .off, .obj, .ply, .stl, .glb or .gltf, with every digit of the file.
+    """Read a mesh from .off, .obj, .ply, .stl, .glb or .gltf, without rounding.
 
     Polygons are cut into triangles, also those with dents and those that are not quite flat. The
     meshes of a glTF file become one, in meters, with z up and v up in pictures; skinned ones stand

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures in files as brightness: turned as cameras say, in the full range of their kind."""
+"""Pictures in files as brightness, turned as their metadata says."""
 
 import os
 from typing import Any
@@ -45,7 +45,7 @@ def _first(tags: dict[int, Any], tag: int) -> int | None:
 
 
 def _shallow(picture: Image.Image) -> NDArray[np.uint8]:
-    """Of a picture of 8 bits: gray where all that is seen is."""
+    """Pixels of a picture of 8 bits: gray if all visible pixels are."""
     if picture.mode in ("1", "L") and not picture.has_transparency_data:
         return np.asarray(picture.convert("L"))
     color = np.asarray(picture.convert("RGBA"))
@@ -58,7 +58,7 @@ def _shallow(picture: Image.Image) -> NDArray[np.uint8]:
 
 
 def _deep(picture: Image.Image, tags: dict[int, Any], is_scaled: bool) -> NDArray[np.uint8]:
-    """Of a gray picture of more than 8 bits; Pillow scales that of some formats to 16 bits."""
+    """Pixels of a gray picture of more than 8 bits; Pillow scales some formats to 16 bits."""
     values = np.asarray(picture)
     if picture.mode == "F":
         gray = _fractions(values)
@@ -81,10 +81,10 @@ def _in_8_bits(gray: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def _in_range(values: NDArray, bits: int, sample_format: int) -> NDArray[np.float64]:
-    """Whole numbers as shares of the largest that there can be."""
+    """Integers divided by the largest value of their type."""
     _check(values, values < 0, "brightness is not negative")
     largest = int(values.max(initial=0))
-    if bits == 32:  # often made of 8 or 16 bits by programs that know 32 only
+    if bits == 32:  # some programs write pictures of 8 or 16 bits with 32
         bits = next((small for small in (8, 16) if largest < 1 << small), bits)
         signed = bits == 32 and sample_format == SIGNED
     else:

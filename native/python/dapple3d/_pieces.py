@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motions of any length, smooth both ways in time: piece by piece, in the memory of one."""
+"""Motions of any length, optimized window by window, in the memory of one window."""
 
 from collections.abc import Iterable, Iterator
 from operator import index

@@ -25,7 +25,7 @@ def _end(_signal: int, _frame: object) -> None:
 
 
 def begin() -> None:
-    """From here on Ctrl-C ends the process, unless somebody else listens to it.
+    """From here on Ctrl-C ends the process, unless another handler is installed.
 
     The script `dapple` has it blocked until then.
     """
@@ -36,7 +36,7 @@ def begin() -> None:
 
 
 def ready() -> None:
-    """From here on Ctrl-C is the exception that the command waits for."""
+    """From here on Ctrl-C raises the exception that the command handles."""
     if signal.getsignal(signal.SIGINT) is _end:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands at points: where, turned how, how large, which kind. For files of other programs.
+"""Instances at points: position, orientation, scale and prototype, for files of other programs.
 
 >>> from dapple3d import instances
 >>> from dapple3d.extras import usd
@@ -31,8 +31,8 @@ __all__ = [
 ]
 
 Up = Literal["Y", "Z"]
-SKEWED = 1e-3  # cosine between axes that should be across each other
-BALL = 0.2  # radius of what stands where no prototype is given, in spacings
+SKEWED = 1e-3  # cosine between axes that should be perpendicular
+BALL = 0.2  # radius of the ball that replaces a missing prototype, in spacings
 
 ROWS: dict[str, tuple[int, ...]] = {
     "positions": (3,),
@@ -69,7 +69,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A prototype of triangles, which the written file holds.
+    """A prototype made of triangles, stored in the written file.
 
     Attributes:
         vertices: (v, 3) float64.
@@ -94,7 +94,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Instances:
-    """Instances at one time; what is not known is None.
+    """Instances at one time; unknown arrays are None.
 
     Attributes:
         positions: (n, 3) float64.
@@ -130,12 +130,12 @@ class Instances:
 
     @property
     def placed(self) -> NDArray[np.int32]:
-        """(n,) int32: the prototype that stands at each."""
+        """(n,) int32: the prototype of each instance."""
         chosen = self.classes if self.prototypes is None else self.prototypes
         return np.zeros(len(self), np.int32) if chosen is None else chosen
 
     def arrays(self) -> dict[str, NDArray]:
-        """Those that are known, by name."""
+        """The arrays that are known, by name."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: values for name, values in found.items() if values is not None}
 
@@ -173,13 +173,13 @@ def _check_finite(name: str, array: NDArray) -> None:
 
 
 def whole(name: str, values: NDArray, kind: type[np.signedinteger]) -> NDArray:
-    """Finite numbers as whole ones of a kind.
+    """Finite numbers as integers of a type.
 
     Raises:
         ValueError: naming the first row with one that is not whole, or too large.
     """
     bits, least = np.iinfo(kind).bits, np.iinfo(kind).min
-    most = -float(least)  # the first that is too large, which floating-point numbers hold
+    most = -float(least)  # the smallest value that is too large; exact as a float
     if values.dtype.kind == "f":
         fits = (values == np.floor(values)) & (values >= least) & (values < most)
     else:
@@ -237,18 +237,18 @@ class Scatter:
 
     @property
     def needed(self) -> int:
-        """How many prototypes stand somewhere; at least one."""
+        """Number of prototypes in use; at least one."""
         return max(int(frame.placed.max(initial=0)) for frame in self.frames) + 1
 
     @property
     def used(self) -> NDArray[np.int32]:
-        """Numbers of the prototypes that stand somewhere, increasing; at least one."""
+        """Indices of the prototypes in use, increasing; at least one."""
         numbers = np.unique(np.concatenate([frame.placed for frame in self.frames]))
         return numbers if len(numbers) else np.zeros(1, np.int32)
 
     @property
     def radius(self) -> float:
-        """Of balls that keep apart on the first frame that has two points."""
+        """Radius of balls that do not touch on the first frame with two points."""
         several = next((frame.positions for frame in self.frames if len(frame) > 1), None)
         if several is None:
             return BALL
@@ -256,7 +256,7 @@ class Scatter:
 
 
 def of_samples(samples: Samples, up: Up = "Z") -> Instances:
-    """Instances that stand on the samples, along their normals.
+    """Instances at the samples, aligned with their normals.
 
     Args:
         samples: of a surface.
@@ -335,7 +335,7 @@ def _directions(name: str, values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _shortest(heads: NDArray, up: Up) -> NDArray[np.float64]:
-    """Half-way quaternions: 1 + dot and cross of axis and normal; upside down a turn about x."""
+    """Shortest rotations by 1 + dot and cross of axis and normal; opposite: a half turn about x."""
     axis = np.eye(3)[1 if up == "Y" else 2]
     turns = np.column_stack([1.0 + heads @ axis, np.cross(axis, heads)])
     turns[turns[:, 0] < 1e-12] = [0.0, 1.0, 0.0, 0.0]
@@ -389,7 +389,7 @@ def along_normals(frames: Sequence[Instances], *, up: Up = "Z") -> list[Instance
 
 
 def _carried(before: NDArray, start: NDArray, end: NDArray, anew: NDArray) -> NDArray[np.float64]:
-    """Turns that go on from those before; anew where a normal has turned around."""
+    """Rotations continued from the frame before; computed anew where a normal has flipped."""
     a, b = _directions("normals", start), _directions("normals", end)
     real, imaginary = 1.0 + np.einsum("ij,ij->i", a, b)[:, None], np.cross(a, b)
     w, v = before[:, :1], before[:, 1:]
@@ -405,7 +405,7 @@ def _carried(before: NDArray, start: NDArray, end: NDArray, anew: NDArray) -> ND
 
 
 def with_velocities(frames: Sequence[Instances], fps: float) -> list[Instances]:
-    """The frames with the velocities at which each point gets to its place on the next.
+    """The frames with the velocities that take each point to its place on the next frame.
 
     On the last frame, and where its id is missing on the next, a point keeps its velocity; one
     that is there for a single frame stands still. Frames that have velocities keep them.
@@ -431,7 +431,7 @@ def with_velocities(frames: Sequence[Instances], fps: float) -> list[Instances]:
 
 
 def _shared(one: Instances, other: Instances) -> tuple[Any, Any]:
-    """Rows of the points that both have."""
+    """Rows of the points with an id in both frames."""
     if one.ids is None or other.ids is None:
         both = np.arange(min(len(one), len(other)))
         return both, both

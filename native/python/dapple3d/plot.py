@@ -136,7 +136,7 @@ def summary(spectrum: Spectrum | SurfaceSpectrum, *, title: str = "") -> "Figure
 
 
 class _View:
-    """What the two kinds of spectra have in common: powers at multiples of a step."""
+    """The common interface of both spectra: powers at multiples of a frequency step."""
 
     def __init__(self, spectrum: Spectrum | SurfaceSpectrum) -> None:
         if isinstance(spectrum, Spectrum):

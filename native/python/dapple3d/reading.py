@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays of files, whose headers are believed only as far as the file reaches."""
+"""Arrays from files; headers are checked against the size of the file."""
 
 import math
 import os
@@ -24,16 +24,16 @@ __all__ = [
 ]
 
 WRONG_ENTRY: Final = (LookupError, TypeError, AttributeError, OverflowError, RecursionError)
-"""Of a tree of JSON with an entry that is missing, of another kind, or within itself."""
+"""Raised by a JSON tree with an entry that is missing, of another type, or recursive."""
 
 BROKEN: Final = (
     *(ValueError, EOFError, RuntimeError, SyntaxError, *WRONG_ENTRY),
     *(struct.error, tokenize.TokenError, zipfile.BadZipFile, zlib.error),
 )
-"""By numpy, which reads headers as Python, zipfile and struct."""
+"""Raised by numpy and zipfile for files that are broken."""
 
 Header = tuple[tuple[int, ...], bool, np.dtype]
-MOST_DEFLATED = 1032  # bytes that one of a deflated stream can stand for
+MOST_DEFLATED = 1032  # largest ratio of a deflated stream
 
 
 def npy_header(file: IO[bytes]) -> Header:
@@ -49,7 +49,7 @@ def npy_header(file: IO[bytes]) -> Header:
 
 
 def entry_header(archive: zipfile.ZipFile, name: str) -> Header:
-    """The same of an entry, which is known to hold as much.
+    """Shape, order and type of an array in an archive, checked against the size of its entry.
 
     Raises:
         ValueError, zipfile.BadZipFile: it is no array, or promises more than it has.
@@ -63,7 +63,7 @@ def entry_header(archive: zipfile.ZipFile, name: str) -> Header:
 
 
 def read_npz(path: Path) -> dict[str, NDArray]:
-    """All arrays by name; memory is taken for what the file can hold only.
+    """All arrays by name; no more memory is allocated than the file can hold.
 
     Raises:
         BROKEN: it is, holds objects, or promises more than it has.
@@ -98,7 +98,7 @@ def check_archive(archive: zipfile.ZipFile) -> None:
 
 
 def read_npy(path: Path) -> NDArray:
-    """One array; memory is taken for what the file can hold only.
+    """One array; no more memory is allocated than the file can hold.
 
     Raises:
         BROKEN: it is, holds objects, or promises more than it has.

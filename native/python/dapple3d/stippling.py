@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 INKS: Final = ("red", "green", "blue", "cyan", "magenta", "yellow", "black")
-"""The classes of a color picture, in order; a gray one has black alone."""
+"""The classes of a color picture, in order; a gray picture has black only."""
 
 COLORS: Final[dict[str, tuple[int, int, int]]] = {
     "red": (255, 0, 0),
@@ -52,10 +52,10 @@ COLORS: Final[dict[str, tuple[int, int, int]]] = {
     "yellow": (255, 255, 0),
     "black": (0, 0, 0),
 }
-"""What the inks look like, in 0..255: red, green, blue."""
+"""Colors of the inks: red, green and blue, from 0 to 255."""
 
 SUFFIXES: Final = (".png", ".svg", ".pdf")
-"""Of the files that write() knows."""
+"""Suffixes of the files that write() writes."""
 
 PLACES = 100  # to a pixel, in SVG and PDF files
 PARTS = 32  # of a pixel, to which dots are moved in drawings
@@ -149,7 +149,7 @@ def stipple(
 
 
 def _with_options() -> inspect.Signature:
-    """What help() and editors show of stipple(): the options that it hands on, by name."""
+    """The signature of stipple() for help() and editors, with the options that it passes on."""
     types = {"float": float, "int": int, "bool": bool, "str": str}
     options = [
         inspect.Parameter(
@@ -215,7 +215,7 @@ def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     except (Image.DecompressionBombError, *BROKEN) as error:
         raise OSError(f"{name}: could not be read as a picture: {error}") from error
     except OSError as error:
-        if error.strerror:  # of the system, which names the file
+        if error.strerror:  # an error of the system names the file
             raise
         raise OSError(f"{name}: could not be read as a picture: {error}") from error
 
@@ -251,7 +251,7 @@ def _pixels(dots: Dots, scale: float) -> tuple[int, int]:
 
 
 def _bands(dots: Dots, scale: float) -> Iterator[NDArray[np.uint8]]:
-    """The drawing, some rows at a time, from the top."""
+    """Rows of the drawing from the top, some at a time."""
     from PIL import Image
 
     width, height = _pixels(dots, scale)
@@ -283,7 +283,7 @@ def _layers(
 
 
 def _reach(radius: float) -> int:
-    """Pixels to each side of the one that the middle of a disc is in."""
+    """Pixels on each side of the pixel with the center of a disc."""
     return int(np.ceil(radius + 0.5))
 
 
@@ -311,7 +311,7 @@ def _stamps(radius: float) -> Callable[[int, int], Any]:
 
 
 def to_svg(dots: Dots) -> str:
-    """Write the dots as SVG, one path for each ink: about eleven bytes a dot.
+    """Write the dots as SVG, one path for each ink: about eleven bytes per dot.
 
     A dot is a line of no length with round ends; places are rounded to 1/100 pixel.
     """
@@ -332,7 +332,7 @@ def to_svg(dots: Dots) -> str:
 
 
 def to_pdf(dots: Dots) -> bytes:
-    """Write the dots as a PDF page, a pixel to a point: about six bytes a dot.
+    """Write the dots as a PDF page, one point per pixel: about six bytes per dot.
 
     Places are rounded to 1/100 pixel.
     """
@@ -358,7 +358,7 @@ def to_pdf(dots: Dots) -> bytes:
 
 
 def _pdf_file(objects: list[bytes]) -> bytes:
-    """Objects 1, 2, ... behind each other and the table of their starts; 1 is the catalog."""
+    """Objects 1, 2, ... and the table of their offsets; object 1 is the catalog."""
     body = b"%PDF-1.4\n"
     starts = []
     for number, content in enumerate(objects, 1):
@@ -374,7 +374,7 @@ def _pdf_file(objects: list[bytes]) -> bytes:
 
 
 def _by_ink(dots: Dots) -> Iterator[tuple[str, NDArray[np.int64]]]:
-    """Name and places, in whole 1/PLACES, of each ink that has dots."""
+    """Name and positions, in integers of 1/PLACES pixel, of each ink that has dots."""
     places = np.rint(dots.positions * PLACES).astype(np.int64)
     for index, name in enumerate(dots.inks):
         mine = places[dots.classes == index]
@@ -383,13 +383,13 @@ def _by_ink(dots: Dots) -> Iterator[tuple[str, NDArray[np.int64]]]:
 
 
 def _decimal(hundredths: int) -> str:
-    """The shortest way to write it."""
+    """The shortest text of a number."""
     text = f"{abs(hundredths) / PLACES:.2f}".rstrip("0").rstrip(".")
     return ("-" if hundredths < 0 else "") + (text.removeprefix("0") or "0")
 
 
 def to_png(dots: Dots, scale: float = 4.0) -> bytes:
-    """Write the dots as PNG; scale as for draw(). The drawing is never in memory as a whole.
+    """Write the dots as PNG; scale as for draw(). Memory never holds the whole drawing.
 
     Raises:
         ImportError: Pillow is not installed.
@@ -404,7 +404,7 @@ def to_png(dots: Dots, scale: float = 4.0) -> bytes:
 
 
 def _unfiltered(band: NDArray[np.uint8]) -> bytes:
-    """Rows as PNG has them, each behind the number of its filter: 0 is none."""
+    """Rows in the format of PNG, each after the number of its filter: 0 is none."""
     rows = band.reshape(len(band), -1)
     return np.pad(rows, ((0, 0), (1, 0))).tobytes()
 

@@ -23,7 +23,7 @@ from .writing import replacing, write_npz
 __all__ = ["COLUMNS", "SUFFIXES", "write"]
 
 SUFFIXES: Final = (".csv", ".npz")
-"""Of the files that write() knows."""
+"""Suffixes of the files that write() writes."""
 
 COLUMNS: Final[dict[str, tuple[str, ...]]] = {
     "positions": ("x", "y", "z"),
@@ -35,7 +35,7 @@ COLUMNS: Final[dict[str, tuple[str, ...]]] = {
     "classes": ("class",),
     "prototypes": ("prototype",),
 }
-"""What the columns of a CSV file are called."""
+"""Names of the columns of a CSV file."""
 
 CONSTANT = ("ids", "classes", "prototypes")
 
@@ -47,7 +47,7 @@ def write(
     times: ArrayLike | None = None,
     names: Sequence[str] = (),
 ) -> None:
-    """Write instances, of several frames one after the other; every digit is kept.
+    """Write instances, frame after frame, without rounding.
 
     CSV has a line for each instance and frame, after one with the names of the columns; the column
     `frame` is there if there are times. npz has the arrays of Instances by their names. Those of

@@ -26,7 +26,7 @@ BAND: Final = 1 << 16  # texels painted between two checks
 
 @dataclass(frozen=True)
 class Decal:
-    """What one class of samples is painted with.
+    """The image that is painted at the samples of a class.
 
     image: (h, w, 4) float in [0, 1]: red, green, blue and (not premultiplied) alpha.
     radius: half the side of its square, > 0, in the surface's units.
@@ -70,7 +70,7 @@ _ROUNDS: Final = ((33, 0xFF51AFD7ED558CCD), (33, 0xC4CEB9FE1A85EC53), (29, _GOLD
 
 
 def frames(samples: Samples, angles: ArrayLike | None = None) -> NDArray[np.float64]:
-    """How an instance at each sample is turned, so that it lies as a baked decal does.
+    """Orientation of an instance at each sample that matches the baked decal.
 
     Args:
         samples: n Samples.
@@ -151,7 +151,7 @@ def bake(
 
 
 def _bands(rows: int, texels_per_row: int, context: Context) -> Iterator[slice]:
-    """All rows, a few at a time, between which the context is asked and told."""
+    """All rows, a few at a time; the context is checked and updated between them."""
     step = max(1, BAND // texels_per_row)
     for start in range(0, rows, step):
         context.check()
@@ -174,7 +174,7 @@ def _paint(
 
 
 def _texel_size(surface: Surface, grid: Texels, context: Context) -> float:
-    """The side of a texel on the surface, on average."""
+    """Mean side of a texel on the surface."""
     count, faces, weights = 0, grid.faces, grid.barycentric
     for band in _bands(len(faces), faces.shape[1], context.part(0.5, 0.5)):
         inside = (faces[band] >= 0) & (weights[band].min(axis=2) >= 0)
@@ -183,7 +183,7 @@ def _texel_size(surface: Surface, grid: Texels, context: Context) -> float:
 
 
 def _shrunk(pixels: NDArray[np.float64], radius: float, texel: float) -> NDArray[np.float64]:
-    """Halved until its pixels are about as large as texels: detail below that would alias."""
+    """The image, halved until its pixels are about as large as texels, to prevent aliasing."""
     while min(pixels.shape[:2]) > 1 and 4 * radius / max(pixels.shape[:2]) <= texel:
         even = pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2]
         pixels = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
@@ -219,7 +219,7 @@ def _over(front: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray[np.f
 def _tangent_basis(
     normals: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Two unit vectors across each normal (Duff et al. 2017)."""
+    """Two unit vectors perpendicular to each normal (Duff et al. 2017)."""
     x, y, z = normals.T
     sign = np.where(z < 0, -1.0, 1.0)
     a = -1 / (sign + z)

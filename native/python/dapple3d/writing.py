@@ -16,7 +16,7 @@ __all__ = ["naming", "replacing", "write_npz"]
 
 @contextmanager
 def replacing(path: Path) -> Iterator[IO[bytes]]:
-    """A binary file beside the path that takes its place once all is written.
+    """A binary file beside the path that replaces it once everything is written.
 
     Its name is never the same twice: one left by a process that was killed is in nobody's way, nor
     is that of another machine that writes the same.
@@ -44,7 +44,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Have what the system says about a write or a part name the path itself."""
+    """Make errors of the system name the path and not the temporary file."""
     try:
         yield
     except OSError as error:

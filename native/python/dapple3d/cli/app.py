@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `dapple`: finds its subcommands, and says what went wrong in a sentence."""
+"""The command `dapple`: its subcommands, and errors as one sentence."""
 
 import importlib
 import pkgutil
@@ -14,7 +14,7 @@ from dapple3d.cli import commands
 
 
 class Commands(click.Group):
-    """The files in dapple3d/cli/commands; only the one that is called is imported."""
+    """The modules of dapple3d/cli/commands; only the one that is called is imported."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(module.name for module in pkgutil.iter_modules(commands.__path__))
@@ -32,11 +32,11 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             if _starting.is_command():
-                _starting.begin()  # a second Ctrl-C does not wait for anything
+                _starting.begin()  # a second Ctrl-C ends the process at once
             click.echo(CANCELLED, err=True)
             ctx.exit(INTERRUPTED)
         except BrokenPipeError:
-            raise  # click ends quietly when nobody reads on
+            raise  # click ends quietly when the reader is gone
         except MemoryError as error:
             raise click.ClickException("there is not enough memory for this") from error
         except (ValueError, OSError, ImportError) as error:
@@ -44,7 +44,7 @@ class Commands(click.Group):
 
 
 def sentence(error: Exception) -> str:
-    """The message of an error on one line; of one of the system, beginning with the file."""
+    """The message of an error on one line; an error of the system begins with the file."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return " ".join(str(error).split())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a mesh has at its vertices, corners and faces, at points on it."""
+"""Attributes of a mesh, interpolated at points on it."""
 
 from dataclasses import replace
 
@@ -44,7 +44,7 @@ def _of_file(said: dapple.MeshArrays, samples: dapple.Samples) -> Arrays:
 
 
 def _of_npz(mesh: Mesh, samples: dapple.Samples) -> Arrays:
-    """Arrays by their shapes, vertices first; those that fit nothing are left out."""
+    """Arrays matched by their shapes, vertices first; arrays that do not fit are skipped."""
     vertices, faces = len(mesh.vertices), len(mesh.faces)
     found: Arrays = {}
     for name, values in mesh.arrays.items():
@@ -62,7 +62,7 @@ def _of_npz(mesh: Mesh, samples: dapple.Samples) -> Arrays:
 
 
 def _at_corners(values: NDArray, samples: dapple.Samples) -> NDArray[np.float64]:
-    """Of (m, 3) or (m, 3, k), between the corners as the points are."""
+    """Values (m, 3) or (m, 3, k) of the corners, interpolated at the points."""
     there: NDArray[np.float64] = np.einsum(
         "nc,nc...->n...", samples.barycentric, values[samples.faces].astype(np.float64)
     )
@@ -70,5 +70,5 @@ def _at_corners(values: NDArray, samples: dapple.Samples) -> NDArray[np.float64]
 
 
 def _free(found: Arrays) -> Arrays:
-    """Without those whose names mean something else of points."""
+    """The arrays without those whose names have another meaning for points."""
     return {name: values for name, values in found.items() if name not in NAMES}

@@ -16,7 +16,7 @@ Arrays = dict[str, NDArray]
 
 @contextmanager
 def about(path: Path | str) -> Iterator[None]:
-    """Put the file's name before what a ValueError says."""
+    """Prefix the message of a ValueError with the name of the file."""
     try:
         yield
     except ValueError as error:
@@ -24,7 +24,7 @@ def about(path: Path | str) -> Iterator[None]:
 
 
 def check_outputs(inputs: Iterable[Path | None], outputs: Iterable[Path | None]) -> None:
-    """Refuse, before the work, what could not be written or would destroy an input.
+    """Refuse outputs, before the work, that cannot be written or would destroy an input.
 
     Raises:
         ClickException: naming the first such output.
@@ -45,7 +45,7 @@ def check_outputs(inputs: Iterable[Path | None], outputs: Iterable[Path | None])
 
 @contextmanager
 def _reading(path: Path, form: str) -> Iterator[None]:
-    """Say of whatever numpy and zipfile raise for a broken file that it is broken."""
+    """Report the exceptions of numpy and zipfile for a broken file as ClickException."""
     try:
         yield
     except FileNotFoundError:
@@ -56,7 +56,7 @@ def _reading(path: Path, form: str) -> Iterator[None]:
 
 
 def load_npz(path: Path) -> Arrays:
-    """All arrays of an npz file, by name; what else is in it is left out.
+    """All arrays of an npz file, by name; other entries are skipped.
 
     Raises:
         ClickException: the file is broken, or holds pickled objects.

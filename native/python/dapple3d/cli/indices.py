@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which points or faces an option means: numbers and ranges of them, or a .npy file."""
+"""Options that select points or faces: numbers and ranges, or a .npy file."""
 
 import re
 from pathlib import Path
@@ -48,7 +48,7 @@ def file_of(given: NDArray[np.int64] | Path | None) -> Path | None:
 def indices(
     option: str, given: NDArray[np.int64] | Path | None, count: int, things: str
 ) -> NDArray[np.int32] | None:
-    """Those of so many things.
+    """The selected indices, of count things.
 
     Raises:
         ClickException: naming the option or its file, and the first that there is not.

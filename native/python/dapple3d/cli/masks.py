@@ -24,7 +24,7 @@ INTRODUCTION = (
     "beyond. Faces are cut where that needs it; points are on those of MESH. Lengths are in the "
     "units of MESH. inf and -inf are no limit."
 )
-_SLACK = 1e-4  # degrees: so far off are angles of coordinates in single precision
+_SLACK = 1e-4  # degrees: error of angles from coordinates in single precision
 _MOST = 1_000_000  # points that faces are cut for
 
 
@@ -58,7 +58,7 @@ class Number(click.FloatRange):
 
 @dataclass(frozen=True)
 class Row:
-    """The options of a mask: MIN and MAX, what stands before them, and the softness."""
+    """The options of a mask: the values before MIN and MAX, and its other options."""
 
     name: str
     number: Number
@@ -74,7 +74,7 @@ class Row:
 
 
 class MaskOption(click.Option):
-    """An option that the help has in the section of masks."""
+    """An option that the help shows in the section of masks."""
 
 
 ANGLE, LENGTH, SHARE, HEIGHT = Number(0.0, 180.0), Number(0.0), Number(0.0, 1.0), Number()
@@ -149,7 +149,7 @@ ROWS = (
 
 
 def _options_of(row: Row) -> list[click.Option]:
-    """Those of one mask, as the help lists them."""
+    """The options of one mask, in the order of the help."""
     flag = f"--{row.name}"
     kinds = [*(kind for _, kind in row.before), row.number, row.number]
     strength = "How much the mask counts, 0 to 1; at 0 it has no effect.  [default: 1.0]"
@@ -180,11 +180,11 @@ class Masks:
 
     @property
     def files(self) -> list[Path]:
-        """Those that are read."""
+        """The files that the masks read."""
         return [self.given["distance"][0]] if "distance" in self.given else []
 
     def describe(self) -> dict[str, Any]:
-        """What a report says of them; nothing where there are none."""
+        """The entry of a report; empty without masks."""
         if not self.given:
             return {}
         shown = {name: _plain(value) for name, value in self.given.items()}
@@ -261,12 +261,12 @@ class Masks:
 
 
 def hexagonal_count(area: float, spacing: float) -> int:
-    """How many points in a hexagonal packing have that spacing; at most what faces are cut for."""
+    """Number of points with that spacing in a hexagonal packing, limited to _MOST."""
     return int(min(2.0 * area / (math.sqrt(3.0) * spacing**2), _MOST))
 
 
 def _plain(value: Any) -> Any:
-    """As JSON holds it."""
+    """The value in types of JSON."""
     if isinstance(value, tuple):
         return [_plain(one) for one in value]
     if isinstance(value, float) and math.isinf(value):
@@ -275,7 +275,7 @@ def _plain(value: Any) -> Any:
 
 
 def nearest_of(path: Path, plan: bool) -> density.Nearest:
-    """What measures the distance to a mesh, or to the points of a file without faces.
+    """Distances to the mesh of a file, or to its points if it has no faces.
 
     Raises:
         ClickException, FileError: naming the file.
@@ -287,7 +287,7 @@ def nearest_of(path: Path, plan: bool) -> density.Nearest:
     if not len(mesh.faces):
         return _nearest_points(path, plan)
     with about(path):
-        checked = dapple.Surface(mesh.vertices, mesh.faces)  # names the first fault
+        checked = dapple.Surface(mesh.vertices, mesh.faces)  # its error names the first fault
         return density.Nearest([(checked.vertices, checked.faces)], plan=plan)
 
 

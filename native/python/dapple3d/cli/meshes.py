@@ -18,12 +18,12 @@ Place = Literal["vertices", "faces", "corners"]
 
 @dataclass(frozen=True)
 class Mesh:
-    """What a file holds, unchecked: Surface does that.
+    """The content of a file, not validated yet.
 
     vertices: (v, 3) float64, or (frames, v, 3) in an npz of a motion.
     faces: (m, 3) int32.
     arrays: the others of an npz, by name.
-    said: what another file says besides.
+    said: the other arrays of a file that is not an npz.
     """
 
     path: Path
@@ -42,7 +42,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class SurfaceOptions:
-    """How a surface is made of a mesh, see dapple.Surface.
+    """Options of a surface, see dapple.Surface.
 
     weld: whether border edges at the same place are connected.
     """
@@ -53,20 +53,20 @@ class SurfaceOptions:
 
     @staticmethod
     def of(surface: dapple.Surface) -> "SurfaceOptions":
-        """Those of a surface."""
+        """The options of a surface."""
         return SurfaceOptions(surface.weld is not None, surface.merge_doubled, surface.sharp_angle)
 
 
 @dataclass(frozen=True)
 class Density:
-    """Values where they are; none is 1 everywhere."""
+    """Values and the place that they are at; None is 1 everywhere."""
 
     values: NDArray | None = None
     at: Place = "vertices"
     source: str = ""
 
     def options(self) -> dict[str, Any]:
-        """Those of a dapple.SampleClass or a surface with this density."""
+        """Options of a dapple.SampleClass or a surface with this density."""
         return {"density": self.values, "density_at": self.at}
 
     def as_rows(self) -> NDArray[np.float64]:
@@ -119,7 +119,7 @@ def read_density(mesh: Mesh, wanted: str | None, at: Place | None = None) -> Den
 
 
 def _known_place(mesh: Mesh, wanted: str | None) -> Place | None:
-    """Of a property of a PLY, which says what it belongs to."""
+    """The element that a property of a PLY file belongs to."""
     if mesh.said is None or wanted is None or wanted in mesh.said.vertex_attributes:
         return None
     return "faces" if wanted in mesh.said.face_attributes else None
@@ -134,7 +134,7 @@ class Loaded:
     density: Density
 
     def doubled(self) -> str:
-        """The end of a line about the surface: how many faces do not count."""
+        """The end of a line about the surface: the number of doubled faces."""
         doubled = self.surface.doubled_faces
         if not doubled:
             return ""
@@ -145,7 +145,7 @@ class Loaded:
         )
 
     def describe(self) -> dict[str, Any]:
-        """What a report says about its input."""
+        """The entry of a report about the input."""
         return {
             "mesh": str(self.mesh.path),
             "vertices": len(self.surface.vertices),
@@ -188,13 +188,13 @@ def load(
 
 
 def _normals(mesh: Mesh) -> NDArray | None:
-    """(m, 3, 3) of the corners, 0 where the mesh has none; None if it has none anywhere."""
+    """Normals (m, 3, 3) of the corners, 0 where missing; None if the mesh has none."""
     normals = _npz_normals(mesh) if mesh.said is None else mesh.said.normals
     return None if normals is None else np.where(np.isfinite(normals), normals, 0.0)
 
 
 def _npz_normals(mesh: Mesh) -> NDArray | None:
-    """Those at corners or vertices; an array of another shape is something else."""
+    """Normals at corners or vertices; an array of another shape is ignored."""
     normals, faces, count = mesh.arrays.get("normals"), mesh.faces, len(mesh.vertices)
     if normals is None or normals.dtype.kind not in "fiu":
         return None
@@ -229,7 +229,7 @@ def _density_values(mesh: Mesh, wanted: str | None, at: Place | None) -> tuple[N
 
 
 def _named_arrays(mesh: Mesh) -> Arrays:
-    """Those of an npz; of a PLY what vertices have, and faces where that has another name."""
+    """Arrays of an npz, or properties of a PLY; those of vertices come before those of faces."""
     if mesh.said is None:
         return mesh.arrays
     arrays: Arrays = {}

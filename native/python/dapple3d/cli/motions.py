@@ -60,7 +60,7 @@ def read(path: Path) -> Motion:
 
 
 def _of_table(columns: dict[str, NDArray]) -> Motion:
-    """Lines of the same frame are its points."""
+    """The points of each frame are the lines with its number."""
     if "frame" not in columns:
         return Motion([points.from_columns(columns)])
     times = np.unique(columns["frame"])
@@ -70,7 +70,7 @@ def _of_table(columns: dict[str, NDArray]) -> Motion:
 
 
 def _changing(arrays: dict[str, NDArray]) -> list[Points]:
-    """Those of frame k are the rows starts[k] to starts[k + 1]; what has not appeared is small."""
+    """Points of frame k are the rows starts[k] to starts[k + 1]; a fade below 1 scales them."""
     if "positions" not in arrays:
         raise ValueError("has starts, but no positions")
     joined = points.from_arrays(arrays).arrays()
@@ -90,7 +90,7 @@ def _changing(arrays: dict[str, NDArray]) -> list[Points]:
 
 
 def _starts(starts: NDArray, rows: int) -> list[int]:
-    """They begin with 0, do not fall, and end with the rows."""
+    """Check that starts begin with 0, do not decrease and end with the number of rows."""
     if starts.ndim == 1 and len(starts) > 1 and starts.dtype.kind in "iu":
         found: list[int] = starts.tolist()
         if found[0] == 0 and found[-1] == rows and found == sorted(found):
@@ -99,7 +99,7 @@ def _starts(starts: NDArray, rows: int) -> list[int]:
 
 
 def _times(arrays: dict[str, NDArray], count: int) -> NDArray[np.float64] | None:
-    """Their numbers, if they are as many as the frames."""
+    """The frame numbers, if there is one for each frame."""
     times = arrays.get("times")
     if times is None:
         return None
@@ -111,7 +111,7 @@ def _times(arrays: dict[str, NDArray], count: int) -> NDArray[np.float64] | None
 
 
 def _frames(arrays: dict[str, NDArray]) -> list[Points]:
-    """One after the other; what has no axis for the frames is the same on all."""
+    """The frames one after the other; an array without an axis for frames is the same on all."""
     positions = arrays["positions"]
     if positions.shape[2] not in (2, 3) or positions.dtype.kind not in "fiu":
         raise ValueError(
@@ -137,7 +137,7 @@ def _frames(arrays: dict[str, NDArray]) -> list[Points]:
 
 
 def _dimensions(name: str) -> int:
-    """Of the array of one frame."""
+    """Number of dimensions of the array of one frame."""
     return 1 if name in points.WHOLE else 2
 
 
@@ -168,6 +168,6 @@ def _same(one: NDArray | None, other: NDArray | None) -> bool:
 
 
 def scaled(found: Points, factor: float) -> Points:
-    """With instances of another size."""
+    """The frame with its instances scaled."""
     scales = np.ones((len(found.positions), 3)) if found.scales is None else found.scales
     return replace(found, scales=factor * scales)

@@ -22,7 +22,7 @@ SPACING = click.FloatRange(min=0, min_open=True)
 
 
 def library_defaults(verb: str) -> dict[str, Any]:
-    """What a function of the library takes for the options that are left out."""
+    """The defaults of the options of a library function."""
     return {option.name: option.default for option in dapple.option_table(verb)}
 
 
@@ -64,7 +64,7 @@ def library_option(option: dapple.Option, before: str = "") -> Callable[[Decorat
 
 
 def param_type(option: dapple.Option) -> click.ParamType:
-    """What click is to take for it."""
+    """The type of a click option for an option of the library."""
     if option.choices:
         return click.Choice(option.choices)
     if option.type == "int":
@@ -73,12 +73,12 @@ def param_type(option: dapple.Option) -> click.ParamType:
 
 
 def given(options: Mapping[str, Any]) -> dict[str, Any]:
-    """The options that were not left out."""
+    """The options that were given."""
     return {name: value for name, value in options.items() if value is not None}
 
 
 def count_options(words: str) -> Callable[[Decorated], Decorated]:
-    """--count and --spacing; words say of what."""
+    """--count and --spacing; words are the help of --count."""
 
     def decorate(command: Decorated) -> Decorated:
         command = click.option(
@@ -213,5 +213,5 @@ def density_options(command: Decorated) -> Decorated:
 
 
 def density_file(density: str | None) -> Path | None:
-    """The file that a density option names, if it names one and no array."""
+    """The file of a density option, if it names a file."""
     return Path(density) if density and density.lower().endswith(".npy") else None

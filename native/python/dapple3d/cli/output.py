@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What commands that put points on a mesh take in common, and how they end."""
+"""Common options of the commands that put points on a mesh, and their output."""
 
 import functools
 from collections.abc import Callable, Iterable
@@ -18,7 +18,7 @@ from dapple3d.cli.work import Result, Work
 
 @dataclass(frozen=True)
 class Source:
-    """How a mesh becomes a surface: its density, its masks, and what counts as connected."""
+    """Density, masks and surface options of the mesh that is read."""
 
     density: str | None
     density_at: meshes.Place | None
@@ -37,7 +37,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Output:
-    """Where points are written, and what is said of them."""
+    """The file that points are written to, and the report about them."""
 
     path: Path
     attributes: bool
@@ -45,7 +45,7 @@ class Output:
     reporter: Reporter
 
     def check(self, source: Source, inputs: Iterable[Path | None]) -> None:
-        """Refuse, before the work, what could not be written or would destroy an input.
+        """Refuse outputs, before the work, that cannot be written or would destroy an input.
 
         Raises:
             ClickException: naming the output.

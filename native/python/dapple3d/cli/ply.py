@@ -19,7 +19,7 @@ from dapple3d.extras.distributed.streams import TYPES
 
 WRITTEN = {"f": ("double", "<f8"), "i": ("int", "<i4"), "u": ("uchar", "u1")}
 ORDERS = {**BINARY, "ascii": "="}
-USUAL = (b"ply\n", b"ply\r\n")  # others begin with a mark, or have other ends of lines
+USUAL = (b"ply\n", b"ply\r\n")  # other files begin with a byte order mark or have other line ends
 
 
 @dataclass
@@ -106,9 +106,9 @@ def _not_negative(word: str) -> int:
 
 
 def _least_bytes(order: str, element: _Element) -> int:
-    """A row is never shorter: what it promises is there before memory is asked for."""
+    """The least length of a row: checked against the file before memory is allocated."""
     if order == ORDERS["ascii"]:
-        return max(1, 2 * len(element.fields) - 1)  # digits, and what is between them
+        return max(1, 2 * len(element.fields) - 1)  # digits and separators
     return max(1, np.dtype([(name, order + kind) for name, kind in element.fields]).itemsize)
 
 

@@ -24,7 +24,7 @@ from dapple3d.writing import replacing, write_npz
 
 @dataclass(frozen=True)
 class Points:
-    """A point set; what a file does not hold is None.
+    """A point set; arrays that a file does not hold are None.
 
     positions: (n, 2) or (n, 3) float64.
     normals: (n, 3) float64. ids, classes: (n,) int32.
@@ -48,18 +48,18 @@ class Points:
     uv: NDArray | None = None
     colors: NDArray | None = None
     polygons: NDArray | None = None
-    attributes: Any = field(default_factory=dict)  # Arrays, which mypy would have of all fields
+    attributes: Any = field(default_factory=dict)  # Arrays; mypy cannot express it here
 
     def arrays(self) -> Arrays:
-        """Those that are there, by name."""
+        """The arrays that are not None, by name."""
         own = {name: value for name, value in vars(self).items() if name != "attributes"}
         return {name: value for name, value in own.items() if value is not None} | self.attributes
 
 
 OF_SAMPLES = ("positions", "normals", "ids", "classes", "faces", "barycentric")
 NAMES = (*OF_SAMPLES, "orientations", "scales", "velocities", "prototypes")
-EXACT = 2**53  # whole numbers up to it are 64-bit floats
-SINGLE = 1e-6  # of coordinates that a mesh's file keeps in single precision
+EXACT = 2**53  # integers up to this are exact as 64-bit floats
+SINGLE = 1e-6  # relative error of coordinates in single precision
 TOUCH = 1e-3  # of the spacing
 CARRIED = ("uv", "colors", "polygons")  # of a mesh
 WIDTHS = {
@@ -83,7 +83,7 @@ def points_of(samples: dapple.Samples) -> Points:
 
 
 def instances_of(points: Points) -> instances.Instances:
-    """What other programs place.
+    """The points as instances.
 
     Raises:
         ValueError: naming the array that is wrong and its first offender.
@@ -107,7 +107,7 @@ def of_instances(found: instances.Instances) -> Points:
 
 
 def write_points(path: Path, points: Points) -> None:
-    """Write in the format of the extension; the file is whole or not there.
+    """Write in the format of the extension; the file is complete or not written.
 
     Raises:
         ClickException: no points can be written with this extension, or a number does not fit.
@@ -126,7 +126,7 @@ def write_points(path: Path, points: Points) -> None:
 
 
 def _fitting(points: Points) -> Points:
-    """The points with whole numbers where files have them.
+    """The points with integers where the format has them.
 
     Raises:
         ValueError: naming the first number that does not fit.
@@ -143,7 +143,7 @@ def _fitting(points: Points) -> Points:
 
 
 def _check_exact(name: str, values: NDArray) -> None:
-    """Raise ValueError, naming the first whole number that is no floating-point number."""
+    """Raise ValueError, naming the first integer that is not exact as a float."""
     if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
         wrong = np.argwhere((values > EXACT) | (values < -EXACT))
         if len(wrong):
@@ -240,7 +240,7 @@ def stored_places(surface: dapple.Surface, points: Points, path: Path) -> dapple
 
 
 def _check_places(surface: dapple.Surface, found: dapple.Samples, places: NDArray) -> None:
-    """Whether points are where their faces say, but for rounding and a touch of their spacing."""
+    """Check that points are where their faces put them, within rounding and TOUCH spacings."""
     size = float(np.abs(surface.vertices).max(initial=0.0))
     most = SINGLE * size + TOUCH * surface.spacing(len(found))
     off = np.linalg.norm(found.positions - places, axis=1)
@@ -264,7 +264,7 @@ def _columns(points: Points) -> Arrays:
 
 
 def _named_columns(name: str, values: NDArray) -> Iterator[tuple[str, NDArray]]:
-    """Of (n,) the name itself, of (n, k) name_0, name_1 and so on."""
+    """Columns of an array: its name for (n,), name_0, name_1 and so on for (n, k)."""
     if values.ndim == 1:
         yield name, values if values.dtype == np.int32 else values.astype(np.float64)
         return
@@ -334,7 +334,7 @@ def from_columns(columns: Mapping[str, NDArray]) -> Points:
 
 
 def _colors(columns: Mapping[str, NDArray]) -> NDArray | None:
-    """Up to 1; whole numbers of a PLY go up to 255."""
+    """Colors from 0 to 1; integers of a PLY file are divided by 255."""
     if not all(name in columns for name in ("red", "green", "blue")):
         return None
     parts = [columns[name] for name in VECTORS["colors"] if name in columns]
@@ -345,7 +345,7 @@ def _colors(columns: Mapping[str, NDArray]) -> NDArray | None:
 
 
 def from_arrays(arrays: Mapping[str, NDArray]) -> Points:
-    """The points of arrays that are called as those of Points; others are left out.
+    """The points of arrays with the names of Points; other arrays are skipped.
 
     Raises:
         ValueError: naming the array whose type, shape or whole numbers are wrong.
@@ -399,7 +399,7 @@ def _write_npz(file: IO[bytes], points: Points) -> None:
 
 def _write_ply(file: IO[bytes], points: Points) -> None:
     columns = _columns(points)
-    if points.colors is not None:  # as other programs read them
+    if points.colors is not None:  # in the type that other programs expect
         for name in VECTORS["colors"]:
             columns[name] = np.rint(255.0 * np.clip(columns[name], 0.0, 1.0)).astype(np.uint8)
     ply.write(file, columns)
@@ -434,5 +434,5 @@ READERS: dict[str, Callable[[Path], Points]] = {
     **dict.fromkeys(gltf.SUFFIXES, lambda path: of_instances(gltf.read(path))),
 }
 ONLY_POINTS = (".csv", *usd.SUFFIXES)  # formats that hold no mesh
-SCENES = (*usd.SUFFIXES, *gltf.SUFFIXES)  # which hold what stands at the points too
+SCENES = (*usd.SUFFIXES, *gltf.SUFFIXES)  # formats that also hold prototypes
 FORMATS = (*WRITERS, *SCENES)

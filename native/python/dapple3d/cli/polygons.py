@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tiles in files: PLY, OBJ, OFF, STL and npz, by the extension, with every digit where it can."""
+"""Tiles in files: PLY, OBJ, OFF, STL and npz, by the extension."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -37,7 +37,7 @@ def needs_convex(path: Path) -> bool:
 
 
 def write_tiles(path: Path, mosaic: dapple.Mosaic, ids: NDArray[np.int32]) -> None:
-    """Write in the format of the extension; the file is whole or not there.
+    """Write in the format of the extension; the file is complete or not written.
 
     Args:
         path: where to.
@@ -66,7 +66,7 @@ def _write_ply(file: IO[bytes], mosaic: dapple.Mosaic, cells: NDArray[np.int32])
 
 
 def _ply_rows(mosaic: dapple.Mosaic, cells: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Of each polygon the number of its corners, the corners, cell, class and side."""
+    """Rows of a PLY file: the number of corners, the corners, cell, class and side."""
     counts = np.diff(mosaic.starts)
     ends = np.cumsum(counts + MORE)
     begins = ends - counts - MORE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says when it is done: a line for people, JSON for programs."""
+"""Output of a command: a line for people, JSON for programs."""
 
 import json
 from collections.abc import Sequence
@@ -17,28 +17,28 @@ STANDARD_OUTPUT = "-"
 
 @dataclass(frozen=True)
 class Reporter:
-    """Where the words go: with --json - the standard output holds nothing but JSON."""
+    """Destination of messages: with --json - the standard output holds only JSON."""
 
     json_out: str | None
     quiet: bool
 
     @property
     def file(self) -> Path | None:
-        """Of the JSON, if it goes to one."""
+        """The file of the JSON report, if there is one."""
         to_file = self.json_out is not None and self.json_out != STANDARD_OUTPUT
         return Path(str(self.json_out)) if to_file else None
 
     def say(self, text: str) -> None:
-        """Print for people, unless told to be quiet or a program listens."""
+        """Print a line, unless --quiet is given or the JSON goes to the standard output."""
         if not self.quiet and self.json_out != STANDARD_OUTPUT:
             click.echo(text)
 
     def show_profile(self, reports: Sequence[dapple.Report]) -> None:
-        """Print what the time went to where nothing else is read, even if told to be quiet."""
+        """Print the times of the stages on stderr, also with --quiet."""
         click.echo(profile_table(reports), err=True)
 
     def store(self, command: str, **content: Any) -> None:
-        """Write the JSON, if asked for: command and version, then the content."""
+        """Write the JSON report if --json is given: command, version and the content."""
         document = {"command": command, "version": dapple.__version__, **content}
         text = json.dumps(document, indent=1) + "\n"
         if self.file:
@@ -49,7 +49,7 @@ class Reporter:
 
 
 def figures(report: dapple.Quality) -> str:
-    """The most telling figures on one line; without a spacing where the surface is thinner."""
+    """The main figures on one line; without alpha where the surface is thinner than the spacing."""
     variation = f"capacity variation {report.capacity_variation:.4f}"
     if report.thin_share == 1.0:
         return f"{variation} along parts thinner than the spacing"

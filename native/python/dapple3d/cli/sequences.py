@@ -23,7 +23,7 @@ Key = list[tuple[bool, int, str]]
 
 
 def files_of(paths: Sequence[Path]) -> list[Path]:
-    """The files, or those meshes that a folder holds, by the numbers in their names.
+    """The files, or the meshes of a folder, sorted by the numbers in their names.
 
     What is hidden is left out, as the companions `._name` that macOS writes.
 
@@ -46,7 +46,7 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
 
 
 def _before_numbers(names: Iterable[str]) -> set[str]:
-    """What stands before a number that has no minus, up to the start of the name."""
+    """The text before a number without a minus."""
     return {
         name[: found.start()]
         for name in names
@@ -102,7 +102,7 @@ def read(files: Sequence[Path], *, may_be_empty: bool = False) -> Frames:
 
 
 def _numbered(path: Path, arrays: Arrays) -> Frames:
-    """Of vertices_0, faces_0, vertices_1 and so on; faces are those before where there are none."""
+    """Frames of vertices_0, faces_0, vertices_1 and so on; missing faces are those before."""
     numbers = sorted(int(found[1]) for name in arrays if (found := NUMBERED.fullmatch(name)))
     names = {int(found[1]): name for name in arrays if (found := NUMBERED.fullmatch(name))}
     faces = arrays.get("faces")
@@ -167,7 +167,7 @@ def same_polygons(one: Mesh, other: Mesh) -> bool:
 
 
 def _polygon_keys(mesh: Mesh) -> NDArray[np.uint64]:
-    """A number for the edges around each polygon; those between its triangles cancel."""
+    """A hash of the edges around each polygon; edges between its triangles cancel."""
     ends = mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].astype(np.int64)
     low, high = ends.min(axis=2).astype(np.uint64), ends.max(axis=2).astype(np.uint64)
     mixed = low << np.uint64(32) | high

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from dapple3d.cli.files import Arrays
 
-WORDS = "object"  # a column that is no number, and is left out
+WORDS = "object"  # type of a column that is not numeric and is skipped
 PLACE, NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
 COLOR, UV = ("red", "green", "blue"), ("u", "v")
-SEPARATORS = (";", "\t", ",")  # of columns: the first that the first line has
+SEPARATORS = (";", "\t", ",")  # of columns: the first of these in the first line
 WIDE = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 OFF = re.compile(r"(ST)?(C)?(N)?OFF(?=\d|$)", re.IGNORECASE)
 
@@ -67,7 +67,7 @@ def opened(path: Path) -> io.StringIO:
 
 
 def _lines(path: Path) -> list[str]:
-    """Without their ends, whichever those are."""
+    """Lines without their ends, which may be LF, CR or both."""
     return re.split(r"\r\n|\r|\n", opened(path).getvalue())
 
 
@@ -100,7 +100,7 @@ def read_csv(path: Path) -> Arrays:
 
 
 def _column_name(word: str) -> str:
-    """Names in capitals alone, or with one at the start, mean those in small letters."""
+    """Names in lower case, if they are in capitals or begin with one."""
     name = word.strip().lstrip("/#").strip()
     small = name.lower()
     return small if name in (name.upper(), name.capitalize()) else name
@@ -109,7 +109,7 @@ def _column_name(word: str) -> str:
 def _csv_rows(text: str) -> list[tuple[int, list[str]]]:
     """Lines that are not empty with their numbers, commas in numbers as points."""
     head, skipped = text, 0
-    if found := re.match(r"sep=(.)(\r\n|\r|\n)", text):  # as spreadsheets have it
+    if found := re.match(r"sep=(.)(\r\n|\r|\n)", text):  # written by spreadsheets
         separator, skipped = found[1], 1
         text = text[found.end() :]
     else:
@@ -127,7 +127,7 @@ def _csv_rows(text: str) -> list[tuple[int, list[str]]]:
 
 
 def _with_points(rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
-    """Numbers with a comma as those with a point, if no number of the file has a point."""
+    """The text with decimal points for decimal commas, if no number of the file has a point."""
     numbers = [word for _, row in rows for word in row if re.fullmatch(r"[\s\d.,eE+-]+", word)]
     if any("." in word or word.count(",") > 1 for word in numbers):
         return rows

@@ -15,11 +15,11 @@ from .nearest import Body, Nearest
 from .noise import bend, noise
 from .ranges import Range
 
-_INNER = 0.58  # farthest that a place of a triangle is from its corners, of its longest edge
-_COARSE = 0.25  # of the falloff: where values differ by less over a face, it needs no cut
-_SOFT = 2.0  # times as long edges as at a sharp change are good enough where there is a falloff
-_INWARD = 0.05  # of the way from a corner of a face to its middle
-_ROUNDING = 2.5e-7  # of coordinates, which are stored in single precision
+_INNER = 0.58  # largest distance of a place of a triangle from its corners, in longest edges
+_COARSE = 0.25  # of the falloff: a face over which values differ by less needs no cut
+_SOFT = 2.0  # factor of the edge length at a sharp change that suffices for a falloff
+_INWARD = 0.05  # share of the way from a corner of a face to its center
+_ROUNDING = 2.5e-7  # relative, of coordinates in single precision
 
 
 class Field:

@@ -34,14 +34,16 @@ from .arrays import (
 from .fields import Field, needs_cut
 from .pictures import Tile, crossing, filled_share, laid_out, reduced, repeats, texture_area
 
-_FINE = 0.3  # longest edge where a density changes within faces, in spacings of the points
-_AT_BORDER = 0.05  # the same at the border of a UDIM tile, where a density may jump
-_ROUNDS = 24  # of halving edges there
+_FINE = 0.3  # longest edge where a density changes within faces, in spacings
+_AT_BORDER = (
+    0.05  # longest edge at the border of a UDIM tile, where a density may jump, in spacings
+)
+_ROUNDS = 24  # of halving edges
 _MOST_FACES = 1_000_000
-_COUNTS = (100, 1_000_000)  # of points that faces are cut for
-_PIXELS = 8.0  # of a picture, for each spacing of the points; finer ones are averaged
-_REPEATED = 1.5  # the same of one that the surface has many times, which is fine everywhere
-_SHORTEST = 0.7  # edge that a picture still has cut, in spacings where it is densest
+_COUNTS = (100, 1_000_000)  # limits of the number of points that faces are cut for
+_PIXELS = 8.0  # of a picture per spacing; finer pixels are averaged
+_REPEATED = 1.5  # the same for a picture that repeats often, which is fine everywhere
+_SHORTEST = 0.7  # shortest edge that is cut for a picture, in spacings where it is densest
 
 
 class MaskedSurface:

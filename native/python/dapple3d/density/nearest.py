@@ -13,7 +13,7 @@ from .._native import Surface, project
 from .arrays import Floats, Ints, shaped
 from .normals import vertex_normals
 
-_THIN = 1e-9  # width of what stands for a line, of the size of all of them
+_THIN = 1e-9  # width of the triangle of a segment, relative to the size of all segments
 Mesh = tuple[Floats, Ints]  # vertices (v, 3) and faces (m, 3)
 
 
@@ -156,7 +156,7 @@ def border_edges(vertices: Floats, faces: Ints) -> Floats:
 
 
 def _once(edges: Ints) -> Ints:
-    """Rows of edges (k, 2) that there is no other one of."""
+    """Indices of the edges (k, 2) that occur once."""
     keys = edges[:, 0].astype(np.int64) << 32 | edges[:, 1]
     _, first, counts = np.unique(keys, return_index=True, return_counts=True)
     found: Ints = first[counts == 1]

@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 
 from .arrays import Floats
 
-_PART = 65_536  # places at a time, which the processor keeps at hand
-_SPREAD = 4.8  # of a noise's values, with which they fall evenly into 0 to 1
-_BENT = 0.7  # by which values bend over a length of the size of the patches, seldom by more
+_PART = 65_536  # places at a time, which fit into the cache
+_SPREAD = 4.8  # factor of the values with which they spread evenly over 0 to 1
+_BENT = 0.7  # deviation from a line over a length of the patches' size; rarely more
 # Directions to the edges of a cube; four of them twice, so that there are 16.
 _EDGES = [(0, a, b) for a in (1, -1) for b in (1, -1)]
 _EDGES += [(a, 0, b) for a in (1, -1) for b in (1, -1)]
 _EDGES += [(a, b, 0) for a in (1, -1) for b in (1, -1)]
 _GRADIENTS = np.array([*_EDGES, (1, 1, 0), (-1, 1, 0), (0, -1, 1), (0, -1, -1)], dtype=np.float64)
-_SHIFT = np.array([0.317, 0.713, 0.529])  # no object's origin is where all octaves are 0
+_SHIFT = np.array(
+    [0.317, 0.713, 0.529]
+)  # moves the point where all octaves are 0 away from the origin
 _PRIMES = np.array([0x8DA6B343, 0xD8163841, 0xCB1AB31F, 0x9E3779B1], dtype=np.uint32)
 Words = NDArray[np.uint32]
 

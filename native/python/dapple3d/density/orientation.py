@@ -8,7 +8,9 @@ import numpy as np
 from .arrays import Floats
 from .ranges import Range
 
-LEVEL = math.radians(5.0)  # a surface that slopes by less counts less, as it hardly has a direction
+LEVEL = math.radians(
+    5.0
+)  # below this slope a surface counts less, because it hardly has a direction
 
 
 def slope(normals: Floats, angles: Range) -> Floats:

@@ -13,7 +13,7 @@ from .arrays import Flags, Floats, Ints
 
 Tile = tuple[int, Floats]  # its number, and (rows, columns) of densities, row 0 at the bottom
 FIRST, ACROSS = 1001, 10
-_ROUNDING = 1e-6  # of texture coordinates, which are stored in single precision
+_ROUNDING = 1e-6  # of texture coordinates in single precision
 
 
 def reduced(image: Floats, most: int) -> Floats:
@@ -83,7 +83,7 @@ def laid_out(uv: Floats, tiles: Sequence[Tile]) -> tuple[Floats, Floats]:
         framed = np.pad(picture, 1, mode="edge")
         blocks.append(np.pad(framed, ((0, 0), (0, width - framed.shape[1]))))
         begin += rows + 2
-    blocks.append(np.zeros((3, width)))  # for faces in no tile
+    blocks.append(np.zeros((3, width)))  # for faces outside of all tiles
     nowhere = ~(center[:, None] == squares(tiles)).all(axis=2).any(axis=1)
     if nowhere.all():
         numbers = ", ".join(str(number) for number, _ in tiles)

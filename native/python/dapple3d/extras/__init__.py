@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What goes beyond samples on a surface: scene files and work on many machines.
+"""Scene files, surfaces larger than memory and work on several machines.
 
 - `dapple3d.extras.gltf`: meshes from glTF files, and points as instances in them.
 - `dapple3d.extras.usd`: points as a PointInstancer of USD; needs `dapple3d[usd]`.

@@ -16,7 +16,7 @@ __all__ = ["SUFFIXES", "read_arrays"]
 
 Floats = NDArray[np.float64]
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
-DEPTH = 1000  # of nodes within each other
+DEPTH = 1000  # largest depth of nested nodes
 WIDTHS = {"uv": 2, "normals": 3, "colors": 4}
 MISSING = {"uv": 0.0, "normals": 0.0, "colors": 1.0}
 COMPRESSED = {
@@ -54,7 +54,7 @@ def _nothing() -> dict[str, Any]:
 
 
 def _needed(document: Document) -> set[str]:
-    """Extensions without which nothing can be read, also those that primitives have."""
+    """Extensions that the file or its primitives require."""
     found = set(document.tree.get("extensionsRequired", ()))
     for mesh in document.tree.get("meshes", ()):
         for primitive in mesh["primitives"]:
@@ -67,7 +67,7 @@ def _needed(document: Document) -> set[str]:
 
 
 def _parts(document: Document) -> Iterator[dict[str, NDArray]]:
-    """Each primitive of each mesh where it stands."""
+    """Each primitive of each mesh with its matrix."""
     worlds = _worlds(document)
     for number, world in worlds.items():
         node = document.tree["nodes"][number]
@@ -108,7 +108,7 @@ def _worlds(document: Document) -> dict[int, Floats]:
 
 
 def _instances(document: Document, node: dict[str, Any], world: Floats) -> list[Floats]:
-    """The node's own place, or those of its instances."""
+    """Matrix of the node, or those of its instances."""
     if gltf.EXTENSION not in node.get("extensions", {}):
         return [world]
     return [world @ matrix for matrix in gltf.instance_matrices(document, node)]
@@ -117,7 +117,7 @@ def _instances(document: Document, node: dict[str, Any], world: Floats) -> list[
 def _primitive(
     document: Document, primitive: dict[str, Any], weights: Any
 ) -> dict[str, NDArray] | None:
-    """Vertices, faces and what vertices have; None of points and lines."""
+    """Vertices, faces and attributes of the vertices; None for points and lines."""
     mode, attributes = primitive.get("mode", TRIANGLES), primitive["attributes"]
     if mode < TRIANGLES or "POSITION" not in attributes:
         return None
@@ -187,7 +187,7 @@ def _faces(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
 def _skinned(
     document: Document, number: int, primitive: dict[str, Any], worlds: dict[int, Floats]
 ) -> Floats:
-    """(v, 4, 4): of each vertex the mean of its joints' matrices."""
+    """(v, 4, 4): the weighted mean of the joint matrices of each vertex."""
     skin = document.tree["skins"][number]
     joints = np.array([worlds.get(k, np.eye(4)) for k in skin["joints"]])
     if "inverseBindMatrices" in skin:
@@ -213,7 +213,7 @@ def _skinned(
 
 
 def _placed(part: dict[str, NDArray], matrices: Floats) -> dict[str, NDArray]:
-    """At one matrix for all or one for each vertex; those that mirror turn the faces around."""
+    """Transformed by one matrix or one per vertex; mirroring reverses the faces."""
     linear, shift = matrices[..., :3, :3], matrices[..., :3, 3]
     placed = dict(part)
     placed["vertices"] = (linear @ part["vertices"][:, :, None])[..., 0] + shift
@@ -228,13 +228,13 @@ def _placed(part: dict[str, NDArray], matrices: Floats) -> dict[str, NDArray]:
 
 
 def _cofactors(linear: Floats) -> Floats:
-    """What turns normals where a matrix turns vectors, also if it flattens them."""
+    """The matrix of normals for a matrix of vectors, which may be singular."""
     x, y, z = (linear[..., :, k] for k in range(3))
     return np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
 
 
 def _joined(parts: list[dict[str, NDArray]]) -> dict[str, Any]:
-    """One after the other, z up; what stands at vertices goes to the corners."""
+    """All parts joined, z up; attributes of vertices are at the corners."""
     starts = np.cumsum([0, *(len(part["vertices"]) for part in parts)])
     vertices = np.concatenate([part["vertices"] for part in parts])
     faces = np.concatenate([part["faces"] + k for part, k in zip(parts, starts, strict=False)])

@@ -31,7 +31,7 @@ from ..writing import replacing
 __all__ = ["SUFFIXES", "read", "write", "write_scatters"]
 
 SUFFIXES: Final = (".glb", ".gltf")
-"""Of the files that write() and read() know: binary, and text that holds the bytes too."""
+"""Suffixes of the files that write() and read() know: binary, and text with the bytes inside."""
 
 EXTENSION = "EXT_mesh_gpu_instancing"
 MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
@@ -39,9 +39,9 @@ EMBEDDED = "data:application/octet-stream;base64,"
 FLOAT, UNSIGNED_INT = 5126, 5125
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-MOST_ZEROS = 1000  # rows that a byte of the file can stand for
-LARGEST_ID = 2**24  # whole numbers up to it are 32-bit floats
-# Keys whose whole numbers count the entries of a list of the file.
+MOST_ZEROS = 1000  # rows of zeros that are accepted per byte of the file
+LARGEST_ID = 2**24  # integers up to this are exact as 32-bit floats
+# Keys whose integers are indices into a list of the file.
 COUNTING = {
     "bufferView": "bufferViews",
     "index": "textures",
@@ -50,21 +50,21 @@ COUNTING = {
     "sampler": "samplers",
     "source": "images",
 }
-# Extensions whose numbers mean something else.
+# Extensions whose integers have another meaning.
 UNKNOWN = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_materials_variants"}
 MERGED = ("bufferViews", "accessors", "images", "samplers", "textures", "materials", "meshes")
 
 
 @dataclass
 class Document:
-    """A file as it is put together or was read."""
+    """A file that is being written or was read."""
 
     tree: dict[str, Any] = field(default_factory=dict)
     blob: bytearray = field(default_factory=bytearray)
     merged: dict[Path, dict[str, int]] = field(default_factory=dict)  # where files begin in lists
 
     def add(self, name: str, entry: Any) -> int:
-        """The number of a new entry of a list."""
+        """Add an entry to a list and return its index."""
         entries = self.tree.setdefault(name, [])
         entries.append(entry)
         return len(entries) - 1
@@ -105,12 +105,12 @@ class Document:
         return values[:, 0] if width == 1 else values
 
     def _check_sparse(self, entry: dict[str, Any]) -> None:
-        """Without a view of its own a file could promise any number of zeros."""
+        """Refuse accessors without a view that are larger than the file justifies."""
         if entry["count"] > MOST_ZEROS * (len(self.blob) + 1):
             raise ValueError(f"an accessor promises {entry['count']} rows of nothing")
 
     def _rows(self, entry: dict[str, Any], dtype: np.dtype, width: int, count: int) -> NDArray:
-        """Of a view of the bytes, as far as these reach."""
+        """The bytes of a view, checked against the length of the buffer."""
         view = self.tree["bufferViews"][entry["bufferView"]]
         start = view.get("byteOffset", 0) + entry.get("byteOffset", 0)
         stride = view.get("byteStride") or dtype.itemsize * width
@@ -131,7 +131,7 @@ def write(
     prototypes: Sequence[Reference | Mesh] = (),
     name: str = "points",
 ) -> None:
-    """Write instances as nodes with EXT_mesh_gpu_instancing, one for each mesh that stands there.
+    """Write instances as nodes with EXT_mesh_gpu_instancing, one for each mesh of a prototype.
 
     Their attributes are TRANSLATION, ROTATION, SCALE and _ID; ids are floats, so that they end at
     16,777,216. Velocities, normals and classes beside prototypes are left out.
@@ -200,7 +200,7 @@ def _encoded(document: Document, suffix: str) -> bytes:
 def _add_scatter(
     document: Document, scatter: Scatter, up: Up, meters_per_unit: float, target: Path
 ) -> int:
-    """The node that holds those of its prototypes."""
+    """The parent node of the nodes of all prototypes."""
     if len(scatter.frames) != 1:
         raise ValueError(f"{scatter.name} has {len(scatter.frames)} frames: glTF holds one")
     (found,) = scatter.frames
@@ -245,7 +245,7 @@ class _Placed:
         return _Placed(found.positions[which], turns[which], scales[which], ids)
 
     def through(self, matrix: NDArray) -> "_Placed":
-        """Places of a mesh that the prototype has at a matrix."""
+        """Instances of a mesh that has a matrix of its own in the prototype."""
         if np.array_equal(matrix, np.eye(4)):
             return self
         here = np.tile(np.eye(4), (len(self.positions), 1, 1))
@@ -274,7 +274,7 @@ class _Placed:
 
 
 def _check_ids(found: Instances) -> None:
-    """Raise ValueError, naming the first id that is no 32-bit float."""
+    """Raise ValueError, naming the first id that is not exact as a 32-bit float."""
     if found.ids is None:
         return
     wrong = np.flatnonzero((found.ids > LARGEST_ID) | (found.ids < -LARGEST_ID))
@@ -337,7 +337,7 @@ def _add_mesh(document: Document, mesh: Mesh, up: Up, factor: float) -> int:
 
 
 def _ball(radius: float) -> Mesh:
-    """An octahedron, whose faces are cut into four twice."""
+    """An octahedron, subdivided twice."""
     signs = np.array([[x, y, z] for x in (1, -1) for y in (1, -1) for z in (1, -1)])
     corners = np.eye(3) * signs[:, :, None]
     turned = signs.prod(axis=1) < 0
@@ -358,7 +358,7 @@ def _ball(radius: float) -> Mesh:
 def _merge(
     document: Document, reference: Reference, target: Path
 ) -> list[tuple[int, NDArray[np.float64]]]:
-    """Take over what meshes need; the numbers of those below the node, and where they are."""
+    """Copy meshes with their dependencies; their indices and matrices below the node."""
     other = load(Path(reference.path))
     with reading(reference.path):
         used = list(other.tree.get("extensionsUsed", ()))
@@ -400,7 +400,7 @@ def _check_indices(document: Document, number: int) -> None:
 
 
 def _take_over(document: Document, other: Document, source: Path, target: Path) -> None:
-    """All lists of the other file that belong to meshes, and its bytes."""
+    """Copy all lists of the other file that meshes refer to, and its bytes."""
     offsets = document.merged[source]
     document.blob.extend(bytes(-len(document.blob) % 4))
     start = len(document.blob)
@@ -418,7 +418,7 @@ def _take_over(document: Document, other: Document, source: Path, target: Path) 
 
 
 def _renumbered(value: Any, offsets: dict[str, int], key: str = "") -> Any:
-    """With the numbers that entries have behind those that are there already."""
+    """The entry with its indices shifted behind the entries that exist."""
     if key == "extras":
         return value
     if isinstance(value, list):
@@ -438,7 +438,7 @@ def _relative(uri: str, source: Path, target: Path) -> str:
 
 
 def _starts(other: Document, reference: Reference) -> list[int]:
-    """The node that is named, or those of the scene."""
+    """The named node, or all nodes of the scene."""
     with reading(reference.path):
         if not reference.prim:
             scene = other.tree.get("scenes", [{}])[other.tree.get("scene", 0)]
@@ -453,7 +453,7 @@ def _starts(other: Document, reference: Reference) -> list[int]:
 def _meshes_below(
     other: Document, starts: list[int], above: NDArray | None = None
 ) -> list[tuple[int, NDArray[np.float64]]]:
-    """Meshes and where they are."""
+    """Meshes and their matrices."""
     found = []
     for number in starts:
         node = other.tree["nodes"][number]
@@ -478,7 +478,7 @@ def matrix_of(node: dict[str, Any]) -> NDArray[np.float64]:
 
 
 def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
-    """Read all instances of a file, in the order of its nodes, in meters.
+    """Read all instances of a file, in the order of its nodes; lengths are in meters.
 
     Args:
         path: ends with one of SUFFIXES.
@@ -499,7 +499,7 @@ def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
 
 @contextmanager
 def reading(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Say of whatever a broken file makes Python raise that the file is broken."""
+    """Report any exception caused by a broken file as ValueError."""
     try:
         yield
     except (ValueError, struct.error) as error:
@@ -511,7 +511,7 @@ def reading(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def instance_matrices(document: Document, node: dict[str, Any]) -> NDArray[np.float64]:
-    """(n, 4, 4) of the instances of a node."""
+    """Matrices (n, 4, 4) of the instances of a node."""
     found = _read_node(document, node, 0)
     matrices = np.tile(np.eye(4), (len(found["positions"]), 1, 1))
     matrices[:, :3, :3] = _matrices(found["orientations"]) * found["scales"][:, None, :]
@@ -532,7 +532,7 @@ def _instances(document: Document, nodes: list[dict[str, Any]], up: Up) -> Insta
 
 
 def _is_first(node: dict[str, Any]) -> bool:
-    """Whether it has instances, and those of no other part of a prototype."""
+    """Whether a node has instances that are not a further part of a prototype."""
     return EXTENSION in node.get("extensions", {}) and not node.get("extras", {}).get("part")
 
 
@@ -566,7 +566,7 @@ def load(path: Path) -> Document:
 
 
 def _gathered(tree: dict[str, Any], blob: bytes, path: Path) -> bytearray:
-    """All buffers one after the other; views count from the start of the first."""
+    """All buffers joined; offsets of views are changed to match."""
     buffers, bytes_of_all, starts = tree.get("buffers", ()), bytearray(), list[int]()
     for k, buffer in enumerate(buffers):
         bytes_of_all.extend(bytes(-len(bytes_of_all) % 8))

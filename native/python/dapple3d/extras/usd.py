@@ -32,7 +32,7 @@ from ..writing import replacing
 __all__ = ["SUFFIXES", "Contents", "check_installed", "read", "write", "write_scatters"]
 
 SUFFIXES: Final = (".usd", ".usda", ".usdc")
-"""Of the files that write() and read() know: binary, text, binary."""
+"""Suffixes of the files that write() and read() know: binary, text, binary."""
 
 VECTORS = {
     "positions": "positions",
@@ -79,7 +79,7 @@ def _pxr() -> SimpleNamespace:
 
 
 def check_installed() -> None:
-    """Find out before long work whether files can be written and read.
+    """Raise ImportError before long work if usd-core is missing.
 
     Raises:
         ImportError: usd-core is not installed.
@@ -101,7 +101,7 @@ def write(
     prototypes: Sequence[Reference | Mesh] = (),
     name: str = "points",
 ) -> None:
-    """Write instances as a UsdGeom PointInstancer, the file as a whole or not at all.
+    """Write instances as a UsdGeom PointInstancer; the file is complete or not written.
 
     Orientations are written twice: as `orientations`, 16-bit floats that every reader knows, and
     as `orientationsf`, 32-bit floats that newer ones take instead. Normals become a primvar, and
@@ -214,7 +214,7 @@ def _add_instancer(stage: Any, scatter: Scatter, codes: list[float] | None) -> N
 
 
 def _numbered(frame: Instances, numbers: list[int]) -> Instances:
-    """With prototypes as their places among those that there are, if some are left out."""
+    """Instances with the indices of the prototypes that are written."""
     if numbers == list(range(len(numbers))):
         return frame
     places = np.searchsorted(numbers, frame.placed).astype(np.int32)
@@ -223,7 +223,7 @@ def _numbered(frame: Instances, numbers: list[int]) -> Instances:
 
 
 def _add_prototype(stage: Any, below: str, k: int, shape: Reference | Mesh | float) -> str:
-    """The path of the prim that stands for class k."""
+    """The path of the prototype prim of class k."""
     path, geometry = f"{below}/class_{k}", _pxr().UsdGeom
     if isinstance(shape, Reference):
         if shape.held:
@@ -246,7 +246,7 @@ def _add_prototype(stage: Any, below: str, k: int, shape: Reference | Mesh | flo
 
 
 def _add_copy(stage: Any, below: str, reference: Reference) -> str:
-    """Copy the default prim of a file, with materials and all, unless that has been done."""
+    """Copy the default prim of a file with its materials, once."""
     pxr = _pxr()
     with _opened(Path(reference.path).resolve()) as other:
         source = _prim_of(other, Reference(reference.path))
@@ -258,7 +258,7 @@ def _add_copy(stage: Any, below: str, reference: Reference) -> str:
 
 
 def _checked_reference(reference: Reference) -> tuple[str, ...]:
-    """File, with its whole path, and prim if it is named, both of which there must be."""
+    """Absolute path and prim of a reference, both checked to exist."""
     path = Path(reference.path).resolve()
     with _opened(path) as stage:
         _prim_of(stage, reference)
@@ -293,7 +293,7 @@ def _check_topology(reference: Reference, mesh: Any) -> None:
 
 
 def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | None) -> None:
-    """What is the same on all frames goes in without a time; velocities have those of positions."""
+    """Set attributes that are constant once, others at times; velocities at those of positions."""
     pxr = _pxr()
     primvars, types = pxr.UsdGeom.PrimvarsAPI(prim), pxr.Sdf.ValueTypeNames
     kinds = {"normals": types.Normal3fArray, "classes": types.IntArray}
@@ -312,7 +312,7 @@ def _add_arrays(prim: Any, frames: Sequence[Instances], codes: list[float] | Non
 
 
 def _values(frame: Instances) -> dict[str, Any]:
-    """USD's arrays by the names of its attributes."""
+    """Arrays of USD by the names of their attributes."""
     vt, turns = _pxr().Vt, frame.orientations
     found = {"protoIndices": vt.IntArray.FromNumpy(frame.placed)}
     if frame.classes is not None and frame.prototypes is not None:
@@ -340,10 +340,10 @@ def _vectors(name: str, values: NDArray) -> Any:
 
 
 def _save(stage: Any, path: Path) -> None:
-    """Write by way of a file elsewhere, as USD writes nothing but files that it opens itself."""
+    """Write to a temporary file first, because USD writes only files that it opens itself."""
     pxr, folder = _pxr(), path.resolve().parent
     layer = pxr.Sdf.Layer.CreateAnonymous()
-    layer.TransferContent(stage.GetRootLayer())  # the stage would look for the relative paths
+    layer.TransferContent(stage.GetRootLayer())  # the stage would resolve the relative paths
     pxr.UsdUtils.ModifyAssetPaths(layer, lambda asset: _relative(asset, folder))
     with tempfile.TemporaryDirectory() as elsewhere, replacing(path) as file:
         made = Path(elsewhere, f"whole{path.suffix.lower()}")
@@ -363,7 +363,7 @@ def _relative(asset: str, folder: Path) -> str:
 
 @contextmanager
 def _telling(path: Path, before: str) -> Iterator[None]:
-    """Say on one line what USD says in many."""
+    """Raise USD's message on one line."""
     try:
         yield
     except _pxr().Tf.ErrorException as error:
@@ -375,7 +375,7 @@ def _telling(path: Path, before: str) -> Iterator[None]:
 
 
 def read(path: str | os.PathLike[str], prim: str | None = None) -> Contents:
-    """Read a PointInstancer, in its own space: transforms of prims above it are left out.
+    """Read a PointInstancer in its own space, without the transforms of its parents.
 
     Args:
         path: ends with one of SUFFIXES.
@@ -423,7 +423,7 @@ def _found(stage: Any, path: str | None) -> Any:
 
 
 def _outermost(stage: Any) -> Iterator[Any]:
-    """The PointInstancers that are no prototypes of another one."""
+    """The PointInstancers that are not prototypes of another one."""
     prims = iter(stage.Traverse())
     for prim in prims:
         if prim.IsA(_pxr().UsdGeom.PointInstancer):
@@ -442,7 +442,7 @@ def _times(prim: Any) -> list[float]:
 
 
 def _stand_at(prim: Any, placed: NDArray, classes: NDArray) -> bool:
-    """Whether prototypes were left out, and what is named after a class stands at its points."""
+    """Whether prototypes are missing, and the names of those present are those of classes."""
     targets = _pxr().UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
     names = [target.name for target in targets]
     numbers = [int(name[6:]) if CLASS.fullmatch(name) else -1 for name in names]

@@ -29,7 +29,7 @@ ROWS = (
     ("energy", "energy", ".5f", "normalized; 0.16037 for hexagons"),
 )
 Places = NDArray | dapple.Samples  # in space, or on the faces of a mesh
-FAR = 1e12  # sizes of the mesh: from there no face can be told to be nearest
+FAR = 1e12  # sizes of the mesh: beyond, the nearest face is not defined in floating point
 
 
 @click.command("analyze", short_help="How even a point set is.")

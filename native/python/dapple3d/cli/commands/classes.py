@@ -29,7 +29,7 @@ class Wanted:
     density: str | None = None
 
     def settings(self, count: int) -> dict[str, Any]:
-        """What the report says of it, which has so many points."""
+        """The entry of a report for a class with that many points."""
         told = {"count": count, "radius": self.radius, "density": self.density}
         return told | options.given({"spacing": self.spacing})
 

@@ -128,7 +128,7 @@ def command(
 def chosen(
     motion: motions.Motion, source: Path, frame: int | None, start: int | None
 ) -> motions.Motion:
-    """The frame that is asked for, or all, with the numbers that are asked for.
+    """The chosen frame, or all frames, with their numbers.
 
     Raises:
         ClickException: there is no such frame.

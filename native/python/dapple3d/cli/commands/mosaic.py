@@ -83,7 +83,7 @@ def command(
         tiling = {name: given[name] for name in ("cells", "threads") if name in given} | shape
         merge = not polygons.needs_convex(out)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # of empty tiles, which is said below
+            warnings.simplefilter("ignore", UserWarning)  # about empty tiles, reported below
             made = work.run(partial(dapple.mosaic, loaded.surface, samples, merge=merge, **tiling))
     if made.empty == len(samples):
         raise click.ClickException(

@@ -212,7 +212,7 @@ def of_last(results: Sequence[Any]) -> str:
 
 @dataclass
 class NoReport:
-    """Of a frame without faces."""
+    """The report of a frame without faces."""
 
     births: int = 0  # on the next frame that has some
     deaths: int = 0

@@ -19,7 +19,7 @@ from ...reading import BROKEN, read_npz
 from ...writing import replacing, write_npz
 
 SIZE = 16  # bytes of a digest
-BANDS = 16  # of a grid, so that a message can say where another one differs
+BANDS = 16  # bands of a grid: a message can say which of them differ
 
 
 class DamagedError(ValueError):
@@ -31,7 +31,7 @@ def _new() -> Any:
 
 
 def of_text(*texts: str) -> str:
-    """Of one text or of several, in their order."""
+    """Digest of one or more texts, in their order."""
     found = _new()
     for text in texts:
         found.update(f"{len(text)}:{text}".encode())
@@ -39,7 +39,7 @@ def of_text(*texts: str) -> str:
 
 
 def of_arrays(arrays: Mapping[str, ArrayLike], *texts: str) -> str:
-    """Of arrays with their names, types and shapes, and of texts."""
+    """Digest of arrays with their names, types and shapes, and of texts."""
     found = _new()
     found.update(of_text(*texts).encode())
     for name, values in arrays.items():
@@ -51,7 +51,7 @@ def of_arrays(arrays: Mapping[str, ArrayLike], *texts: str) -> str:
 
 
 def of_file(path: Path) -> str:
-    """Of the bytes of a file, or of all files in a folder.
+    """Digest of the bytes of a file, or of all files in a folder.
 
     Raises:
         OSError: naming what is missing or cannot be read.
@@ -65,7 +65,7 @@ def of_file(path: Path) -> str:
 
 
 def of_grid(grid: Any) -> dict[str, str]:
-    """Of numbers in rows and columns, by bands of rows, which are read one after the other."""
+    """Digests of a grid by bands of rows, which are read one after the other."""
     rows, columns = grid.shape
     ends = np.unique(np.arange(BANDS + 1) * rows // BANDS).tolist()
     found = {}
@@ -76,7 +76,7 @@ def of_grid(grid: Any) -> dict[str, str]:
 
 
 def plain(value: Any) -> Any:
-    """As JSON gives it back: numbers of numpy as those of Python, tuples as lists."""
+    """The value as JSON returns it: numbers of Python, tuples as lists."""
     return json.loads(json.dumps(value, default=_plain_number))
 
 
@@ -87,7 +87,7 @@ def _plain_number(value: Any) -> Any:
 
 
 def of_document(document: Mapping[str, Any]) -> str:
-    """Of what JSON holds, but for an entry 'digest'."""
+    """Digest of a JSON document without its entry 'digest'."""
     rest = {name: value for name, value in document.items() if name != "digest"}
     return of_text(json.dumps(rest, sort_keys=True))
 

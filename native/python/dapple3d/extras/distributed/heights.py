@@ -56,7 +56,7 @@ class HeightField:
 
     @property
     def face_count(self) -> int:
-        """Two between four heights, those beside missing heights included."""
+        """Two triangles between each four heights, next to missing heights too."""
         rows, columns = self.heights.shape
         return 2 * (rows - 1) * (columns - 1)
 

@@ -125,7 +125,7 @@ class Layout:
         return Zone(_span(self.rows, r), _span(self.columns, c))
 
     def part(self, job: Job) -> Zone:
-        """What of the surface the job looks at."""
+        """The part of the surface that the job reads."""
         alone = job.kind in ("first", "tile")
         return self.free(job) if alone else self.free(job).grown(LOCKED * self.unit)
 

@@ -24,7 +24,7 @@ from .patches import Floats, Patch, Place, check_density
 from .streams import Column, Stream, open_stream
 
 ABOUT = "mesh.json"
-BUCKET = 20_000  # faces: what is read at once
+BUCKET = 20_000  # faces that are read at once
 Span = tuple[float, float]
 
 
@@ -46,13 +46,13 @@ class SortedMesh:
 
     @property
     def face_count(self) -> int:
-        """Of the whole mesh."""
+        """Number of faces of the whole mesh."""
         count: int = self.about["faces"]
         return count
 
     @property
     def axes(self) -> tuple[int, int]:
-        """Those along which it is longest."""
+        """The two longest axes of the mesh."""
         first, second = self.about["axes"]
         return first, second
 
@@ -105,7 +105,7 @@ def _mapped(path: Path, _state: State) -> NDArray:
 
 
 def _bucket(values: Floats, span: Span, count: int) -> NDArray[np.int64]:
-    """Which of so many equal parts of a span values are in, those beyond in the outermost."""
+    """Index of the part of a span, cut into equal parts, that holds each value; clamped."""
     length = span[1] - span[0]
     if not length > 0.0:
         return np.zeros(len(values), np.int64)
@@ -127,7 +127,7 @@ def sorted_mesh(path: Path, folder: Path) -> SortedMesh:
         try:
             _sort(path.name, source, open_stream(path), part)
             _exchange(part, folder)
-        except FileError as error:  # which names the file
+        except FileError as error:  # its message names the file
             raise ValueError(str(error)) from error
         except BROKEN as error:
             raise ValueError(f"{path}: {error}") from error
@@ -137,7 +137,7 @@ def sorted_mesh(path: Path, folder: Path) -> SortedMesh:
 
 
 def _source_digest(path: Path) -> str:
-    """Of a file; empty for glTF in text, whose numbers may be in files beside it."""
+    """Digest of a file; empty for glTF text, whose data may be in other files."""
     return "" if path.suffix.lower() == ".gltf" else of_file(path)
 
 

@@ -13,7 +13,7 @@ from .digests import of_arrays
 
 Place = Literal["vertices", "faces"]
 Floats = NDArray[np.float64]
-BINS = np.exp2(np.arange(-512, 513) / 4.0)  # of densities, four to a power of two
+BINS = np.exp2(np.arange(-512, 513) / 4.0)  # bins of densities, four per power of two
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Patch:
         return of_arrays(arrays, self.density_at)
 
     def find(self, ids: NDArray[np.int64]) -> NDArray[np.int32]:
-        """Which faces of the patch those of the whole surface are; -1 for others."""
+        """Index in the patch of each face of the whole surface; -1 where it has none."""
         if len(self.ids) == 0:
             return np.full(len(ids), -1, np.int32)
         places = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
@@ -115,14 +115,14 @@ class Tileable(Protocol):
 
     @property
     def face_count(self) -> int:
-        """Of the whole surface."""
+        """Number of faces of the whole surface."""
 
     @property
     def axes(self) -> tuple[int, int]:
         """The coordinates that lie along the rows and the columns of tiles: y and x are (1, 0)."""
 
     def lines(self, rows: int, columns: int) -> tuple[Floats, Floats]:
-        """Where the borders between so many tiles may be, rows first; increasing.
+        """Positions of the borders between so many tiles, rows first, increasing.
 
         Returns:
             rows + 1 and columns + 1 coordinates at most: fewer if there cannot be as many tiles.

@@ -50,7 +50,7 @@ class Plan:
         return int(self.counts.sum())
 
     def ids(self, job: Job) -> NDArray[np.int64]:
-        """Of the points that a tile begins with."""
+        """Ids of the points that a tile begins with."""
         place = job.row * self.layout.shape[1] + job.column
         start = int(self.counts.ravel()[:place].sum())
         return np.arange(start, start + self.counts[job.row, job.column])
@@ -211,7 +211,7 @@ ENTRIES: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 def shape_for(tiles: float, lengths: tuple[float, float]) -> tuple[int, int]:
-    """Rows and columns of about so many tiles that are nearly square."""
+    """Rows and columns of about so many nearly square tiles."""
     rows = max(1, round(math.sqrt(tiles * lengths[0] / lengths[1])))
     return rows, max(1, round(tiles / rows))
 

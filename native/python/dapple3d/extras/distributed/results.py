@@ -78,16 +78,16 @@ class Folder:
 
     @property
     def plan(self) -> Path:
-        """Of the plan."""
+        """File of the plan."""
         return self.path / PLAN
 
     @property
     def surface(self) -> Path:
-        """Of a mesh whose faces are sorted."""
+        """Folder of a mesh whose faces are sorted."""
         return self.path / "surface"
 
     def file(self, job: Job) -> Path:
-        """Of a result: a tile, or what it is made of."""
+        """File of a result: a tile, or a part of one."""
         below = "tiles" if job.kind == "tile" else "work"
         return self.path / below / f"{job.name}.npz"
 
@@ -178,7 +178,7 @@ class Tiles:
         return Folder(self.folder, self.plan().digest).read_tile(row, column)
 
     def tiles(self) -> Iterator[TilePoints]:
-        """All of them, row by row, each read when it is asked for."""
+        """All tiles, row by row; each is read when it is needed."""
         plan = self.plan()
         folder = Folder(self.folder, plan.digest)
         return (folder.read_tile(r, c) for r, c in plan.layout.tiles())

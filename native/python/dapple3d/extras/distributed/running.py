@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 # Dask has workers give memory back at once. Solutions ask for the same memory again and again,
 # which takes 8 % longer then.
 KEEPING = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
-LOOK = 0.02  # seconds between two looks at what workers have done
+LOOK = 0.02  # seconds between two checks of the workers
 
 
 class Task(NamedTuple):
-    """A call: function(shared, argument, context), once those that it needs have ended."""
+    """A call, function(shared, argument, context), and the tasks that have to end before it."""
 
     name: str
     argument: Any
@@ -35,7 +35,7 @@ Runner = Callable[[Function, Any, Sequence[Task], native.Context], Done]
 def run_here(
     function: Function, shared: Any, tasks: Sequence[Task], context: native.Context
 ) -> Done:
-    """One after another; each stands after those that it needs."""
+    """Run tasks one after another; each follows those that it needs."""
     for k, task in enumerate(tasks):
         context.check()
         part = context.part(k / len(tasks), (k + 1) / len(tasks))
@@ -49,7 +49,7 @@ def runner_on(client: "Client") -> Runner:
     def run(
         function: Function, shared: Any, tasks: Sequence[Task], context: native.Context
     ) -> Done:
-        # What all calls share goes to each worker once; if it is lost, the scheduler still has it.
+        # Shared data is sent to each worker once; the scheduler keeps a copy.
         common = client.submit(_same, shared, pure=False)
         futures = _submitted(client, function, common, tasks)
         named = {futures[task.name].key: task for task in tasks}
@@ -57,12 +57,12 @@ def runner_on(client: "Client") -> Runner:
         try:
             for k, future in enumerate(_ended(waiting, context), 1):
                 task = named[future.key]
-                # A result that is held would be made again if its worker is lost.
+                # A result that is held would be computed again if its worker is lost.
                 del futures[task.name]
                 yield task, _result(task, future)
                 context.advance(k / len(tasks))
         finally:
-            # What nobody waits for any more is not begun. A cancel would fail at results that were
+            # Tasks that nobody waits for are not begun. A cancel would fail at results that were
             # let go and that others need.
             for left in (common, *futures.values()):
                 left.release()

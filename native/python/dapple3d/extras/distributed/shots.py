@@ -20,7 +20,7 @@ from .running import Task, connected, runner_on, shown
 if TYPE_CHECKING:
     from distributed import Client
 
-TIMES = ("seconds", "profile")  # of a report: never the same twice
+TIMES = ("seconds", "profile")  # entries of a report that differ from run to run
 Shot = str | os.PathLike[str]
 Work = Callable[[Path], Mapping[str, ArrayLike]]
 
@@ -95,8 +95,8 @@ def _result_files(shots: Sequence[Path], folder: Path) -> list[Path]:
 
 
 def work_digest(work: Any) -> str:
-    """Of the name, the source and the arguments of a function."""
-    from distributed.protocol.pickle import dumps  # as it goes to the workers
+    """Digest of the name, the source and the arguments of a function."""
+    from distributed.protocol.pickle import dumps  # as it is sent to the workers
 
     if isinstance(work, partial):
         arguments = [*map(work_digest, work.args), *(map(work_digest, work.keywords.items()))]
@@ -124,7 +124,7 @@ def _has(shot: Path, file: Path, work: str) -> bool:
 def _do(shared: tuple[Work, str], shot: tuple[Path, Path], context: native.Context) -> None:
     work, key = shared
     path, out = shot
-    if _has(path, out, key):  # by a worker that was taken for lost
+    if _has(path, out, key):  # written by a worker that was believed lost
         return
     shot_key = of_text(key, of_file(path))
     try:
@@ -170,7 +170,7 @@ def motion_arrays(results: Sequence[native.Samples]) -> dict[str, NDArray]:
 
 
 def changing_arrays(results: Sequence[native.Samples]) -> dict[str, NDArray]:
-    """The same where samples appear and vanish: those of one frame after those of another.
+    """The same where samples appear and vanish: arrays of all frames, joined.
 
     Those of frame k are the rows starts[k] to starts[k + 1].
     """

@@ -11,7 +11,7 @@ from ... import _native as native
 from .patches import Floats, Patch
 from .results import Bound
 
-FAINT = 1e-9  # times the density: nothing starts there, but what is there keeps others at distance
+FAINT = 1e-9  # factor of the density: no point starts there, but points there repel others
 STARTED = 0.3  # of the progress
 CAREFUL = 0.8  # times the tolerance: between points that stay, the last steps matter more
 

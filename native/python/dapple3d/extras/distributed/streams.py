@@ -192,7 +192,7 @@ def _row_type(element: _Element, order: str) -> np.dtype:
 def _ply_header(file: IO[bytes]) -> tuple[str, list[_Element]] | None:
     """The byte order, and the elements; None if it is no binary file with one list at most."""
     order, elements = "", list[_Element]()
-    if file.readline(20).strip() != b"ply":  # not with other ends of lines
+    if file.readline(20).strip() != b"ply":  # other line ends are not supported
         return None
     for number, line in enumerate(file, 2):
         words = line.decode("ascii", "replace").split()

@@ -118,7 +118,7 @@ def _checked_options(count: int, tile: int, seed: int, options: dict[str, Any]) 
         raise ValueError(f"count is {count}: 1 at least is needed")
     if tile < SMALLEST:
         raise ValueError(f"tile is {tile}: {SMALLEST} points at least are needed")
-    native.sample(native.Surface(*TRIED), 1, seed=seed, **options)  # which says what is wrong
+    native.sample(native.Surface(*TRIED), 1, seed=seed, **options)  # raises if an option is wrong
     return {name: int(number) for name, number in numbers.items()} | {"options": plain(options)}
 
 
