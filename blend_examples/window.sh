@@ -13,7 +13,7 @@ case $told in
   manual) size=1240x920 ;;
   *) fail "unknown story $told; see the head of blend_examples/window.sh" ;;
 esac
-scripts/setup.sh
+scripts/setup.sh --dev
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 export PYTHONPATH=$site_packages DAPPLE_SHOTS=$root/build/$told LIBGL_ALWAYS_SOFTWARE=1
 BLENDER_USER_RESOURCES=$(mktemp -d)

@@ -5,7 +5,7 @@
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 [ "$(system_name)" = debian-13 ] || fail 'Dapple needs Blender 4.3, which Debian ships from 13 (trixie) on'
-scripts/setup.sh
+scripts/setup.sh --dev
 PYTHONPATH=$root:$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 export PYTHONPATH
 exec blender --python-use-system-env --python-expr 'import addon; addon.register()' "$@"

@@ -62,7 +62,7 @@ tidy_one() {
   local key
   key=$(sha256sum "$1" | cut -d ' ' -f 1)-$2
   [ ! -f "build/tidy/$key" ] || return 0
-  clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option "$1" 2>&1 |
+  clang-tidy --quiet -p build/tidy/commands --extra-arg=-Wno-unknown-warning-option "$1" 2>&1 |
     sed '/^[0-9]* warnings\{0,1\}.* generated/d' && touch "build/tidy/$key"
 }
 export -f tidy_one
@@ -90,7 +90,7 @@ changed_since() {
 # tidy_rules_changed COMMIT: whether the tool or its rules are others than there.
 tidy_rules_changed() {
   [ -n "$(changed_since "$1" .clang-tidy)" ] ||
-    [ -n "$(git diff -U0 "$1" -- scripts/requirements.txt | sed -n '/^[+-]clang-tidy/p')" ]
+    [ -n "$(git diff -U0 "$1" -- scripts/requirements-tools.txt | sed -n '/^[+-]clang-tidy/p')" ]
 }
 
 # includers HEADER: the sources that include a header themselves; where only headers do, the sources of those.
@@ -114,8 +114,10 @@ tidy_sources() {
 
 clang_tidy_check() {
   local common sources
-  [ -f build/release/compile_commands.json ] || fail 'clang-tidy needs the release build: run scripts/setup.sh'
   mkdir -p build/tidy
+  # Its own commands: one for each source, without GCC's precompiled headers.
+  cmake --preset release -B build/tidy/commands -DDAPPLE_FAST_COMPILE=OFF >build/tidy/configure.log 2>&1 ||
+    fail 'clang-tidy needs a set-up: run scripts/setup.sh --dev; see build/tidy/configure.log'
   [ -n "$all$since" ] || since=$(tidy_base) || echo '   git knows no commit to compare with: every source'
   mapfile -t sources < <(find_files '.*\.cpp' native)
   if [ -z "$all" ] && [ -n "$since" ] && ! tidy_rules_changed "$since"; then
@@ -124,7 +126,7 @@ clang_tidy_check() {
   fi
   common=$({
     find_files '.*\.hpp' native | xargs cat
-    cat .clang-tidy build/release/compile_commands.json scripts/requirements.txt
+    cat .clang-tidy build/tidy/commands/compile_commands.json scripts/requirements-tools.txt
   } | sha256sum | cut -c 1-16)
   printf '%s\n' "${sources[@]}" |
     xargs -r -P "$(build_jobs)" -I '{}' bash -o pipefail -c 'tidy_one "$@"' _ '{}' "$common" || return
@@ -135,7 +137,7 @@ clang_tidy_check() {
 mypy_check() {
   local version rc=0
   for version in 3.11 3.13; do
-    [ -d "$(numpy_types "$version")" ] || fail 'mypy needs the types of numpy: run scripts/setup.sh'
+    [ -d "$(numpy_types "$version")" ] || fail 'mypy needs the types of numpy: run scripts/setup.sh --dev'
     PYTHONPATH=$(numpy_types "$version") mypy --python-version "$version" "${typed[@]}" || rc=$?
   done
   return "$rc"

@@ -7,7 +7,7 @@
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 case ${1:-} in
-  '') scripts/setup.sh ;;
+  '') scripts/setup.sh --dev ;;
   --as-built) ;;
   *) fail "unknown option $1; see the head of scripts/docs.sh" ;;
 esac

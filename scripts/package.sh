@@ -76,7 +76,7 @@ put_in_place() {
 }
 
 if [ -z "$build" ]; then
-  scripts/setup.sh
+  scripts/setup.sh --dev
   build=$root/build/release
 fi
 stage 'stage the Python package' stage_files

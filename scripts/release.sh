@@ -80,7 +80,7 @@ line() { "$python" tests/platforms.py "$release/platforms.md" "$1" yes no no; }
 
 for platform in "${platforms[@]}"; do wheel_tag "$platform" >/dev/null; done
 scripts/dependencies.sh "${platforms[@]}"
-scripts/setup.sh
+scripts/setup.sh --dev
 
 umask 022
 export SOURCE_DATE_EPOCH=315532800 # the first day that a zip can hold, so that contents alone decide the bytes

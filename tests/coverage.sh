@@ -25,7 +25,7 @@ esac
 folder=$root/build/coverage
 tools=$folder/tools
 mkdir -p "$folder"
-[ -z "$run" ] || scripts/setup.sh
+[ -z "$run" ] || scripts/setup.sh --dev
 need_tools() {
   local hash
   hash=$(hash_of "$(<scripts/requirements-coverage.txt)" "$(<"$constraints")" "$("$python" --version)")

@@ -97,7 +97,7 @@ build_fuzzers() {
 }
 
 case $only in
-  '' | files) scripts/setup.sh ;;
+  '' | files) scripts/setup.sh --dev ;;
   *) scripts/setup.sh --tools ;;
 esac
 [ "$only" = files ] || build_fuzzers

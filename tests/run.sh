@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Sets up what is missing, then runs every test and names those that failed; the last line counts them.
+# Sets up what is missing, then runs every test and names those that failed; the last line counts them. The native tests
+# are compiled while the others run.
 #   tests/run.sh [--all | --quick | --thorough] [--only native|python|blender|package|style] [--zip FILE]
 #     --all     before a release: clang-tidy over every source, all Blender tests on the installed zip, the documentation site
 #     --thorough  --all, and what takes most of a day: every case of what is sampled otherwise (allocations that fail,
@@ -146,6 +147,20 @@ end_style() {
   return "$rc"
 }
 
+# The tests of the library are compiled, at low priority, while those run that need only the library and the bindings.
+begin_build() {
+  setsid nice -n 19 scripts/setup.sh --tests >"$reports/build.log" 2>&1 </dev/null &
+  build=$!
+}
+# Waits for that; where it fails the native tests are not run.
+end_build() {
+  local rc=0
+  wait "$build" || rc=$?
+  [ "$rc" -eq 0 ] || cat "$reports/build.log" >&2
+  built=$rc
+  return "$rc"
+}
+
 native_tests() {
   ctest --test-dir build/release -j "$workers" --output-on-failure --no-tests=error --output-junit "$report.xml" "$@"
 }
@@ -161,11 +176,17 @@ real_blender_tests() { side_by_side real_blender "$@"; }
 tests_on_package() { on_package side_by_side "${limit[@]}" /usr/bin/python3 -m pytest "${on_zip[@]}"; }
 real_tests_on_package() { on_package side_by_side real_blender "$tested/site-packages" "${on_zip[@]}"; }
 
+# all_native ARGUMENT...: the build of the tests, then the tests.
+all_native() {
+  part native 'build of the tests' end_build
+  [ "$built" -ne 0 ] || part native 'native tests (CTest)' native_tests "$@"
+}
+
 # What takes longest or is far from the core is left out by name, so that what is new is run.
 quick_parts() {
-  part native 'native tests (CTest)' native_tests --exclude-regex "$slow_native"
   part python 'Python tests' python_tests "${slow_python[@]/#/--ignore=}"
   part blender 'Blender tests (bpy module)' blender_tests tests/blender "${slow_blender[@]/#/--ignore=}"
+  all_native --exclude-regex "$slow_native"
   part style 'style' end_style
 }
 
@@ -177,13 +198,13 @@ say_left_out() {
 }
 
 all_parts() {
-  part native 'native tests (CTest)' native_tests
   part python 'Python tests' python_tests
   part package 'the zip that ships' make_package
   part blender 'Blender tests (bpy module)' blender_tests tests/blender
   [ -z "$real" ] || part blender 'Blender tests (the real executable)' real_blender_tests "$site_packages"
   part package 'Blender tests on the installed zip' tests_on_package
   [ -z "$real" ] || part package 'Blender tests on the installed zip (the real executable)' real_tests_on_package
+  all_native
   part style 'style' end_style
   ! is_all || part style 'the documentation site' scripts/docs.sh --as-built
 }
@@ -210,7 +231,7 @@ slow_native='^(Consumer|Gradient|SamplerBands|Tracker)\.|RealMesh'
 slow_python=(tests/python/test_{animations,distribution,paper_report}.py)
 slow_blender=(tests/blender/test_{contents{,_bake,_kept},datablocks,examples,failures,farm,hostile,libraries,package,sidecar,undo}.py)
 
-[ -n "$zip" ] || scripts/setup.sh --tests
+[ -n "$zip" ] || scripts/setup.sh --dev
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 if [ "$depth" = --thorough ]; then export DAPPLE_THOROUGH=1 DAPPLE_SEEDS=200 DAPPLE_ROUNDS=60 DAPPLE_KILLS=50; fi
 case $depth in
@@ -218,6 +239,8 @@ case $depth in
   --all | --thorough) checks=(--all) ;;
   *) checks=() ;;
 esac
+built=0
+! wanted native || begin_build
 ! wanted style || begin_style "${checks[@]}"
 if [ "$depth" = --quick ]; then quick_parts; else all_parts; fi
 [ "$depth" != --thorough ] || thorough_parts

@@ -8,7 +8,7 @@
 #     --frames    of playback (5000)
 . "$(dirname "${BASH_SOURCE[0]}")/../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 BLENDER_USER_RESOURCES=$(mktemp -d) && export BLENDER_USER_RESOURCES # never the user's own settings
 trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 PYTHONPATH=$root/tests:$root/tests/blender:$root "$python" -m soak "$@"

@@ -5,7 +5,7 @@
 
 [ "$(system_name)" = debian-13 ] || fail 'a window needs a Blender program, which Debian ships from 13 (trixie) on'
 command -v import >/dev/null || fail 'imagemagick is missing: apt-get install imagemagick'
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 site_packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 export PYTHONPATH=$site_packages DAPPLE_SHOTS=$root/build/tasks LIBGL_ALWAYS_SOFTWARE=1
 BLENDER_USER_RESOURCES=$(mktemp -d)

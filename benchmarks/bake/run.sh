@@ -4,5 +4,5 @@
 #   benchmarks/bake/run.sh [--frames N] [--sites N] [--faces N] [--moving SHARE]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 1800 "$python" -m benchmarks.bake "$@"

@@ -4,5 +4,5 @@
 #   benchmarks/everyday/run.sh [--only TEXT]  exits with 1 if a promise is broken
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 3000 "$python" -m benchmarks.everyday "$@"

@@ -5,5 +5,5 @@
 #   benchmarks/export/run.sh [--only NAME] [--keep FOLDER]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 1800 "$python" -m benchmarks.export "$@"

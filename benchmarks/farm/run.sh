@@ -4,5 +4,5 @@
 #   benchmarks/farm/run.sh [--shots N] [--frames N] [--sites N] [--processes N] [--blender PROGRAM]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 7200 "$python" -m benchmarks.farm "$@"

@@ -10,7 +10,7 @@ here=$PWD
 peers=$root/build/peers/venv
 install() { timeout 900 "$peers/bin/python" -m pip install --no-input -c "$root/$constraints" --prefer-binary "$@"; }
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 [ -x "$peers/bin/python" ] || stage 'environment of the peers' /usr/bin/python3 -m venv "$peers" >&2
 for package in point-cloud-utils libigl pymeshlab open3d-cpu pyacvd 'trimesh scipy'; do
   read -ra names <<<"$package"

@@ -4,5 +4,5 @@
 #   benchmarks/specks/run.sh [--only "far parts"] [--small]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 3600 "$python" -m benchmarks.specks "$@"

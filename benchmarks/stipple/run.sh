@@ -5,6 +5,6 @@
 here=$PWD
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 cd "$here"
 PYTHONPATH=$root exec "$python" -m benchmarks.stipple "$@"

@@ -4,5 +4,5 @@
 #   benchmarks/thin/run.sh [--seeds 20] [--only NAME]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root:$root/tests/python exec timeout --kill-after=10 1800 "$python" -m benchmarks.thin "$@"

@@ -5,5 +5,5 @@
 #   benchmarks/tiles/run.sh [--only seams|speed|dask ...] [--count N] [--workers N] [--seeds N] [--help]
 . "$(dirname "${BASH_SOURCE[0]}")/../../scripts/common.sh"
 
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec "$python" -m benchmarks.tiles "$@"

@@ -14,5 +14,5 @@ case ${1:-} in
     shift
     ;;
 esac
-scripts/setup.sh >&2
+scripts/setup.sh --dev >&2
 PYTHONPATH=$root exec timeout --kill-after=10 1800 "$python" -m "$module" "$@"

@@ -42,15 +42,20 @@ def checkout(tmp_path, root):
     """A repository with the style checks, some sources, and a clang-tidy that notes its files."""
     if not shutil.which("git") or not shutil.which("bash"):
         pytest.skip("needs git and bash")
-    for folder in ("scripts", "native", "build/venv/bin", "build/release"):
+    for folder in ("scripts", "native", "build/venv/bin"):
         (tmp_path / folder).mkdir(parents=True)
-    for name in ("check.sh", "common.sh", "requirements.txt"):
+    for name in ("check.sh", "common.sh", "requirements-tools.txt"):
         shutil.copy(root / "scripts" / name, tmp_path / "scripts")
     for name, text in SOURCES.items():
         (tmp_path / "native" / name).write_text(text)
     (tmp_path / ".clang-tidy").write_text("Checks: '*'\n")
     (tmp_path / ".gitignore").write_text("build\n")
-    (tmp_path / "build/release/compile_commands.json").write_text("[]\n")
+    configures = tmp_path / "build/venv/bin/cmake"
+    configures.write_text(
+        "#!/bin/sh\nmkdir -p build/tidy/commands\n"
+        "echo '[]' >build/tidy/commands/compile_commands.json\n"
+    )
+    configures.chmod(0o755)
     tool = tmp_path / "build/venv/bin/clang-tidy"
     tool.write_text('#!/bin/sh\nfor last; do :; done\necho "${last##*/}" >>build/looked-at\n')
     tool.chmod(0o755)
@@ -205,3 +210,46 @@ def test_a_zip_to_be_tested_exists_and_is_asked_for_alone(root, options, said):
     done = subprocess.run(command, cwd=root, capture_output=True, text=True)
     assert done.returncode == 1
     assert said in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("build", "summary"), [("false", "0 passed, 1 failed"), ("true", "2 passed")]
+)
+def test_native_tests_wait_for_their_build_and_its_errors_count(root, tmp_path, build, summary):
+    if not shutil.which("bash"):
+        pytest.skip("needs bash")
+    for folder in ("scripts", "tests", "build/venv/bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("scripts/common.sh", "tests/run.sh", "tests/tally.py"):
+        shutil.copy(root / name, tmp_path / name)
+    python = tmp_path / "build/venv/bin/python"
+    ctest = tmp_path / "build/venv/bin/ctest"
+    setup = tmp_path / "scripts/setup.sh"
+    python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    ctest.write_text("#!/bin/sh\n[ -f built ] && echo tested\n")
+    setup.write_text(
+        '#!/bin/sh\n[ "$1" = --tests ] || exit 0\nsleep 0.5\n'
+        f"echo 'not compiled' >&2\ntouch built\n{build}\n"
+    )
+    for tool in (python, ctest, setup):
+        tool.chmod(0o755)
+    command = ["bash", "tests/run.sh", "--only", "native"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert summary in done.stdout
+    assert (done.returncode, "not compiled" in done.stderr) == (
+        (1, True) if build == "false" else (0, False)
+    )
+    assert ("tested" in done.stdout) == (build == "true")
+
+
+def test_help_of_the_examples_sets_nothing_up(root, tmp_path):
+    if not shutil.which("bash"):
+        pytest.skip("needs bash")
+    for name in ("scripts/common.sh", "blend_examples/run.sh"):
+        (tmp_path / name).parent.mkdir()
+        shutil.copy(root / name, tmp_path / name)
+    for options in (["--help"], ["meadow", "-h"]):
+        command = ["bash", "blend_examples/run.sh", *options]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert done.stdout.startswith("blend_examples/run.sh [SCENE]")
+        assert "--count N" in done.stdout

@@ -17,7 +17,7 @@ PORTS = ROOT / "packaging" / "wheels"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 SETTINGS = PROJECT["tool"]["cibuildwheel"]
 WORKFLOW = (ROOT / ".github" / "workflows" / "wheels.yml").read_text()
-PINS = (ROOT / "scripts" / "requirements.txt").read_text()
+PINS = "".join(path.read_text() for path in (ROOT / "scripts").glob("requirements*.txt"))
 # What vcpkg calls the systems of the workflow, and cibuildwheel the wheels that they make.
 SYSTEMS = {
     "ubuntu-24.04": ("x64-linux", "linux", "x86_64", "manylinux_x86_64"),
