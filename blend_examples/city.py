@@ -78,7 +78,7 @@ def ground() -> bpy.types.Object:
 
 
 def ring(whole: bpy.types.Object, vertices: Array) -> bpy.types.Object:
-    """What of a grid lies around the square of the city; the grid itself is removed."""
+    """The part of a grid around the square of the city; the grid itself is removed."""
     faces = np.array([list(face.vertices) for face in whole.data.polygons])
     outside = np.abs(vertices[faces].mean(axis=1)[:, :2]).max(axis=1) > SIZE / 2
     used, indices = np.unique(faces[outside], return_inverse=True)

@@ -81,7 +81,7 @@ def soil() -> bpy.types.Material:
 
 
 def blade(angle: float, height: float, lean: float) -> Array:
-    """Five points of a thin leaf that bends outwards, as a strip that ends in a tip."""
+    """Five points of a thin leaf that bends outward, as a strip that ends in a tip."""
     rows = []
     for t, width in ((0.0, 0.012), (0.55, 0.010), (1.0, 0.0)):
         out, up = lean * t * t, height * t * (1 - 0.25 * lean * t)

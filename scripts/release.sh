@@ -3,7 +3,7 @@
 # Builds all files of a release on Debian 12: a wheel for each platform and each Python of a Blender that is in use, an
 # sdist, an extension for each platform with both wheels, and a repository of the extensions for any static server. Each
 # wheel is audited (scripts/audit.py), each extension is validated by Blender's own tool. What was built before is kept in
-# build/ship, so that a second run takes minutes. tests/release.sh runs what of it can be run on one machine.
+# build/ship, so that a second run takes minutes. tests/release.sh runs the part that one machine can run.
 #   scripts/release.sh [PLATFORM]...
 #     PLATFORM   linux-x64 windows-x64 macos-arm64 macos-x64; none: all of them
 # The files are in build/ship/release.

@@ -215,7 +215,7 @@ class _Item:
 
 
 class _Structures:
-    """What a file tells of its structures (block DNA1): their members, in their order."""
+    """The structures of a file (block DNA1): their members, in their order."""
 
     def __init__(self, table: bytes) -> None:
         self._table, self._at = table, len("SDNANAME")

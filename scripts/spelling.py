@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""American English alone: names every line with a British spelling: python scripts/spelling.py"""
+"""Names every line with a British spelling or a withdrawn word: python scripts/spelling.py
+
+docs/development/words.md says what to write instead.
+"""
 
 import re
 import subprocess
@@ -31,6 +34,20 @@ BRITISH = re.compile(
     rf"({'|'.join(_VERBS.split())})is(e|ing|ation|able)|{'|'.join(_STEMS.split())}",
     re.IGNORECASE,
 )
+_WARDS = "after back down for in out side up"  # toward is above
+_WITHDRAWN = (
+    rf"\b({'|'.join(_WARDS.split())})wards\b",
+    r"\bwhat of\b",
+    r"\bhears?\b",
+    r"\bfore(tell|told)",
+    r"\bas many as there are\b",
+    r"\bin the place of\b",
+    r"\b(those|files|states|points|frames?) of before\b",
+    r"\bother bytes\b",
+    r"\bgives? up what\b",
+)
+WITHDRAWN = re.compile("|".join(_WITHDRAWN), re.IGNORECASE)
+NOT_YET = ("addon/", "native/", "docs/add-on.md", "docs/options.md")  # not all reread yet
 
 
 def lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -47,6 +64,20 @@ def british(line: str) -> str:
     return found[0] if found else ""
 
 
+def withdrawn(line: str) -> str:
+    """The first withdrawn word of a line; empty where there is none."""
+    found = WITHDRAWN.search(line)
+    return found[0] if found else ""
+
+
+def problems(name: str, line: str) -> Iterator[str]:
+    """What is wrong with a line of a file."""
+    if word := british(line):
+        yield f"British spelling '{word}'"
+    if not name.startswith(NOT_YET) and (word := withdrawn(line)):
+        yield f"withdrawn word '{word}': see docs/development/words.md"
+
+
 def main() -> int:
     """How many lines are to be mended, at most 1."""
     listed = subprocess.run(
@@ -57,13 +88,13 @@ def main() -> int:
         text=True,
     ).stdout.splitlines()
     found = [
-        f"{name}:{number}: British spelling '{british(line)}'"
+        f"{name}:{number}: {problem}"
         for name in listed
         if name not in WORD_LISTS
         and not name.startswith(OTHER_LANGUAGES)
         and (ROOT / name).is_file()
         for number, line in lines(ROOT / name)
-        if british(line)
+        for problem in problems(name, line)
     ]
     print(*found, sep="\n", end="\n" if found else "")
     return min(len(found), 1)

@@ -118,13 +118,13 @@ _BAKE = (
     Setting(
         "bake_smoothing",
         Kind.CHOICE,
-        "FORWARDS",
+        "FORWARD",
         "Smoothing",
         "How a bake smooths the motion of the points over time",
         Changes.BAKE,
         choices=(
             (
-                "FORWARDS",
+                "FORWARD",
                 "Forward",
                 "Solve one frame after another",
             ),

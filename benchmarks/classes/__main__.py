@@ -95,7 +95,7 @@ def arguments() -> argparse.Namespace:
     ways = ["joint", "two stages", "alone"]
     parser.add_argument("--ways", nargs="+", choices=ways, default=ways)
     parser.add_argument("--seeds", type=int, default=5, help="how many, from 0 on")
-    parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
+    parser.add_argument("--threads", type=int, default=0, help="0: all processors")
     parser.add_argument("--json", type=Path, help="write every run to this file")
     given = parser.parse_args()
     given.only = given.only or list(MAKERS)

@@ -224,7 +224,7 @@ def arguments() -> argparse.Namespace:
             help="1: uniform; else ratio^t for t from 0 to 1 along the longest axis",
         )
         kind.add_argument("--seeds", type=int, default=5, help="how many, from 0 on")
-        kind.add_argument("--threads", type=int, default=1, help="0: as many as there are")
+        kind.add_argument("--threads", type=int, default=1, help="0: all processors")
         kind.add_argument("--json", type=Path, help="write every run to this file")
         return kind
 

@@ -55,7 +55,7 @@ def arguments() -> argparse.Namespace:
         "--only", type=int, nargs="+", choices=FIGURES, metavar="FIGURE", help=f"of {known}"
     )
     parser.add_argument("--quick", action="store_true", help="few sites and seeds, a minute in all")
-    parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
+    parser.add_argument("--threads", type=int, default=0, help="0: all processors")
     parser.add_argument("--out", type=Path, default=Path("build/paper"), metavar="FOLDER")
     parser.add_argument("--page", type=Path, help="write the table without pictures there too")
     given = parser.parse_args()

@@ -72,7 +72,7 @@ def compared(
 
 
 def row(record: Record) -> list[str]:
-    """Medians over the runs; or the reason, in the place of what came."""
+    """Medians over the runs; or the reason for a failure instead."""
     names = [record["mesh"], f"{record['asked']:,}", CONTENDERS[record["contender"]].title]
     if "reason" in record:
         return names + [record["reason"]] + [""] * (len(HEAD) - 4)

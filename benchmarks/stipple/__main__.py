@@ -121,7 +121,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks/stipple/run.sh", description=__doc__)
     parser.add_argument("--only", choices=["gray", "color"])
     parser.add_argument("--seeds", type=int, default=3, help="of the gray picture, from 0 on")
-    parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
+    parser.add_argument("--threads", type=int, default=0, help="0: all processors")
     parser.add_argument("--pictures", type=Path, default=Path("build/stipple"), metavar="FOLDER")
     given = parser.parse_args()
     if given.seeds < 1:

@@ -119,10 +119,10 @@ def bulge(length: int = LENGTH, faces: int = FACES) -> Animation:
     )
     away = ((rest / axes - [0.5, 0, 0.866]) ** 2).sum(axis=1)
     shape = 0.55 * np.exp(-away / 0.35)
-    outwards = rest / axes**2
-    outwards /= np.linalg.norm(outwards, axis=1)[:, None]
+    outward = rest / axes**2
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
     frames = [
-        (1 + 0.05 * breath) * rest + breath * shape[:, None] * outwards
+        (1 + 0.05 * breath) * rest + breath * shape[:, None] * outward
         for breath in map(_there_and_back, _phases(length, 3))
     ]
     return Animation("bulge", triangles, np.stack(frames))

@@ -101,7 +101,7 @@ def _add_crossings(values: Array, axis: int, total: Array, crossings: Array) -> 
 
 
 def _quads(values: Array, axis: int, index: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The quads (q, 4) across the grid edges along the axis, turned outwards."""
+    """The quads (q, 4) across the grid edges along the axis, turned outward."""
     order = [axis, (axis + 1) % 3, (axis + 2) % 3]
     inside = np.transpose(values, order) < 0
     cells = np.transpose(index, order)

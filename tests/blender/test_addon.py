@@ -184,7 +184,7 @@ def traces():
 
 @pytest.fixture
 def disabled():
-    """The add-on disabled, and enabled again afterwards."""
+    """The add-on disabled, and enabled again afterward."""
     addon_host.disable()
     yield traces()
     addon_host.disable()

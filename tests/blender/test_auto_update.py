@@ -325,7 +325,7 @@ def test_nothing_is_done_while_something_else_has_the_file(live, obj, monkeypatc
 
 
 @pytest.mark.parametrize("interruption", ["render", "operator"])
-def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterwards(
+def test_a_render_and_an_operator_take_its_place_and_it_goes_on_afterward(
     live, obj, interruption, monkeypatch
 ):
     live.settle()

@@ -377,7 +377,7 @@ def slides_of(surface, obj):
 @pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP"])
 def test_frames_solved_together_move_more_smoothly(smoothing):
     jerks = []
-    for chosen in ("FORWARDS", smoothing):
+    for chosen in ("FORWARD", smoothing):
         surface = scenes.tail(frames=FRAMES)
         obj = scenes.scattered(surface)
         obj.dapple.bake_smoothing = chosen
@@ -395,7 +395,7 @@ def test_frames_solved_in_pieces_move_more_smoothly(smoothing, monkeypatch):
     surface = scenes.tail(frames=FRAMES)
     obj = scenes.scattered(surface)
     jerks = []
-    for chosen in ("FORWARDS", smoothing):
+    for chosen in ("FORWARD", smoothing):
         obj.dapple.bake_smoothing = chosen
         assert bpy.ops.dapple.bake() == {"FINISHED"}
         assert obj.dapple.baked_keys == FRAMES

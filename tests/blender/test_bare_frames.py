@@ -144,7 +144,7 @@ def test_points_of_a_first_gap_begin_in_full_and_later_ones_fade_in():
     assert sizes[7].max() > 0.99
 
 
-@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP", "FORWARDS"])
+@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "LOOP", "FORWARD"])
 def test_smoothing_makes_no_difference(smoothing):
     surface, obj = flickering({4, 5})
     obj.dapple.bake_smoothing = smoothing
@@ -246,7 +246,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "FORWARDS"])
+@pytest.mark.parametrize("smoothing", ["BOTH_WAYS", "FORWARD"])
 def test_other_bakes_name_the_frame(case, smoothing):
     over_time, topology, words = REFUSED[case]
     _, obj = flickering({4})

@@ -156,7 +156,7 @@ def test_what_moves_and_is_not_followed_is_said(name, value):
     assert max(wrong(points) for points in each_frame(obj)) > 0
     said = "The density is that of frame 1, although these move: avoided objects"
     assert panel_note(obj) == said
-    setattr(obj.dapple, name, "EACH_FRAME" if name == "masks_over_time" else "FORWARDS")
+    setattr(obj.dapple, name, "EACH_FRAME" if name == "masks_over_time" else "FORWARD")
     assert reason(obj).startswith("Settings were changed (")
     assert bpy.ops.dapple.bake() == {"FINISHED"}
     assert max(wrong(points) for points in each_frame(obj)) == 0

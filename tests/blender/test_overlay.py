@@ -241,7 +241,7 @@ def test_nothing_is_computed_while_blender_renders(overlay, monkeypatch):
     assert ticked
 
 
-def test_a_render_stops_the_worker_and_colors_come_afterwards(overlay, monkeypatch):
+def test_a_render_stops_the_worker_and_colors_come_afterward(overlay, monkeypatch):
     obj = sloped(use_height=True)
     bpy.ops.dapple.show_density()
     before, _ = overlay.triangles()

@@ -211,7 +211,7 @@ def idle(preview):
     return not preview._state.dirty and jobs == [None]
 
 
-def test_a_render_stops_the_worker_and_the_points_are_found_afterwards(
+def test_a_render_stops_the_worker_and_the_points_are_found_afterward(
     preview, patient, monkeypatch
 ):
     toggled()

@@ -85,7 +85,7 @@ def test_viewport_and_render_may_have_other_faces():
     assert len(scenes.positions(bound(surface))) == 60
 
 
-@pytest.mark.parametrize("smoothing", ["FORWARDS", "BOTH_WAYS", "LOOP"])
+@pytest.mark.parametrize("smoothing", ["FORWARD", "BOTH_WAYS", "LOOP"])
 @pytest.mark.parametrize("kinds", [0, 2])
 def test_every_way_of_baking_plays_by_the_rest_position(smoothing, kinds):
     surface = scenes.tail(frames=6)

@@ -692,7 +692,7 @@ def test_a_bake_begins_with_points_that_a_script_has_changed(tmp_path):
     obj = saved_scatter(tmp_path / "changed.blend")
     before = files_of(obj).folder
     ids = obj.data.attributes["id"].data
-    ids[0].value, ids[1].value = ids[1].value, ids[0].value  # no update handler hears of that
+    ids[0].value, ids[1].value = ids[1].value, ids[0].value  # no update handler is called
     assert files_of(obj).folder != before
 
 

@@ -122,7 +122,7 @@ def test_an_error_of_the_worker_is_raised_where_it_was_asked_for(steps):
     assert steps.run_now(generator()) == "no"
 
 
-@pytest.mark.parametrize("smoothing", ["FORWARDS", "BOTH_WAYS"])
+@pytest.mark.parametrize("smoothing", ["FORWARD", "BOTH_WAYS"])
 def test_a_bake_in_steps_gives_what_a_bake_at_once_gives(steps, smoothing, monkeypatch):
     baking = addon_host.part("blender.steps.baking")
     monkeypatch.setattr(addon_host.part("core.together"), "PIECE", 3)

@@ -18,7 +18,7 @@ def arrays_of(surface):
 
 
 def fits(surface, obj, count=60):
-    """All instances stand on the surface, outwards."""
+    """All instances stand on the surface, outward."""
     found, arrays = scenes.positions(obj), arrays_of(surface)
     assert len(found) == count
     nearest = dapple.project(dapple.Surface(arrays.vertices, arrays.faces), found)

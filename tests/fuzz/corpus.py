@@ -2,7 +2,7 @@
 """The kept inputs of the fuzzers: one file for each target, one input a line, two digits a byte.
 
 corpus.py unpack FOLDER    into FOLDER/TARGET, a file for each, as engines read them
-corpus.py pack FOLDER      those of FOLDER/TARGET, without the comments of before
+corpus.py pack FOLDER      those of FOLDER/TARGET, without earlier comments
 corpus.py add TARGET FILE  one more
 corpus.py draw FOLDER N    N random ones in FOLDER/TARGET for each target but the readers
 """

@@ -79,7 +79,7 @@ def _word(data: bytes, random: Random) -> bytes:
 
 
 def _words(data: bytes, random: Random) -> bytes:
-    """Another word in the place of one."""
+    """Replace one word by another."""
     words = data.split(b" ")
     words[random.randrange(len(words))] = random.choice(WORDS)
     return b" ".join(words)

@@ -45,7 +45,7 @@ auto answer_of_threads(const Verb& verb) {
   const auto two = answer([&] { return verb(2); });
   EXPECT_EQ(one.has_value(), two.has_value()) << "one number of threads is refused";
   if (one && two) {
-    EXPECT_TRUE(same_bytes(*one, *two)) << "two threads give other bytes";
+    EXPECT_TRUE(same_bytes(*one, *two)) << "two threads differ";
   }
   return one;
 }

@@ -53,16 +53,16 @@ class Marching {
     for (const int k : corners)
       (values_[static_cast<std::size_t>(k)] < 0.0 ? in : out).push_back(k);
     if (in.empty() || out.empty()) return;
-    const Vec3 outwards = mean(out) - mean(in);
+    const Vec3 outward = mean(out) - mean(in);
     if (in.size() == 2) {
-      add(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[1], out[1]), outwards);
-      add(cut(in[0], out[0]), cut(in[1], out[1]), cut(in[1], out[0]), outwards);
+      add(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[1], out[1]), outward);
+      add(cut(in[0], out[0]), cut(in[1], out[1]), cut(in[1], out[0]), outward);
       return;
     }
     const bool one_in = in.size() == 1;
     const int alone = one_in ? in[0] : out[0];
     const std::vector<int>& others = one_in ? out : in;
-    add(cut(alone, others[0]), cut(alone, others[1]), cut(alone, others[2]), outwards);
+    add(cut(alone, others[0]), cut(alone, others[1]), cut(alone, others[2]), outward);
   }
 
   [[nodiscard]] Vec3 mean(const std::vector<int>& corners) const {
@@ -83,9 +83,9 @@ class Marching {
     return found->second;
   }
 
-  void add(std::int32_t a, std::int32_t b, std::int32_t c, const Vec3& outwards) {
+  void add(std::int32_t a, std::int32_t b, std::int32_t c, const Vec3& outward) {
     const auto at = [this](std::int32_t v) { return shape_.vertices[static_cast<std::size_t>(v)]; };
-    if ((at(b) - at(a)).cross(at(c) - at(a)).dot(outwards) < 0.0) std::swap(b, c);
+    if ((at(b) - at(a)).cross(at(c) - at(a)).dot(outward) < 0.0) std::swap(b, c);
     shape_.faces.push_back({a, b, c});
   }
 

@@ -40,7 +40,7 @@ def numbers(count: int, seed: int) -> list[float]:
 
 
 def block(cells: tuple[int, int, int]) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """The faces of a box of so many unit cells, outwards; its corners have whole coordinates."""
+    """The faces of a box of so many unit cells, outward; its corners have whole coordinates."""
     index: dict[tuple[int, ...], int] = {}
     faces = []
     for axis in range(3):

@@ -60,7 +60,7 @@ def difference(name: str, found: Hashes, entry: Entry, systems: Iterable[str], s
             f"case or tests/python/exact.py has changed ({WRITE}), or NumPy computes otherwise here"
         )
     alike = [key for key in found if key not in changed and key != INPUTS]
-    words = f"{name} gives other bytes on {system}: {', '.join(changed)} changed"
+    words = f"{name} gives different bytes on {system}: {', '.join(changed)} changed"
     words += f", not {', '.join(alike)}" if alike else ""
     if system not in systems:
         words += f"; the hashes are from {', '.join(systems)}, and systems may differ"

@@ -217,7 +217,7 @@ def test_what_is_missing_is_said_where_dask_is_missing(monkeypatch, shots, tmp_p
 
 
 def test_a_cluster_of_its_own_is_started_and_ended(monkeypatch, shots, tmp_path):
-    # Dask leaves there what a cluster of before was told.
+    # Dask leaves there what an earlier cluster was given.
     monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
     (file,) = map_shots(memory_setting, shots[:1], tmp_path / "out", workers=1)
     found = np.load(file)

@@ -84,7 +84,7 @@ def test_writing_leaves_what_other_systems_have_written(entry, systems, written)
         ({"a": NEW, "b": OLD}, ""),
         ({}, "no hashes of it for a: .*--write"),
         ({"b": NEW}, "no hashes of it for a: .*--write"),
-        ({EVERY: OLD}, "it gives other bytes on a: faces changed; .* from b, .*--write"),
+        ({EVERY: OLD}, "it gives different bytes on a: faces changed; .* from b, .*--write"),
         ({EVERY: {**NEW, "inputs": "4"}}, "it was computed from other inputs on a"),
         ({EVERY: {**NEW, "ids": "4"}}, "ids changed, not faces"),
         ({EVERY: {"inputs": "1"}}, "faces changed"),

@@ -25,3 +25,16 @@ _SPEC.loader.exec_module(spelling)
 )
 def test_british_spellings_are_found(line, found):
     assert spelling.british(line) == found
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("passes forwards and backwards", "forwards"),
+        ("BACKWARDS, as what of it is left", "BACKWARDS"),
+        ("no handler hears of it", "hears"),
+        ("go forward, toward the surface", ""),
+    ],
+)
+def test_withdrawn_words_are_found(line, found):
+    assert spelling.withdrawn(line) == found

@@ -99,7 +99,7 @@ def work(shared, seed, end, expected, found):
         if rng.random() < 0.4:
             name = rng.choice(list(ALONE))
             if not same_bytes(ALONE[name](shared), expected[name]):
-                found.append(f"{name}: other bytes")
+                found.append(f"{name}: different bytes")
         else:
             with suppress(*REFUSALS):
                 rng.choice(TOGETHER)(shared, rng)

@@ -373,7 +373,7 @@ class Walk:
 
     def on_threads(self, verb: Callable[[int], dapple.Samples]) -> dapple.Samples:
         one, two = verb(1), verb(2)
-        assert same_bytes(one, two), "two threads give other bytes"
+        assert same_bytes(one, two), "two threads differ"
         return one
 
     def check_all(self, samples: dapple.Samples, locked: Iterable[int]) -> None:

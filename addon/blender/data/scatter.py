@@ -143,7 +143,7 @@ def follows_masks(obj: bpy.types.Object) -> bool:
     if settings.count_over_time == "KEEP_DENSITY":
         one_by_one = not len(settings.classes)
     else:
-        one_by_one = settings.bake_smoothing == "FORWARDS"
+        one_by_one = settings.bake_smoothing == "FORWARD"
     return bool(settings.masks_over_time == "EACH_FRAME" and one_by_one)
 
 

@@ -44,7 +44,7 @@ def new_baker(
     if obj.dapple.count_over_time == "KEEP_DENSITY":
         fade = obj.dapple.fade_frames
         return PopulationBaker(*common, follows, fits, fade=fade)
-    if smoothing == "FORWARDS":
+    if smoothing == "FORWARD":
         return Baker(*common, follows, fits)
     return TogetherBaker(*common, fits=fits, closed=smoothing == "LOOP")
 

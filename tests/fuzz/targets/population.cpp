@@ -105,7 +105,7 @@ void expect_to_go_on(const Population& begun, const Population& population, cons
   EXPECT_EQ(found.has_value(), expected.has_value()) << "only one of them is refused";
   if (!found || !expected) return;
   found->report = expected->report = {};  // one that rests remembers what it measured before
-  EXPECT_TRUE(same_bytes(*found, *expected)) << "goes on to other bytes";
+  EXPECT_TRUE(same_bytes(*found, *expected)) << "resumes with different bytes";
 }
 
 template <typename T>
