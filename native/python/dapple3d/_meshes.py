@@ -24,15 +24,15 @@ Floats = NDArray[np.float64]
 class MeshArrays(tuple[Floats, NDArray[np.int32]]):
     """Vertices and faces as Surface takes them, with the other arrays of the file.
 
-    What a file does not say is None.
+    Arrays that the file does not have are None.
 
     Attributes:
-        polygons: (m,) int32, of each triangle the polygon of the file that it was cut from.
+        polygons: (m,) int32, the polygon of the file that each triangle was cut from.
         uv: (m, 3, 2) float64, texture coordinates at the corners; 0 where there are none.
         normals: (m, 3, 3) float64, at the corners; 0 where there are none.
         colors: (m, 3, 4) float32, red, green, blue and opacity at the corners, 0 to 1.
-        vertex_attributes: the other numbers of vertices by name, each (v,) float64.
-        face_attributes: those of faces, each (m,) float64.
+        vertex_attributes: further properties of the vertices by name, each (v,) float64.
+        face_attributes: properties of the faces by name, each (m,) float64.
     """
 
     polygons: NDArray[np.int32] | None
@@ -77,13 +77,13 @@ class MeshArrays(tuple[Floats, NDArray[np.int32]]):
 def read_mesh(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> MeshArrays:
     """Read a mesh from .off, .obj, .ply, .stl, .glb or .gltf, without rounding.
 
-    Polygons are cut into triangles, also those with dents and those that are not quite flat. The
-    meshes of a glTF file become one, in meters, with z up and v up in pictures; skinned ones stand
-    as their joints do.
+    Polygons are triangulated, also concave ones and those that are not quite planar. The meshes of
+    a glTF file are joined, in meters, with z up and v up in images; skinned meshes take the pose of
+    their joints.
 
     Args:
         path: the file.
-        may_be_empty: whether one without faces is read too, as a frame of a fluid may be one.
+        may_be_empty: whether a mesh without faces is accepted, as in a frame of a fluid.
 
     Raises:
         FileError: naming the file and what is wrong with it.

@@ -24,17 +24,17 @@ def track_pieces(
 ) -> Iterator[Samples]:
     """Samples on the frames of a motion of any length, as smooth as track_window() makes them.
 
-    Frames are read as they are needed, and solved in pieces of which each begins before the last
-    one ends. At most `2 * piece - overlap` of them are in memory; a motion that is shorter is
-    solved at once, which is track_window().
+    Frames are read when they are needed and optimized in overlapping pieces. At most
+    `2 * piece - overlap` frames are in memory; a shorter motion is optimized at once, as by
+    track_window().
 
     Args:
         surface: the Surface of the first frame.
         frames: vertices, (v, 3) float64, of each frame after it.
-        samples: Samples of the first frame, which stay.
-        piece: frames that are solved at once; the last piece may have more.
-        overlap: how many of these are solved again with the next piece, 0..piece - 1.
-        context: a Context to watch a piece and cancel by.
+        samples: Samples of the first frame, which are not changed.
+        piece: number of frames that are optimized together; the last piece may have more.
+        overlap: number of frames that the next piece optimizes again, 0..piece - 1.
+        context: a Context for the progress of a piece and for cancellation.
         options: of WindowTracker, `classes` among them.
 
     Yields:

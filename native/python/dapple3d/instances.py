@@ -58,8 +58,8 @@ class Reference:
         path: of the file.
         prim: in it, such as "/Plants/Fern" in USD and "Fern" in glTF; empty is the default prim, or
             the whole scene.
-        held: whether a USD file holds a copy of the other one's default prim, so that nobody needs
-            that file any more; a glTF file does in any case.
+        held: whether a USD file stores a copy of the default prim of the other file, so that it is
+            independent of that file; a glTF file always does.
     """
 
     path: Path
@@ -98,13 +98,13 @@ class Instances:
 
     Attributes:
         positions: (n, 3) float64.
-        orientations: (n, 4) float64, unit quaternions w, x, y, z that turn an instance.
+        orientations: (n, 4) float64, unit quaternions w, x, y, z.
         scales: (n, 3) float64, along the instance's own axes.
-        velocities: (n, 3) float64, in units of the positions for each second.
+        velocities: (n, 3) float64, in units of the positions per second.
         normals: (n, 3) float64.
-        ids: (n,) int64, the same for the same point at other times.
+        ids: (n,) int64, constant over time.
         classes: (n,) int32, from 0.
-        prototypes: (n,) int32, from 0, which prototype stands here; if None, that of the class.
+        prototypes: (n,) int32, index of the prototype, from 0; None: that of the class.
     """
 
     positions: NDArray[np.float64]
@@ -176,7 +176,7 @@ def whole(name: str, values: NDArray, kind: type[np.signedinteger]) -> NDArray:
     """Finite numbers as integers of a type.
 
     Raises:
-        ValueError: naming the first row with one that is not whole, or too large.
+        ValueError: naming the first row with a number that is not an integer, or too large.
     """
     bits, least = np.iinfo(kind).bits, np.iinfo(kind).min
     most = -float(least)  # the smallest value that is too large; exact as a float
@@ -205,13 +205,13 @@ def check_faces(faces: NDArray, vertices: int) -> None:
 
 @dataclass(frozen=True)
 class Scatter:
-    """Instances of one name, on one frame or on several.
+    """Instances with a name, on one or more frames.
 
     Attributes:
         name: letters, digits and _.
         frames: the instances; their number may change.
-        prototypes: what stands at class 0, 1, ..., or at those that the instances name; none are
-            small balls, one for each class that there is.
+        prototypes: the prototypes of classes 0, 1, ..., or those that the instances refer to;
+            empty: a small ball for each class.
     """
 
     name: str
@@ -260,7 +260,7 @@ def of_samples(samples: Samples, up: Up = "Z") -> Instances:
 
     Args:
         samples: of a surface.
-        up: the axis of the prototypes that stands along the normals.
+        up: the axis of the prototypes that is aligned with the normals.
     """
     return Instances(
         samples.positions,
@@ -274,15 +274,15 @@ def of_samples(samples: Samples, up: Up = "Z") -> Instances:
 def of_matrices(
     matrices: NDArray[np.float64], **others: NDArray | None
 ) -> tuple[Instances, NDArray[np.bool_]]:
-    """Instances at matrices, which may mirror.
+    """Instances with these matrices, which may contain mirroring.
 
     Args:
-        matrices: (n, 4, 4), of column vectors: the last column is the place.
+        matrices: (n, 4, 4), for column vectors: the last column is the position.
         others: arrays of Instances, by name.
 
     Returns:
-        The instances, and (n,) which of the matrices are skewed, so that no turn and scales are
-        quite the same.
+        The instances, and (n,) whether each matrix is sheared, so that rotation and scales only
+        approximate it.
     """
     linear = np.asarray(matrices, np.float64)[:, :3, :3]
     scales = np.linalg.norm(linear, axis=1)
@@ -297,12 +297,12 @@ def of_matrices(
 def orientations(
     normals: ArrayLike, tangents: ArrayLike | None = None, *, up: Up = "Z"
 ) -> NDArray[np.float64]:
-    """Quaternions that turn an axis onto normals.
+    """Quaternions that rotate an axis to normals.
 
     Args:
         normals: (n, 3), of any length but 0.
-        tangents: (n, 3), what the x axis then points along as far as it can; without them the turn
-            is the shortest one.
+        tangents: (n, 3), the direction that the x axis follows as closely as possible; None: the
+            shortest rotation.
         up: the axis.
 
     Returns:
@@ -346,7 +346,7 @@ def quaternions(axes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Quaternions (n, 4), w, x, y, z with w >= 0, of rotation matrices (n, 3, 3).
 
     The eigenvector of the largest eigenvalue of a symmetric matrix: Bar-Itzhack, New method for
-    extracting the quaternion from a rotation matrix, 2000. It has no cases to tell apart.
+    extracting the quaternion from a rotation matrix, 2000. It needs no case distinctions.
     """
     trace = np.trace(axes, axis1=1, axis2=2)
     key = np.empty((len(axes), 4, 4))
@@ -361,13 +361,13 @@ def quaternions(axes: NDArray[np.float64]) -> NDArray[np.float64]:
 def along_normals(frames: Sequence[Instances], *, up: Up = "Z") -> list[Instances]:
     """The frames with orientations along the normals, where there are none yet.
 
-    On its first frame an instance is turned the shortest way, as by orientations(). From there each
-    turn goes on from the last one by the shortest way between the two normals, so that nothing
-    spins where a normal comes near to straight down.
+    On its first frame an instance has the shortest rotation, as by orientations(). On each further
+    frame the shortest rotation between the two normals is added, so that nothing spins where a
+    normal nearly points down.
 
     Args:
         frames: with normals, or unchanged; with ids, or with the same points in the same order.
-        up: the axis that is turned onto the normals.
+        up: the axis that is rotated to the normals.
 
     Raises:
         ValueError: naming the first normal without a direction.
@@ -407,12 +407,12 @@ def _carried(before: NDArray, start: NDArray, end: NDArray, anew: NDArray) -> ND
 def with_velocities(frames: Sequence[Instances], fps: float) -> list[Instances]:
     """The frames with the velocities that take each point to its place on the next frame.
 
-    On the last frame, and where its id is missing on the next, a point keeps its velocity; one
-    that is there for a single frame stands still. Frames that have velocities keep them.
+    On the last frame, and where its id is missing on the next one, a point keeps its velocity; a
+    point on a single frame has velocity 0. Frames that have velocities keep them.
 
     Args:
         frames: with ids, or with the same points in the same order.
-        fps: how many of them are a second.
+        fps: frames per second.
     """
     done = list(frames)
     before: Instances | None = None

@@ -84,8 +84,8 @@ def radial_power(spectrum: Spectrum | SurfaceSpectrum, *, title: str = "") -> "F
 def anisotropy(spectrum: Spectrum | SurfaceSpectrum, *, title: str = "") -> "Figure":
     """Draw how much the power varies with direction, in decibels.
 
-    In the plane the dashed line is white noise, -10 log10(runs): what stays near it prefers no
-    direction.
+    In the plane the dashed line is white noise, -10 log10(runs): values near it mean that no
+    direction is preferred.
 
     Args:
         spectrum: from dapple.spectrum() or dapple.surface_spectrum().
@@ -100,7 +100,7 @@ def anisotropy(spectrum: Spectrum | SurfaceSpectrum, *, title: str = "") -> "Fig
 
 
 def differentials(spectrum: SurfaceSpectrum, *, title: str = "") -> "Figure":
-    """Draw where samples lie as seen from each other, and how often at each distance.
+    """Draw the density of the differentials between samples, and its radial mean.
 
     Args:
         spectrum: from dapple.surface_spectrum().

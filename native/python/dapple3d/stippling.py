@@ -5,7 +5,7 @@
 >>> dots = stippling.stipple(stippling.read_picture("portrait.png"), 10_000)
 >>> stippling.write(dots, "portrait.svg")
 
-Drawings, PNG files and reading need Pillow; SVG and PDF files need nothing.
+Drawing, PNG files and reading need Pillow; SVG and PDF files do not.
 """
 
 import inspect
@@ -76,7 +76,7 @@ class Dots:
         radius: of each dot, in pixels.
         inks: names of the classes.
         size: width and height of the picture in pixels.
-        report: how even the dots are and what it took.
+        report: evenness of the dots and cost of the optimization.
     """
 
     positions: NDArray[np.float64]
@@ -115,9 +115,9 @@ def stipple(
         count: number of dots, >= 1.
         counts: of each of INKS, with the sum count; None: in proportion to the area that each ink
             covers, by largest remainders. For color only.
-        context: a Context to watch and cancel it by.
-        options: those of stipple_inks(). 1.1 times the radius of its own leaves no gap where all
-            is black.
+        context: a Context for progress and cancellation.
+        options: those of stipple_inks(). 1.1 times its default radius leaves no gaps in black
+            areas.
 
     Raises:
         ValueError: an option out of range, the first value outside [0, 1], or a white picture.
@@ -192,16 +192,15 @@ def _as_picture(image: ArrayLike) -> NDArray[np.float64]:
 def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     """Read a picture: (rows, columns) if it is gray, else (rows, columns, 4), all uint8.
 
-    It is turned as its EXIF orientation says. Deeper pictures are reduced to 8 bits: whole numbers
-    of 12, 16 or 32 bits from the full range of their kind (32 bits that hold no number above 8 or
-    16 bits count as such), floating-point numbers from [0, 1]. What is transparent in a gray
-    picture is white.
+    The EXIF orientation is applied. Deeper pictures are reduced to 8 bits: integers of 12, 16 or 32
+    bits from the full range of their type (32 bits without a value above 8 or 16 bits count as
+    such), floating-point numbers from [0, 1]. Transparent pixels of a gray picture are white.
 
     Args:
         path: any format that Pillow knows.
 
     Raises:
-        OSError: the file is missing, no picture, one of more than 179 million pixels, or has a
+        OSError: the file is missing, is not a picture, has more than 179 million pixels, or has a
             pixel below 0 or, as a floating-point number, above 1.
         ImportError: Pillow is not installed.
     """
@@ -221,11 +220,12 @@ def read_picture(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
 
 
 def draw(dots: Dots, scale: float = 4.0) -> NDArray[np.uint8]:
-    """Draw the dots as discs on white, smoothed at their rims.
+    """Draw the dots as antialiased discs on white.
 
     Args:
         dots: from stipple().
-        scale: pixels to draw for each of the picture's, > 0; best if radius * scale is 1 or more.
+        scale: pixels of the drawing per pixel of the picture, > 0; radius * scale should be at
+            least 1.
 
     Returns:
         (rows, columns) uint8 for gray, (rows, columns, 3) for color.
@@ -313,7 +313,7 @@ def _stamps(radius: float) -> Callable[[int, int], Any]:
 def to_svg(dots: Dots) -> str:
     """Write the dots as SVG, one path for each ink: about eleven bytes per dot.
 
-    A dot is a line of no length with round ends; places are rounded to 1/100 pixel.
+    A dot is a line of length 0 with round ends; positions are rounded to 1/100 pixel.
     """
     width, height = map(int, dots.size)
     parts = [
@@ -334,7 +334,7 @@ def to_svg(dots: Dots) -> str:
 def to_pdf(dots: Dots) -> bytes:
     """Write the dots as a PDF page, one point per pixel: about six bytes per dot.
 
-    Places are rounded to 1/100 pixel.
+    Positions are rounded to 1/100 pixel.
     """
     width, height = map(int, dots.size)
     lines = [f"1 J {2.0 * dots.radius:.6g} w"]
@@ -436,9 +436,9 @@ def encode(dots: Dots, suffix: str, *, scale: float = 4.0) -> bytes:
 
 
 def write(dots: Dots, path: str | os.PathLike[str], *, scale: float = 4.0) -> None:
-    """Write the dots to a file; its suffix, one of SUFFIXES, says how. See encode().
+    """Write the dots to a file in the format of its suffix, one of SUFFIXES. See encode().
 
-    The file is written whole, or what was there stays.
+    The file is complete or not written.
     """
     content = encode(dots, Path(path).suffix, scale=scale)
     with replacing(Path(path)) as file:

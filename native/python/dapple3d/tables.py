@@ -49,10 +49,10 @@ def write(
 ) -> None:
     """Write instances, frame after frame, without rounding.
 
-    CSV has a line for each instance and frame, after one with the names of the columns; the column
-    `frame` is there if there are times. npz has the arrays of Instances by their names. Those of
-    several frames have a first axis for these, but ids, classes and prototypes, which must be the
-    same on all of them; `times` then is one more array.
+    CSV has a header and a line for each instance and frame, with a column `frame` if times are
+    given. npz has the arrays of Instances by their names. With several frames the first axis of
+    the arrays is the frame, except for ids, classes and prototypes, which must be the same on all
+    frames; `times` is a further array.
 
     Args:
         path: ends with one of SUFFIXES.

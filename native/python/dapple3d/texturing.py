@@ -49,11 +49,11 @@ class Decal:
 
 
 def turns(ids: ArrayLike, seed: int = 0) -> NDArray[np.float64]:
-    """An angle in [0, 2 pi) for each id that depends on nothing else.
+    """An angle in [0, 2 pi) for each id; it depends only on id and seed.
 
     Args:
         ids: (n,) integers.
-        seed: another number, other angles.
+        seed: each seed gives other angles.
     """
     with np.errstate(over="ignore"):
         bits = np.asarray(ids).astype(np.uint64) + np.uint64(index(seed) % 2**64) * np.uint64(
@@ -109,16 +109,16 @@ def bake(
         rows: height of the image, in pixels.
         columns: width of the image, in pixels.
         angles: (n,) in radians, as for frames().
-        background: red, green, blue, alpha of what no decal covers.
-        oversampling: each pixel is the mean of oversampling^2.
-        margin: how far the image goes on beside the faces, in pixels.
+        background: red, green, blue, alpha where no decal is.
+        oversampling: each pixel is the mean of oversampling^2 samples.
+        margin: how far the image extends beyond the faces, in pixels.
         context: a Context for progress and cancel.
 
     Returns:
         (rows, columns, 4) float64 in [0, 1], alpha not premultiplied.
 
     Raises:
-        ValueError: a class without a decal, or what texels() and decal_cover() refuse.
+        ValueError: a class without a decal, or as texels() and decal_cover().
         Cancelled: through the context.
     """
     rows, columns, oversampling, margin = map(index, (rows, columns, oversampling, margin))

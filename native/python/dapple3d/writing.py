@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are written whole or not at all."""
+"""Files that are written completely or not at all."""
 
 import os
 import zipfile
@@ -18,11 +18,10 @@ __all__ = ["naming", "replacing", "write_npz"]
 def replacing(path: Path) -> Iterator[IO[bytes]]:
     """A binary file beside the path that replaces it once everything is written.
 
-    Its name is never the same twice: one left by a process that was killed is in nobody's way, nor
-    is that of another machine that writes the same.
+    Its name is unique: files left by killed processes, or written by other machines at the same
+    time, do not conflict.
 
-    A link stays one: the file that it leads to is replaced. What is no regular file (a device, a
-    pipe) cannot be replaced and is written into.
+    A link stays a link: its target is replaced. Devices and pipes are written into.
 
     Raises:
         OSError: naming the path.

@@ -133,18 +133,18 @@ def write(
 ) -> None:
     """Write instances as nodes with EXT_mesh_gpu_instancing, one for each mesh of a prototype.
 
-    Their attributes are TRANSLATION, ROTATION, SCALE and _ID; ids are floats, so that they end at
-    16,777,216. Velocities, normals and classes beside prototypes are left out.
+    Their attributes are TRANSLATION, ROTATION, SCALE and _ID; ids are floats, so at most
+    16,777,216. Velocities, normals and classes that differ from prototypes are not written.
 
     Args:
         path: ends with one of SUFFIXES.
         instances: of one time.
-        up: the axis that points up; z becomes y, as glTF has it.
+        up: the axis that points up; it becomes y, as in glTF.
         meters_per_unit: length of a unit of the positions, which become meters.
-        prototypes: what stands at class 0, 1, ..., or at those that the instances name. Of the
-            glTF file of a Reference all meshes are taken, of its node if it names one; they are in
-            meters, with y up. None are small balls, one for each class.
-        name: of the node above.
+        prototypes: the prototypes of classes 0, 1, ..., or those that the instances refer to. All
+            meshes of the glTF file of a Reference are copied, or those of its node if it names
+            one; they are in meters, with y up. Empty: a small ball for each class.
+        name: of the parent node.
 
     Raises:
         ValueError: an argument is wrong; it names the first offender.
@@ -482,7 +482,7 @@ def read(path: str | os.PathLike[str], *, up: Up = "Z") -> Instances:
 
     Args:
         path: ends with one of SUFFIXES.
-        up: the axis that is to point up; glTF's y becomes it.
+        up: the axis that points up; the y axis of glTF is rotated to it.
 
     Raises:
         ValueError: there are none, or the file is broken.

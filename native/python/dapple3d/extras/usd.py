@@ -6,8 +6,7 @@
 >>> usd.write("points.usda", instances.of_samples(samples))
 >>> usd.read("points.usda").frames[0].positions
 
-USD holds positions and all else that is no whole number as 32-bit floats: what is read back is
-rounded to those.
+USD stores floating-point numbers in 32 bits: values that are read back are rounded to that.
 """
 
 import errno
@@ -54,10 +53,10 @@ class Contents:
         frames: the instances, in the order of the times.
         times: (frames,) float64, time codes: numbers of frames; a file without time samples has
             one frame at 0.
-        fps: time codes in a second.
+        fps: time codes per second.
         up: the axis that points up.
         meters_per_unit: length of a unit of the positions.
-        prototypes: the paths of the prims that stand at the points.
+        prototypes: paths of the prototype prims.
     """
 
     frames: list[Instances]
@@ -105,18 +104,18 @@ def write(
 
     Orientations are written twice: as `orientations`, 16-bit floats that every reader knows, and
     as `orientationsf`, 32-bit floats that newer ones take instead. Normals become a primvar, and
-    so do classes where the prototypes are others. What is the same on all frames is written once.
+    so do classes if they differ from the prototypes. Constant attributes are written once.
 
     Args:
         path: ends with one of SUFFIXES.
         frames: the instances, or those of several frames; their number may change.
-        times: (frames,) time codes that grow; by default 1, 2, ...; a single frame without one is
-            there at all times.
-        fps: time codes in a second.
-        up: the axis that points up. Nothing is turned.
+        times: (frames,) increasing time codes; by default 1, 2, ...; a single frame without a time
+            is constant.
+        fps: time codes per second.
+        up: the axis that points up. Nothing is rotated.
         meters_per_unit: length of a unit of the positions.
-        prototypes: what stands at class 0, 1, ..., or at those that the instances name; to a
-            Reference the file refers. None are small balls, one for each class.
+        prototypes: the prototypes of classes 0, 1, ..., or those that the instances refer to; the
+            file refers to those of a Reference. Empty: a small ball for each class.
         name: of the PointInstancer.
 
     Raises:

@@ -23,14 +23,14 @@ def open_surface(
             with 'heights' and perhaps 'density'. Or a mesh: .npz with 'vertices', 'faces' and
             perhaps 'density', .ply perhaps with a property 'density' of the vertices or
             faces, .obj, .stl, .off, .glb and .gltf.
-        work: a folder for the faces of a mesh, sorted by where they are; made if it is missing, and
-            taken as it is if it is there.
-        density: of a terrain: a file with as many numbers.
-        step: of a terrain that does not say it: between two columns and between two rows.
+        work: a folder for the faces of a mesh, sorted by position; made if it is missing, and
+            reused if it exists.
+        density: a file with a number for each height of a terrain.
+        step: distance between columns and between rows, for a terrain that does not store it.
 
     Raises:
         ValueError: naming the file and what is wrong with it.
-        ImportError: what reads it is missing.
+        ImportError: the package that reads it is missing.
     """
     path = Path(path)
     if path.suffix.lower() in GRIDS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The folder of a run: what is done lies there in files, each whole or not at all."""
+"""The folder of a run: finished parts are files, each complete or not written."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -70,7 +70,7 @@ def merged(layers: Sequence[Bound]) -> Bound:
 class Folder:
     """Where files of a run are.
 
-    run: the digest of its plan; no file of another run is taken for one of this.
+    run: the digest of its plan, by which files of other runs are recognized.
     """
 
     path: Path
@@ -135,8 +135,9 @@ class Folder:
         self.file(job).unlink(missing_ok=True)
 
     def sweep(self) -> None:
-        """Remove what killed processes have left, and the folder of unfinished work if it is empty;
-        nobody is at work any more."""
+        """Remove the files of killed processes, and the folder of unfinished work if it is empty.
+
+        No process may be working."""
         left = [f"work/{kind}-*.npz" for kind in KINDS]
         for pattern in ("*/.*.part", *left):
             for part in self.path.glob(pattern):
@@ -149,7 +150,7 @@ class Folder:
 class Tiles:
     """A surface's points in a folder, tile by tile.
 
-    made_again: files that were damaged or of something else when sample_tiles() came to them.
+    made_again: files that were damaged or of another run, and were made again.
     """
 
     folder: Path

@@ -37,9 +37,9 @@ def map_shots(
 ) -> list[Path]:
     """Have processes of Dask do the same work for many shots, one file for each.
 
-    What a lost worker was doing is done again. A shot is left out whose file is there, whole, and
-    from the same shot and the same work, so a run that was stopped goes on where it was. Of the
-    shot all bytes count, of the work its name, its source and its arguments, not what it calls.
+    The tasks of a lost worker are repeated. A shot is skipped if its file is complete and from the
+    same shot and work, so a run that was stopped continues. Shots are compared by all of their
+    bytes, work by its name, source and arguments, without the functions that it calls.
 
     Args:
         work: called with the path of a shot; the arrays that it returns, by name, are written as
@@ -47,18 +47,18 @@ def map_shots(
             `functools.partial` of one, as of track_shot().
         shots: files; no two of the same name.
         folder: for the results, `NAME.npz` for the shot `NAME.*`; made if it is missing.
-        workers: that many processes on this machine; 0 is one for each processor.
+        workers: number of processes on this machine; 0: one for each processor.
         scheduler: the address of one of Dask, or a client of it: its workers see the shots and the
             folder by the same paths.
-        progress: whether a line on stderr tells how far it is.
+        progress: whether a line on stderr shows the progress.
         context: for progress, and to cancel.
 
     Returns:
         the file of each shot.
 
     Raises:
-        ValueError: two shots of the same name, a result that would replace one or an npz that is
-            none, or what the work raises; the file is named.
+        ValueError: two shots of the same name, a result that would replace a shot or a file that is
+            no result, or an error of the work; the file is named.
         ImportError: Dask distributed is missing.
         Cancelled
     """
@@ -137,7 +137,7 @@ def _do(shared: tuple[Work, str], shot: tuple[Path, Path], context: native.Conte
 def track_shot(
     path: Path, count: int, *, seed: int = 0, threads: int = 1, **options: Any
 ) -> dict[str, NDArray]:
-    """Points that stay put on a motion: what `dapple track` makes of it.
+    """Points that stay put on a motion, as `dapple track` makes them.
 
     >>> map_shots(partial(track_shot, count=2000), sorted(Path("shots").glob("*.npz")), "baked")
 

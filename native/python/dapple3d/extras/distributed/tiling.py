@@ -45,34 +45,35 @@ def sample_tiles(
 ) -> Tiles:
     """Put `count` points on a surface that is too large to be solved at once.
 
-    Tiles are solved one by one; then the band along each border between two of them is solved
-    again, between the points on both sides, which stay; then the corners where four meet. So there
-    is memory for a tile and for what lies along a row of tiles, however large the surface is. Each
-    tile is a file, whole or not at all. What a folder lacks is made; what is there stays, so a run
-    that was stopped goes on where it was. A tile depends on its own part of the surface and on the
-    tiles around it alone: removed and made again it has the same bytes.
+    Tiles are solved one by one; then the band along each border between two tiles is solved again,
+    between the points on both sides, which stay; then the corners where four tiles meet. So memory
+    holds one tile and a row of borders, however large the surface is. Each tile is a file, complete
+    or not written. Files that the folder has are kept and missing ones are made, so a run that was
+    stopped continues. A tile depends only on its own part of the surface and on the tiles around
+    it: removed and made again it has the same bytes.
 
     With `workers` or a `scheduler` the work is done by processes of Dask, on this machine or
-    others; all see the folder, and the files of the surface, by the same path. What a lost worker
-    was doing is done again. The bytes do not depend on how many there are.
+    others; all need the folder, and the files of the surface, at the same path. The tasks of a lost
+    worker are repeated. The bytes do not depend on the number of workers.
 
     Args:
-        surface: what is read piece by piece, or a file as open_surface() takes it.
+        surface: a surface that is read piece by piece, or a file as for open_surface().
         folder: for the tiles; made if it is missing.
-        count: how many points in all, exactly.
-        tile: about how many points a tile has; memory follows it.
-        seed: another one gives other points.
-        threads: of each solution; 0 is all there are, or 1 in a worker.
-        workers: that many processes on this machine; 0 is one for each processor.
-        scheduler: the address of one of Dask, or a client of it.
-        progress: whether a line on stderr tells how far it is.
+        count: exact number of points.
+        tile: approximate number of points of a tile; memory is proportional to it.
+        seed: each seed gives other points.
+        threads: of each solution; 0: all of the machine, or 1 in a worker.
+        workers: number of processes on this machine; 0: one for each processor.
+        scheduler: the address of a scheduler of Dask, or a client of one.
+        progress: whether a line on stderr shows the progress.
         context: for progress, and to cancel.
         options: those of `dapple3d.sample`, as `tolerance`.
 
     Raises:
-        ValueError: the folder holds tiles of something else, its plan is damaged, an option is out
-            of range, or the surface has a fault: named by the tile.
-        TypeError: the surface is none of these, an option is unknown, or a number is not whole.
+        ValueError: the folder holds tiles of another run, its plan is damaged, an option is out of
+            range, or the surface has a fault, named with its tile.
+        TypeError: the surface has another type, an option is unknown, or a number is not an
+            integer.
         ImportError: for several processes, Dask distributed is missing.
         Cancelled
     """
