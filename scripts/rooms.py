@@ -89,10 +89,17 @@ def order_problems(rooms: dict[str, list[str]]) -> Iterator[str]:
 
 
 def circle_problems() -> Iterator[str]:
-    """One circle of headers and sources, if there is any."""
+    """One circle of headers and sources, if there is any.
+
+    A public header stands apart from its source: it holds the options of its verb, which the parts
+    of the verb take.
+    """
+    public = {path.stem for path in (ROOT / "native/include/dapple").glob("*.hpp")}
     graph: dict[str, set[str]] = {}
     lines: dict[tuple[str, str], str] = {}
-    for place, source, target in includes():
+    for place, stem, target in includes():
+        is_source = stem in public and not place.startswith("native/include/")
+        source = f"{stem}.cpp" if is_source else stem
         graph.setdefault(source, set()).add(target)
         lines.setdefault((source, target), place)
     try:

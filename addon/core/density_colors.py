@@ -52,7 +52,7 @@ def computed(
 
 
 def _points(ground: Ground, settings: Settings) -> float:
-    return float(settings.per_area or settings.count / max(ground.surface.mass, 1e-300))
+    return float(settings.per_area or settings.count / max(ground.surface.capacity, 1e-300))
 
 
 def ramp() -> tuple[Floats, Singles]:

@@ -499,7 +499,7 @@ def _scattered(
         measured=False,
         doubled_faces=ground.original.doubled_faces,
     )
-    solved, mass = Solved(arrays, ground, fine), float(ground.surface.mass)
+    solved, mass = Solved(arrays, ground, fine), float(ground.surface.capacity)
     positions = np.asarray(samples.positions)
     return Scattered(positions, binding, columns, report, Details(), settings, mass, solved)
 

@@ -51,7 +51,7 @@ def counted(surface: Any, settings: Settings) -> Settings:
     Raises:
         ScatterError: they make more points than anyone can want.
     """
-    return with_area(settings, surface.mass) if settings.per_area else settings
+    return with_area(settings, surface.capacity) if settings.per_area else settings
 
 
 def with_area(settings: Settings, mass: float) -> Settings:

@@ -52,9 +52,9 @@ def dots(points: Floats, radius: float) -> Floats:
 
 
 def pattern(count: int, options: dict[str, Any]) -> Floats:
-    """Points of the periodic unit square, with these options of dapple.sample_planar."""
+    """Points of the periodic unit square, with these options of dapple.sample."""
     native = package()
-    samples = native.sample_planar(native.Torus(), count, **options)
+    samples = native.sample(native.Torus(), count, **options)
     return dots(np.asarray(samples.positions), 0.2 / np.sqrt(count))
 
 

@@ -163,7 +163,7 @@ class PopulationBaker(Baker):
         """Points at the density of before, all of which begin to appear."""
         surface = self._surface()
         density, first = float(self._state["densities"][0]), int(self._state["next_id"])
-        count = max(1, round(density * surface.mass))
+        count = max(1, round(density * surface.capacity))
         asked = replace(self.start.settings, count=count, per_area=0.0)
         asked = replace(asked, seed=asked.seed + first)
         found = sampled(self.grounds.now, asked, context)

@@ -100,7 +100,7 @@ def scatter(
         report_of(samples.report).of_ids(ids), doubled_faces=ground.original.doubled_faces
     )
     details = details_of(fine, density)
-    mass, solved = float(ground.surface.mass), Solved(arrays, ground, fine)
+    mass, solved = float(ground.surface.capacity), Solved(arrays, ground, fine)
     return Scattered(positions, binding, columns, report, details, settings, mass, solved)
 
 

@@ -53,16 +53,14 @@ class Case:
     def together(self, seed: int, **options: Any) -> dapple.Report:
         """All classes at once."""
         if isinstance(self.domain, dapple.Torus):
-            return dapple.sample_planar_classes(
-                self.domain, self.classes, seed=seed, **options
-            ).report
+            return dapple.sample_classes(self.domain, self.classes, seed=seed, **options).report
         return dapple.sample_classes(self.domain, self.classes, seed=seed, **options).report
 
     def by_itself(self, k: int, seed: int, **options: Any) -> dapple.Report:
         """As many samples as set k has, of its density, as one class."""
         domain = self.alone[k]
         if isinstance(domain, dapple.Torus):
-            return dapple.sample_planar(domain, self.counts[k], seed=seed, **options).report
+            return dapple.sample(domain, self.counts[k], seed=seed, **options).report
         return dapple.sample(domain, self.counts[k], seed=seed, **options).report
 
 
@@ -91,7 +89,7 @@ def opposing(folder: Path) -> Case:
     assert rising is not None
     densities = [rising, CONTRAST / rising]
     surfaces = [dapple.Surface(vertices, faces, density) for density in densities]
-    union = np.sum([d / s.mass for d, s in zip(densities, surfaces, strict=True)], axis=0)
+    union = np.sum([d / s.capacity for d, s in zip(densities, surfaces, strict=True)], axis=0)
     classes = [dapple.SampleClass(1000, density=density) for density in densities]
     return Case(
         "opposing",

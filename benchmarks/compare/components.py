@@ -39,7 +39,7 @@ def component_rows(
     surface: dapple.Surface, samples: dapple.Samples
 ) -> tuple[str, list[str], list[Row]]:
     """A title, a head and a row for each component that has samples."""
-    capacities = dapple.energy(surface, samples.positions, samples.faces).capacities
+    capacities = dapple.evaluate_energy(surface, samples.positions, samples.faces).capacities
     where = components(surface.faces)
     of_samples = where[samples.faces]
     counts = np.bincount(of_samples, minlength=where.max() + 1)

@@ -80,7 +80,7 @@ def draw_sets(
 
 def make(counts: Sequence[int], options: dict[str, Any]) -> Callable[[int], dapple.PlanarSamples]:
     """Classes of these counts, by the seed."""
-    return lambda seed: dapple.sample_planar_classes(
+    return lambda seed: dapple.sample_classes(
         dapple.Torus(), list(counts), seed=seed, threads=1, **options
     )
 

@@ -77,7 +77,7 @@ def runs_of(
 ) -> list[dapple.PlanarSamples]:
     """One set of samples for each seed."""
     return setting.each_seed(
-        lambda seed: dapple.sample_planar(domain, count, seed=seed, threads=1, **options),
+        lambda seed: dapple.sample(domain, count, seed=seed, threads=1, **options),
         setting.runs,
     )
 
@@ -191,4 +191,4 @@ def figure_5(setting: Setting) -> Plate:
 
 
 def alone_on_a_thread(count: int, options: dict[str, Any]) -> Callable[[], dapple.PlanarSamples]:
-    return lambda: dapple.sample_planar(dapple.Torus(), count, threads=1, **options)
+    return lambda: dapple.sample(dapple.Torus(), count, threads=1, **options)

@@ -131,7 +131,7 @@ def figure_7(setting: Setting) -> Plate:
     samples = found[0]
     at = np.einsum("nk,nk->n", samples.barycentric, density[dense.faces[samples.faces]])
     # The spacing that a density phi asks for: of as many sites on the area that has phi all over.
-    radii = 0.25 * np.sqrt(2 / np.sqrt(3) * dense.mass / count / at)
+    radii = 0.25 * np.sqrt(2 / np.sqrt(3) * dense.capacity / count / at)
     pictures = [
         scene.values(density),
         scene.cells(samples.positions, mixed(count)),

@@ -93,8 +93,8 @@ def _samplers(size: float) -> dict[str, Work]:
         "sample_classes, two stages": lambda c: dapple.sample_classes(
             surface, plain, two_stages=True, context=c
         ),
-        "sample_planar": lambda c: dapple.sample_planar(square, n, context=c),
-        "sample_planar, torus": lambda c: dapple.sample_planar(dapple.Torus(), n, context=c),
+        "sample, in a plane": lambda c: dapple.sample(square, n, context=c),
+        "sample, on a torus": lambda c: dapple.sample(dapple.Torus(), n, context=c),
         "resample, fewer": lambda c: dapple.resample(surface, samples, int(0.9 * n), context=c),
         "resample, many more": lambda c: dapple.resample(surface, samples, 4 * n, context=c),
         "stipple, gray": lambda c: dapple.stippling.stipple(picture[..., 0], n, context=c),
@@ -120,9 +120,9 @@ def _tracking(size: float) -> dict[str, Work | Prepared]:
             lambda: dapple.Population(surface, samples),
             lambda p, c: p.advance(1.05 * near, context=c),
         ),
-        "track_window": lambda c: dapple.track_window(surface, frames, samples, context=c),
+        "track_window": lambda c: dapple.track_window(surface, samples, frames, context=c),
         "track_window, closed": lambda c: dapple.track_window(
-            surface, frames, samples, closed=True, context=c
+            surface, samples, frames, closed=True, context=c
         ),
     }
 
@@ -182,7 +182,7 @@ def _large(size: float) -> dict[str, Work]:
         "curvature_density": lambda c: dapple.curvature_density(surface, context=c),
         "analyze": lambda c: dapple.analyze(surface, samples, context=c),
         "analyze, points": lambda c: dapple.analyze(surface, at, context=c),
-        "energy": lambda c: dapple.energy(surface, at, on, context=c),
+        "evaluate_energy": lambda c: dapple.evaluate_energy(surface, at, on, context=c),
         "Tracker": lambda c: dapple.Tracker(surface, samples, context=c),
         "Population": lambda c: dapple.Population(surface, samples, context=c),
         "sample, many faces": lambda c: dapple.sample(surface, 5000, context=c),

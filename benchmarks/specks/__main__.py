@@ -87,7 +87,7 @@ def evaluated(sizes: Sizes, off: Callable[[Array], Array]) -> Result:
     places = off(samples.positions)
     begin = time.process_time()
     for _ in range(5):
-        dapple.energy(surface, places, samples.faces)
+        dapple.evaluate_energy(surface, places, samples.faces)
     return Result(time.process_time() - begin, 5, 0, 0, 1, True)
 
 
@@ -187,7 +187,7 @@ def raster(values: Callable[[np.random.Generator, tuple[int, int]], Array]) -> C
     def case(sizes: Sizes, random: np.random.Generator) -> Result:
         side = sizes.pixels // 2
         plane = dapple.Plane(1, 1, density=values(random, (side, side)))
-        return measured(lambda: dapple.sample_planar(plane, sizes.count))
+        return measured(lambda: dapple.sample(plane, sizes.count))
 
     return case
 

@@ -105,7 +105,7 @@ def _faces(around: int, tube: int, count: int) -> Make:
 def _planar(domain: Callable[[], dapple.FlatDomain], count: int) -> Make:
     def make(seed: int) -> Run:
         flat = domain()
-        return lambda: dapple.sample_planar(flat, count, seed=seed).report
+        return lambda: dapple.sample(flat, count, seed=seed).report
 
     return make
 

@@ -89,8 +89,8 @@ def measured(
 ) -> dict[str, Figures]:
     """Capacity variation, alpha min and psi6 beside seams and elsewhere, far from the border."""
     spacing, count = surface.spacing(len(samples)), len(samples)
-    owned = dapple.energy(surface, samples.positions, samples.faces).capacities
-    relative = owned / (surface.mass / count)
+    owned = dapple.evaluate_energy(surface, samples.positions, samples.faces).capacities
+    relative = owned / (surface.capacity / count)
     alphas = dapple.nearest_distances(samples.positions) / spacing
     orders = bond_orders(samples.positions)
     x, y = samples.positions[:, 0], samples.positions[:, 1]

@@ -85,7 +85,7 @@ class Window:
         self, surface: dapple.Surface, samples: dapple.Samples, frames: Sequence[Array]
     ) -> None:
         self.surface = surface
-        solved = dapple.track_window(surface, frames[:-1], samples, closed=True, threads=1)
+        solved = dapple.track_window(surface, samples, frames[:-1], closed=True, threads=1)
         self._left = [*solved[1:], solved[0]]
 
     def advance(self, vertices: Array) -> Step:

@@ -48,7 +48,7 @@ class Minimizer:
 
     def evaluate(self, points: Array) -> State:
         on = dapple.project(self.surface, points)
-        found = dapple.energy(self.surface, on.positions, on.faces, cells="euclidean")
+        found = dapple.evaluate_energy(self.surface, on.positions, on.faces, cells="euclidean")
         self.evaluations += 1
         gradient = self._tangential(found.gradient, on.faces)
         return State(on.positions, on.faces, on.barycentric, found.total, gradient)

@@ -76,7 +76,13 @@ def write_rooms(xml: Path, to: Path) -> None:
     text = (rooms.ROOT / rooms.PAGE).read_text(encoding="utf-8")
     told = re.findall(r"^\| `([a-z]+)/` \| ([^|]*?) \|", text, re.MULTILINE)
     what = {room: words[0].upper() + words[1:] for room, words in told}
-    found, listed = list(entries(xml)), rooms.listed_rooms()
+    found = list(entries(xml))
+    shown = {one.header for one in found}
+    listed = {
+        room: [name for name in names if name in shown]
+        for room, names in rooms.listed_rooms().items()
+        if shown & set(names)
+    }
     for room, names in listed.items():
         page = room_page(room, what[room], names, found)
         (to / f"{room}.rst").write_text(page, encoding="utf-8")

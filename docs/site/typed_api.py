@@ -33,9 +33,22 @@ def document(node: Documented, thing: Any) -> None:
         node.body.insert(0, ast.Expr(ast.Constant(text)))
 
 
+def without_overloads(tree: ast.Module) -> None:
+    """Leaves the first signature of each function, whose documentation has the others."""
+    seen: set[str] = set()
+    for node in list(tree.body):
+        if not isinstance(node, ast.FunctionDef):
+            continue
+        if node.name in seen:
+            tree.body.remove(node)
+        seen.add(node.name)
+        node.decorator_list = []
+
+
 def documented_stubs(native: ModuleType, stubs: str) -> str:
     """The stubs of a module, with the documentation that the module has."""
     tree = ast.parse(stubs)
+    without_overloads(tree)
     for node in tree.body:
         if isinstance(node, Documented):
             document(node, getattr(native, node.name))

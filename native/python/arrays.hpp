@@ -4,7 +4,6 @@
 #include <pybind11/numpy.h>
 
 #include <dapple/errors.hpp>
-#include <dapple/image.hpp>
 #include <dapple/types.hpp>
 #include <limits>
 #include <span>

@@ -42,27 +42,27 @@ std::shared_ptr<Samples> sample_surface(const Surface& surface, const py::sequen
   });
 }
 
-std::vector<PlanarClass> planar_classes(const py::sequence& classes) {
-  std::vector<PlanarClass> result;
+std::vector<SampleClass> classes_in_plane(const py::sequence& classes) {
+  std::vector<SampleClass> result;
   for (const ClassArgument& argument : class_arguments(classes)) {
     if (!argument.locked.is_none())
       throw ArgumentError("classes[" + std::to_string(result.size()) +
                           "] has locked samples: a surface is needed for them");
     result.push_back(
         {.count = static_cast<std::size_t>(argument.count), .radius = argument.radius});
-    if (!argument.density.is_none()) result.back().density = image_of("density", argument.density);
+    if (!argument.density.is_none()) result.back().image = image_of("density", argument.density);
   }
   return result;
 }
 
 std::shared_ptr<PlanarSamples> sample_flat(const FlatDomain& domain, const py::sequence& classes,
                                            const py::kwargs& keywords) {
-  const Keywords given(kSamplePlanarClasses, keywords);
+  const Keywords given(kSampleClasses, keywords);
   const ClassOptions options = given.options();
   const ContextPtr context = given.context();
-  const std::vector<PlanarClass> wanted = planar_classes(classes);
+  const std::vector<SampleClass> wanted = classes_in_plane(classes);
   return run(context, [&](Context* watched) {
-    return std::make_shared<PlanarSamples>(sample_planar_classes(domain, wanted, options, watched));
+    return std::make_shared<PlanarSamples>(sample_classes(domain, wanted, options, watched));
   });
 }
 
@@ -148,8 +148,8 @@ Raises:
     Cancelled: through the context.)",
       py::arg("surface"), py::arg("classes"));
   def_verb(
-      m, kSamplePlanarClasses, &sample_flat,
-      R"(sample_planar_classes(domain: FlatDomain, classes: Sequence[SampleClass | int], *, {signature}, context: Context | None = None) -> PlanarSamples
+      m, kSampleClasses, &sample_flat,
+      R"(sample_classes(domain: FlatDomain, classes: Sequence[SampleClass | int], *, {signature}, context: Context | None = None) -> PlanarSamples
 
 Several classes of samples of a Plane or Torus at once: see sample_classes().
 

@@ -23,7 +23,7 @@ namespace {
 
 std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& positions,
                                   const py::object& faces, const py::kwargs& keywords) {
-  const Keywords given(kEnergy, keywords);
+  const Keywords given(kEvaluateEnergy, keywords);
   const SampleOptions options = given.options();
   const ContextPtr context = given.context();
   const DoubleArray points = doubles("positions", positions, 3);
@@ -33,7 +33,7 @@ std::shared_ptr<Energy> energy_at(const Surface& surface, const py::object& posi
   return run(context, [&](Context* watched) {
     auto result = std::make_shared<Energy>(
         evaluate_energy(surface, Sites{{p.begin(), p.end()}, {f.begin(), f.end()}},
-                        options.optimizer.capacity_weight, watched, options.cells));
+                        options.optimizer.capacity_weight, options.cells, watched));
     watched->advance(1.0);
     return result;
   });
@@ -61,7 +61,7 @@ void bind_energy(py::module_& m) {
                     "Sum of the integrals of density^2 |x - site|^2 over the cells.")
       .def_readonly("capacity_term", &Energy::capacity_term, "Sum of the squared capacities.")
       .def_readonly("normalized", &Energy::normalized,
-                    "n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+                    "n E / capacity^2 - capacity_weight; 0.16037 for perfect hexagons.")
       .def_property_readonly("capacities", cell_property(&Moments::capacity),
                              "(n,) float64: integral of the density over each cell.")
       .def_property_readonly("masses", cell_property(&Moments::mass),
@@ -72,8 +72,8 @@ void bind_energy(py::module_& m) {
                              "(n, 3) float64: dE/dx in space, not yet tangential.");
 
   def_verb(
-      m, kEnergy, &energy_at,
-      R"(energy(surface: Surface, positions: numpy.ndarray, faces: numpy.ndarray, *, {signature}, context: Context | None = None) -> Energy
+      m, kEvaluateEnergy, &energy_at,
+      R"(evaluate_energy(surface: Surface, positions: numpy.ndarray, faces: numpy.ndarray, *, {signature}, context: Context | None = None) -> Energy
 
 Evaluate the energy and its gradient over the restricted Voronoi diagram.
 

@@ -75,6 +75,15 @@ std::vector<Row> table_of(const std::string& name) {
   return rows;
 }
 
+/// What paper_options() sets, by name.
+py::dict paper_settings() {
+  py::dict result;
+  const auto plain = values_of(SampleOptions()), paper = values_of(paper_options());
+  for (std::size_t k = 0; k < paper.size(); ++k)
+    if (paper[k] != plain[k]) result[paper[k].first.c_str()] = paper[k].second;
+  return result;
+}
+
 }  // namespace
 
 void refuse_type(const std::string& name, const py::handle& value, const std::string& needed) {
@@ -140,6 +149,7 @@ Raises:
   py::list names;
   std::apply([&](const auto&... verb) { (names.append(verb.name), ...); }, kVerbs);
   m.attr("_verbs") = py::tuple(names);
+  m.def("_paper_options", &paper_settings);
 }
 
 }  // namespace dapple::python

@@ -39,10 +39,9 @@ struct PlaneMaker {
   std::vector<Vec2> outline = {};  // of a polygon; or empty
   std::vector<std::vector<Vec2>> holes = {};
 
-  [[nodiscard]] PlanarDomain make() const {
-    if (!outline.empty()) return PlanarDomain::polygon(outline, holes);
-    return dense ? PlanarDomain::image(width, height, density)
-                 : PlanarDomain::rectangle(width, height);
+  [[nodiscard]] Plane make() const {
+    if (!outline.empty()) return Plane::polygon(outline, holes);
+    return dense ? Plane::image(width, height, density) : Plane::rectangle(width, height);
   }
 };
 
@@ -50,9 +49,9 @@ auto members(PlaneMaker& p) {
   return std::tie(p.width, p.height, p.dense, p.density, p.outline, p.holes);
 }
 
-class MadePlane : public PlanarDomain {
+class MadePlane : public Plane {
  public:
-  explicit MadePlane(PlaneMaker maker) : PlanarDomain(maker.make()), maker_(std::move(maker)) {}
+  explicit MadePlane(PlaneMaker maker) : Plane(maker.make()), maker_(std::move(maker)) {}
   [[nodiscard]] const PlaneMaker& maker() const { return maker_; }
 
  private:
@@ -80,26 +79,26 @@ std::shared_ptr<MadePlane> make_polygon(const py::object& outline, const py::seq
   return made(std::move(maker));
 }
 
-std::shared_ptr<TorusDomain> make_torus(const py::object& density) {
-  if (density.is_none()) return std::make_shared<TorusDomain>();
+std::shared_ptr<Torus> make_torus(const py::object& density) {
+  if (density.is_none()) return std::make_shared<Torus>();
   const Image image = image_of("density", density);
-  return run([&] { return std::make_shared<TorusDomain>(image); });
+  return run([&] { return std::make_shared<Torus>(image); });
 }
 
 std::shared_ptr<PlanarSamples> sample_domain(const FlatDomain& domain, Count count,
                                              const py::kwargs& keywords) {
-  const Keywords given(kSamplePlanar, keywords);
+  const Keywords given(kSample, keywords);
   const SampleOptions options = given.options();
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
-    return std::make_shared<PlanarSamples>(sample_planar(domain, count, options, watched));
+    return std::make_shared<PlanarSamples>(sample(domain, count, options, watched));
   });
 }
 
 std::shared_ptr<Energy> energy_of(const FlatDomain& domain, const py::object& positions,
                                   const py::kwargs& keywords) {
   const std::vector<Vec2> points = plane_points("positions", positions);
-  const SampleOptions options = Keywords(kEnergyPlanar, keywords, {}).options();
+  const SampleOptions options = Keywords(kEvaluateEnergy, keywords, {}).options();
   return run(nullptr, [&](Context* watched) {
     return std::make_shared<Energy>(evaluate_energy(*domain.with_cells(options.cells),
                                                     domain.sites(points),
@@ -116,7 +115,7 @@ py::array positions_of(const py::object& self) {
 void bind_domains(py::module_& m) {
   py::class_<FlatDomain, DomainPtr>(m, "FlatDomain", "A Plane or a Torus.")
       .def_property_readonly("area", &FlatDomain::area, "In squared units of the coordinates.")
-      .def_property_readonly("mass", &FlatDomain::mass, "Integral of the density.")
+      .def_property_readonly("capacity", &FlatDomain::capacity, "Integral of the density.")
       .def(
           "spacing", [](const FlatDomain& d, Count count) { return d.spacing(count); },
           py::arg("count"),
@@ -162,7 +161,7 @@ Raises:
           "surface", [](const MadePlane& d) { return std::make_shared<Surface>(d.surface()); },
           "The same domain as a flat Surface, z = 0.");
 
-  py::class_<TorusDomain, FlatDomain, std::shared_ptr<TorusDomain>> torus(
+  py::class_<Torus, FlatDomain, std::shared_ptr<Torus>> torus(
       m, "Torus",
       R"(The unit square, its opposite sides joined.
 
@@ -172,18 +171,18 @@ Args:
 
 Raises:
     ValueError: naming the first value that is not finite or negative.)");
-  def_pickle<TorusDomain>(
+  def_pickle<Torus>(
       torus, "Torus",
-      [](const TorusDomain& t) {
+      [](const Torus& t) {
         return py::make_tuple(t.density() ? packed(*t.density()) : py::object(py::none()));
       },
       [](const py::object& state) {
         const auto items = state.cast<py::tuple>();
         if (items.size() != 1) throw ArgumentError("it has another number of members");
-        if (py::object(items[0]).is_none()) return TorusDomain();
+        if (py::object(items[0]).is_none()) return Torus();
         Image image;
         unpack(py::object(items[0]), image);
-        return run([&] { return TorusDomain(image); });
+        return run([&] { return Torus(image); });
       });
   torus.def(py::init(&make_torus), py::arg("density") = py::none());
 }
@@ -199,13 +198,13 @@ void bind_planar_verbs(py::module_& m) {
       .def_readonly("report", &PlanarSamples::report, "A Report.");
 
   def_verb(
-      m, kSamplePlanar, &sample_domain,
-      R"(sample_planar(domain: FlatDomain, count: int, *, {signature}, context: Context | None = None) -> PlanarSamples
+      m, kSample, &sample_domain,
+      R"(sample(domain: FlatDomain, count: int, *, {signature}, context: Context | None = None) -> PlanarSamples
 
 Exactly count samples of a Plane or Torus, evenly spaced, unpatterned, following its density.
 
 As sample() does on a Surface, in the plane or on the torus (Chen et al. 2012, Algorithm 1);
-sample_planar(..., **dapple.PAPER) is the paper's own way.
+sample(..., **dapple.PAPER) is the paper's own way.
 
 Args:
     domain: a Plane or a Torus.
@@ -221,10 +220,11 @@ Raises:
     Cancelled: through the context.)",
       py::arg("domain"), py::arg("count"));
 
-  def_verb(m, kEnergyPlanar, &energy_of,
-           R"(energy_planar(domain: FlatDomain, positions: numpy.ndarray, *, {signature}) -> Energy
+  def_verb(
+      m, kEvaluateEnergy, &energy_of,
+      R"(evaluate_energy(domain: FlatDomain, positions: numpy.ndarray, *, {signature}) -> Energy
 
-The energy at given sites of a Plane or Torus, and its gradient: see energy().
+The energy at given sites of a Plane or Torus, and its gradient.
 
 Args:
     domain: a Plane or a Torus.
@@ -236,7 +236,7 @@ Returns:
 
 Raises:
     ValueError: naming the first position that is not finite or outside.)",
-           py::arg("domain"), py::arg("positions"));
+      py::arg("domain"), py::arg("positions"));
 }
 
 }  // namespace

@@ -53,11 +53,11 @@ std::vector<std::int32_t> locked_rows(const py::object& given) {
 std::shared_ptr<Samples> resample_surface(const Surface& surface, const Samples& samples,
                                           Count count, const py::kwargs& keywords) {
   const Keywords given(kResample, keywords, {"locked", "context"});
-  const SampleOptions options = given.options();
-  const std::vector<std::int32_t> locked = locked_rows(given.other("locked"));
+  ResampleOptions options = given.options();
+  options.locked = locked_rows(given.other("locked"));
   const ContextPtr context = given.context();
   return run(context, [&](Context* watched) {
-    return std::make_shared<Samples>(resample(surface, samples, count, options, watched, locked));
+    return std::make_shared<Samples>(resample(surface, samples, count, options, watched));
   });
 }
 
@@ -150,7 +150,7 @@ void bind_reports(py::module_& m) {
                     "psi6, how like a hexagonal lattice: white noise 0.36, dart throwing 0.42, "
                     "hexagons 1. Cells at borders are left out.")
       .def_readonly("energy", &Quality::energy,
-                    "Normalized: n E / mass^2 - capacity_weight; 0.16037 for perfect hexagons.")
+                    "Normalized: n E / capacity^2 - capacity_weight; 0.16037 for perfect hexagons.")
       .def_readonly(
           "whole_count_variation", &Quality::whole_count_variation,
           "What of the capacity variation comes of each component of the surface having a "

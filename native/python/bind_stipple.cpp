@@ -48,7 +48,7 @@ py::array separate_channels(const py::object& channels) {
   if (images.size() != 3)
     throw ArgumentError("channels holds " + std::to_string(images.size()) +
                         ": red, green and blue are needed");
-  return to_array(run([&] { return separate({images[0], images[1], images[2]}); }));
+  return to_array(run([&] { return separate_inks({images[0], images[1], images[2]}); }));
 }
 
 py::array mix_seven(const py::object& value) {
@@ -57,7 +57,7 @@ py::array mix_seven(const py::object& value) {
     throw ArgumentError("inks holds " + std::to_string(images.size()) + ": 7 are needed");
   std::array<Image, kInks> inks;
   std::copy(images.begin(), images.end(), inks.begin());
-  return to_array(run([&] { return mix(inks); }));
+  return to_array(run([&] { return mix_inks(inks); }));
 }
 
 std::vector<std::size_t> counts_of(const py::sequence& counts) {
@@ -82,7 +82,7 @@ std::shared_ptr<Stipples> stipple_inks(const py::object& inks, Count count,
   const ContextPtr context = given.context();
   const std::vector<Image> images = inks_of(inks);
   return run(context, [&](Context* watched) {
-    return std::make_shared<Stipples>(stipple(images, count, options, watched));
+    return std::make_shared<Stipples>(stipple_inks(images, count, options, watched));
   });
 }
 

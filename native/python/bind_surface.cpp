@@ -6,7 +6,7 @@
 #include <dapple/errors.hpp>
 #include <dapple/mesh_file.hpp>
 #include <dapple/projector.hpp>
-#include <dapple/spacing.hpp>
+#include <dapple/surface.hpp>
 #include <dapple/surface_record.hpp>
 #include <dapple/topology.hpp>
 #include <unordered_map>
@@ -307,7 +307,8 @@ Raises:
                              "of the faces around that no hard edge separates, weighted by their "
                              "angles.")
       .def_property_readonly("area", &Surface::area, "In squared units of the vertices.")
-      .def_property_readonly("mass", &Surface::mass, "Integral of the density over the surface.")
+      .def_property_readonly("capacity", &Surface::capacity,
+                             "Integral of the density over the surface.")
       .def_property_readonly(
           "topology", [](const Surface& s) { return run([&] { return topology(s); }); },
           "A Topology, measured anew at each call.")
@@ -316,10 +317,11 @@ Raises:
           py::arg("count"),
           "Distance between neighbors if count points were packed hexagonally: "
           "sqrt(2 area / (sqrt(3) count)), in the units of the vertices.")
-      .def("count", &count_at_spacing, py::arg("spacing"),
+      .def("count", &Surface::count, py::arg("spacing"),
            "How many samples have this distance between neighbors if they are packed hexagonally, "
            "where the density is largest: 2 M / (sqrt(3) spacing^2) to the nearest, at least 1. M "
-           "is the mass over the largest density, so the area if there is one density everywhere. "
+           "is the capacity over the largest density, so the area if there is one density "
+           "everywhere. "
            "Raises ValueError if the spacing is not finite and > 0, or for more than a hundred "
            "million samples.")
       .def("deformed", &deformed, py::arg("vertices"), py::kw_only(),

@@ -44,7 +44,7 @@ py::tuple cover_texels(const Surface& surface, const Samples& samples, const py:
   const DoubleArray sizes = doubles("radii", radii, 0);
   const DoubleArray directions = doubles("tangents", tangents, 3);
   DecalCover found = run(context, [&](Context* watched) {
-    return cover(surface, samples, as_span(sizes), as_points(directions), texels, watched);
+    return decal_cover(surface, samples, as_span(sizes), as_points(directions), texels, watched);
   });
   std::vector<double> places;
   for (const Vec2& place : found.places) places.insert(places.end(), {place.x(), place.y()});

@@ -34,11 +34,11 @@ std::vector<SampleClass> wanted_classes(const Surface& surface, const py::object
 std::shared_ptr<SharedTracker> make_tracker(const Surface& surface, const Samples& samples,
                                             const py::kwargs& keywords) {
   const Keywords given(kTracker, keywords, {"classes", "context"});
-  const TrackerOptions options = given.options();
+  TrackerOptions options = given.options();
+  options.classes = wanted_classes(surface, given.other("classes"));
   const ContextPtr context = given.context();
-  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   return run(context, [&](Context* watched) {
-    return std::make_shared<SharedTracker>(surface, samples, options, std::move(wanted), watched);
+    return std::make_shared<SharedTracker>(surface, samples, options, watched);
   });
 }
 
@@ -73,12 +73,11 @@ void resume_tracker_on(SharedTracker& shared, const Surface& surface, const py::
 std::shared_ptr<SharedPopulation> make_population(const Surface& surface, const Samples& samples,
                                                   const py::kwargs& keywords) {
   const Keywords given(kPopulation, keywords, {"classes", "context"});
-  const PopulationOptions options = given.options();
+  PopulationOptions options = given.options();
+  options.tracker.classes = wanted_classes(surface, given.other("classes"));
   const ContextPtr context = given.context();
-  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   return run(context, [&](Context* watched) {
-    return std::make_shared<SharedPopulation>(surface, samples, options, std::move(wanted),
-                                              watched);
+    return std::make_shared<SharedPopulation>(surface, samples, options, watched);
   });
 }
 
@@ -186,16 +185,16 @@ std::vector<std::vector<Vec3>> vertices_of(const py::iterable& frames) {
   return vertices;
 }
 
-std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const py::iterable& frames,
-                                                const Samples& samples,
+std::vector<std::shared_ptr<Samples>> window_of(const Surface& surface, const Samples& samples,
+                                                const py::iterable& frames,
                                                 const py::kwargs& keywords) {
   const Keywords given(kTrackWindow, keywords, {"classes", "context"});
-  const WindowOptions options = given.options();
+  WindowOptions options = given.options();
+  options.tracker.classes = wanted_classes(surface, given.other("classes"));
   const ContextPtr context = given.context();
-  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   const std::vector<std::vector<Vec3>> vertices = vertices_of(frames);
   return run(context, [&](Context* watched) {
-    return shared(track_window(surface, vertices, samples, options, std::move(wanted), watched));
+    return shared(track_window(surface, samples, vertices, options, watched));
   });
 }
 
@@ -203,12 +202,11 @@ std::shared_ptr<SharedWindowTracker> make_window_tracker(const Surface& surface,
                                                          const Samples& samples,
                                                          const py::kwargs& keywords) {
   const Keywords given(kWindowTracker, keywords, {"classes", "context"});
-  const WindowOptions options = given.options();
+  WindowOptions options = given.options();
+  options.tracker.classes = wanted_classes(surface, given.other("classes"));
   const ContextPtr context = given.context();
-  std::vector<SampleClass> wanted = wanted_classes(surface, given.other("classes"));
   return run(context, [&](Context* watched) {
-    return std::make_shared<SharedWindowTracker>(surface, samples, options, std::move(wanted),
-                                                 watched);
+    return std::make_shared<SharedWindowTracker>(surface, samples, options, watched);
   });
 }
 
@@ -416,7 +414,7 @@ which resume() tells a surface of other faces.)")
 void bind_window(py::module_& m) {
   def_verb(
       m, kTrackWindow, &window_of,
-      R"(track_window(surface: Surface, frames: Iterable[numpy.ndarray], samples: Samples, *, {signature}, classes: Sequence[SampleClass | int] | None = None, context: Context | None = None) -> list[Samples]
+      R"(track_window(surface: Surface, samples: Samples, frames: Iterable[numpy.ndarray], *, {signature}, classes: Sequence[SampleClass | int] | None = None, context: Context | None = None) -> list[Samples]
 
 Samples on all frames of a motion at once, smooth both ways in time.
 

@@ -3,7 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include <dapple/classes.hpp>
+#include <dapple/sampler.hpp>
 
 namespace dapple::python {
 

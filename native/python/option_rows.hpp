@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <dapple/option.hpp>
+#include <dapple/option_tables.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -84,6 +84,18 @@ inline std::string range_of(const Row& row) {
   if (!row.min) return words;
   if (!row.bounded || !row.max) return (row.open ? "> " : ">= ") + short_text(*row.min);
   return short_text(*row.min) + ".." + short_text(*row.max);
+}
+
+/// Name and value of each option, nested ones too.
+template <class Struct>
+std::vector<std::pair<std::string, Value>> values_of(const Struct& options) {
+  std::vector<std::pair<std::string, Value>> values;
+  for_each_option(options, [&](const auto& option, const auto& value) {
+    Row row;
+    describe(row, option.range, value);
+    values.emplace_back(option.name, row.standard);
+  });
+  return values;
 }
 
 /// The options that a verb takes, in order.

@@ -3,12 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <dapple/mosaic.hpp>
-#include <dapple/population.hpp>
-#include <dapple/refine_image.hpp>
-#include <dapple/relax_options.hpp>
-#include <dapple/stipple.hpp>
-#include <dapple/window.hpp>
+#include <dapple/option_tables.hpp>
+#include <dapple/resample.hpp>
 #include <string_view>
 #include <tuple>
 
@@ -31,17 +27,14 @@ struct Verb {
   }
 };
 
-// Samples at rest have no start to stay at; resample() starts from what there is.
+// Samples at rest have no start to stay at.
 inline constexpr Verb<SampleOptions> kSample = {"sample", {"max_slide", "stickiness"}};
-inline constexpr Verb<SampleOptions> kSamplePlanar = {"sample_planar", kSample.without};
-inline constexpr Verb<SampleOptions> kResample = {"resample", {"max_slide", "stickiness", "start"}};
+inline constexpr Verb<ResampleOptions> kResample = {"resample", kSample.without};
 inline constexpr Verb<RelaxOptions> kRelax = {"relax", kSample.without};
 inline constexpr Verb<ClassOptions> kSampleClasses = {"sample_classes", kSample.without};
-inline constexpr Verb<ClassOptions> kSamplePlanarClasses = {"sample_planar_classes",
-                                                            kSample.without};
-inline constexpr Verb<SampleOptions> kEnergy = {"energy", {}, {"capacity_weight", "cells"}};
-inline constexpr Verb<SampleOptions> kEnergyPlanar = {"energy_planar", {}, kEnergy.only};
-inline constexpr Verb<SampleOptions> kAnalyze = {"analyze", {}, kEnergy.only};
+inline constexpr Verb<SampleOptions> kEvaluateEnergy = {
+    "evaluate_energy", {}, {"capacity_weight", "cells"}};
+inline constexpr Verb<SampleOptions> kAnalyze = {"analyze", {}, kEvaluateEnergy.only};
 inline constexpr Verb<TrackerOptions> kTracker = {"Tracker"};
 inline constexpr Verb<PopulationOptions> kPopulation = {"Population"};
 inline constexpr Verb<WindowOptions> kTrackWindow = {"track_window"};
@@ -51,9 +44,9 @@ inline constexpr Verb<StippleOptions> kStippleInks = {"stipple_inks",
 inline constexpr Verb<MosaicOptions> kMosaic = {"mosaic"};
 inline constexpr Verb<ImageOptions> kRefineImage = {"refine_image"};
 
-inline constexpr std::tuple kVerbs = {
-    kSample,        kSamplePlanar, kResample, kRelax,      kSampleClasses, kSamplePlanarClasses,
-    kEnergy,        kEnergyPlanar, kAnalyze,  kTracker,    kPopulation,    kTrackWindow,
-    kWindowTracker, kStippleInks,  kMosaic,   kRefineImage};
+inline constexpr std::tuple kVerbs = {kSample,         kResample,      kRelax,       kSampleClasses,
+                                      kEvaluateEnergy, kAnalyze,       kTracker,     kPopulation,
+                                      kTrackWindow,    kWindowTracker, kStippleInks, kMosaic,
+                                      kRefineImage};
 
 }  // namespace dapple::python

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <dapple/errors.hpp>
-#include <dapple/limits.hpp>
+#include <dapple/types.hpp>
 #include <limits>
 #include <string>
 

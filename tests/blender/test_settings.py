@@ -22,7 +22,6 @@ def taking(solve, seen):
         return solve(*arguments, **options)
     return taken
 dapple3d.sample = taking(dapple3d.sample, given)
-dapple3d.sample_planar = taking(dapple3d.sample_planar, [])
 import addon_host
 addon_host.add_repository(addon_host.Path(tempfile.mkdtemp()))
 addon_host.enable()

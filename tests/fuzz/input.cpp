@@ -302,7 +302,7 @@ std::optional<Surface> take_surface(Bytes& bytes, const Shape& shape) try {
   }
   options.merge_doubled = !bytes.one_in(4);
   Surface surface(shape.vertices, shape.faces, Density{shape.density_at, shape.density}, options);
-  if (is_extreme(surface.area()) || is_extreme(surface.mass())) return std::nullopt;
+  if (is_extreme(surface.area()) || is_extreme(surface.capacity())) return std::nullopt;
   return surface;
 } catch (const SurfaceError&) {
   return std::nullopt;

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <concepts>
-#include <dapple/image.hpp>
-#include <dapple/option.hpp>
+#include <dapple/option_tables.hpp>
 #include <dapple/samples.hpp>
+#include <dapple/types.hpp>
 #include <optional>
 #include <shapes.hpp>
 

@@ -58,7 +58,7 @@ void check_on_surface(const Surface& surface, const Sites& sites,
 
 void check_cells(const Surface& surface, const Sites& sites, double rounding) {
   double area = 0.0, capacity = 0.0;
-  for (const Moments& cell : restricted_voronoi(surface, sites).cells) {
+  for (const Moments& cell : restricted_voronoi(surface, sites, Cells::kEuclidean).cells) {
     EXPECT_GE(cell.area, 0.0);
     EXPECT_GE(cell.capacity, 0.0);
     area += cell.area;
@@ -69,7 +69,7 @@ void check_cells(const Surface& surface, const Sites& sites, double rounding) {
   const double densest =
       densities.empty() ? 1.0 : *std::max_element(densities.begin(), densities.end());
   EXPECT_NEAR(area, surface.area(), 1e-10 * surface.area() + rounding) << sites.size() << " sites";
-  EXPECT_NEAR(capacity, surface.mass(), 1e-10 * surface.mass() + rounding * densest)
+  EXPECT_NEAR(capacity, surface.capacity(), 1e-10 * surface.capacity() + rounding * densest)
       << sites.size() << " sites";
 }
 

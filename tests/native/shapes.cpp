@@ -246,7 +246,7 @@ double Shape::area() const {
   return sum;
 }
 
-double Shape::mass() const {
+double Shape::capacity() const {
   if (density.empty()) return area();
   double sum = 0.0;
   const std::vector<bool> counts = counted();
@@ -548,7 +548,7 @@ Shape random_shape(Random& random) {
     shape.density_at = static_cast<DensityAt>(at);
     shape.density = random.densities(counts[at]);
   }
-  if (shape.mass() <= 0.0) shape.density.clear();
+  if (shape.capacity() <= 0.0) shape.density.clear();
   return shape;
 }
 

@@ -47,8 +47,8 @@ struct Shape {
   [[nodiscard]] double face_area(std::int32_t face) const;
   /// Per face whether it counts: none before it has the same corners.
   [[nodiscard]] std::vector<bool> counted() const;
-  [[nodiscard]] double area() const;  // of faces that count
-  [[nodiscard]] double mass() const;  // integral of the density
+  [[nodiscard]] double area() const;      // of faces that count
+  [[nodiscard]] double capacity() const;  // integral of the density
 };
 
 /// For the messages of parametrized tests.

@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 #endif
 
-#include <dapple/classes.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
@@ -71,7 +70,7 @@ std::string verb_name(const testing::TestParamInfo<Verb>& info) { return info.pa
 void cover_with(const Surface& surface, const Samples& samples) {
   const std::vector<double> radii(samples.size(), 0.1);
   const std::vector<Vec3> tangents(samples.size(), Vec3(1.0, 0.3, 0.7));
-  (void)cover(surface, samples, radii, tangents, {1, 1, {0}, {Vec3::UnitX()}});
+  (void)decal_cover(surface, samples, radii, tangents, {1, 1, {0}, {Vec3::UnitX()}});
 }
 
 void resume_with(const Surface& surface, const Samples& samples) {
@@ -110,11 +109,13 @@ std::vector<Verb> binders() {
       {"Resume", resume_with},
       {"Population", [](const auto& s, const auto& p) { (void)Population(s, p); }},
       {"PopulationOfClasses",
-       [](const auto& s, const auto& p) { (void)Population(s, p, {}, {{.count = 1}}); }},
+       [](const auto& s, const auto& p) {
+         (void)Population(s, p, {.tracker = {.classes = {{.count = 1}}}});
+       }},
       {"Window",
        [](const auto& s, const auto& p) {
          const std::vector<std::vector<Vec3>> frames = {s.vertices()};
-         (void)track_window(s, frames, p);
+         (void)track_window(s, p, frames);
        }},
       {"WindowTracker", [](const auto& s, const auto& p) { (void)WindowTracker(s, p); }},
       {"Resample", [](const auto& s, const auto& p) { (void)resample(s, p, 30); }},
@@ -136,10 +137,16 @@ std::vector<Verb> binders() {
 std::vector<Verb> by_face() {
   return {
       {"Normals", [](const auto& s, const auto& p) { (void)s.normals(p.faces, p.barycentric); }},
-      {"Energy", [](const auto& s, const auto& p) { (void)evaluate_energy(s, sites_of(p), 30.0); }},
-      {"Cells", [](const auto& s, const auto& p) { (void)restricted_voronoi(s, sites_of(p)); }},
+      {"Energy",
+       [](const auto& s, const auto& p) {
+         (void)evaluate_energy(s, sites_of(p), 30.0, Cells::kEuclidean);
+       }},
+      {"Cells", [](const auto& s,
+                   const auto& p) { (void)restricted_voronoi(s, sites_of(p), Cells::kEuclidean); }},
       {"Polygons",
-       [](const auto& s, const auto& p) { (void)restricted_voronoi_polygons(s, sites_of(p)); }},
+       [](const auto& s, const auto& p) {
+         (void)restricted_voronoi_polygons(s, sites_of(p), Cells::kEuclidean);
+       }},
       {"Border",
        [](const auto& s, const auto& p) {
          RestrictedVoronoi diagram;
@@ -253,17 +260,16 @@ TEST(Arguments, RefuseLockedSitesThatNobodyWouldHonor) {
   expect_message<ArgumentError>(
       [&] { (void)sample_classes(small(), classes, {.sample = {.locked = locked}}); },
       {"sample.locked", "classes"});
+  const Plane square = Plane::rectangle(1.0, 1.0);
+  const std::vector<SampleClass> planar = {{.count = 8}, {.count = 8}};
   expect_message<ArgumentError>(
-      [&] { (void)resample(small(), of_the_small(), 8, {.locked = locked}); }, {"locked"});
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
-  const std::vector<PlanarClass> planar = {{.count = 8}, {.count = 8}};
-  expect_message<ArgumentError>(
-      [&] { (void)sample_planar_classes(square, planar, {.sample = {.locked = locked}}); },
+      [&] { (void)sample_classes(square, planar, {.sample = {.locked = locked}}); },
       {"sample.locked", "classes"});
 }
 
 TEST(Arguments, RefuseOffsetsOfAnotherNumber) {
-  const RestrictedVoronoi diagram = restricted_voronoi(small(), sites_of(of_the_small()));
+  const RestrictedVoronoi diagram =
+      restricted_voronoi(small(), sites_of(of_the_small()), Cells::kEuclidean);
   const std::vector<Vec3> normals(3, Vec3::UnitZ());
   expect_message<ArgumentError>([&] { (void)bond_order(diagram, normals); }, {"normals", "3", "4"});
   expect_message<ArgumentError>(
@@ -278,11 +284,11 @@ TEST(Arguments, RefuseOffsetsOfAnotherNumber) {
 TEST(Arguments, NameTheFrameOfAWindowThatIsNotOfTheSurface) {
   std::vector<std::vector<Vec3>> frames(5, small().vertices());
   frames[3].pop_back();
-  expect_message<ArgumentError>([&] { (void)track_window(small(), frames, of_the_small()); },
+  expect_message<ArgumentError>([&] { (void)track_window(small(), of_the_small(), frames); },
                                 {"frames[3]", "3", "4"});
   frames[3] = frames[0];
   frames[4][1].z() = kNan;
-  expect_message<ArgumentError>([&] { (void)track_window(small(), frames, of_the_small()); },
+  expect_message<ArgumentError>([&] { (void)track_window(small(), of_the_small(), frames); },
                                 {"frames[4][1]", "nan"});
 }
 
@@ -297,7 +303,7 @@ TEST(Arguments, RefuseSitesFarOutsideBeforeReadingTheirFaces) {
 
 TEST(Arguments, RefuseMoreThreadsThanThereAre) {
   const std::vector<Image> ink = {{1, 1, {1.0}}};
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Plane square = Plane::rectangle(1.0, 1.0);
   const std::vector<Vec2> points = {{0.5, 0.5}};
   const std::span<const Vec2> run = points;
   const Samples samples = of_the_small();
@@ -311,15 +317,15 @@ TEST(Arguments, RefuseMoreThreadsThanThereAre) {
     refused([&] { (void)sample(small(), 3, {.threads = threads}); });
     refused([&] { (void)sample_classes(small(), {&one, 1}, {.sample = {.threads = threads}}); });
     refused([&] { (void)resample(small(), samples, 3, {.threads = threads}); });
-    refused([&] { (void)sample_planar(square, 3, {.threads = threads}); });
-    refused([&] { (void)stipple(ink, 3, {.threads = threads}); });
+    refused([&] { (void)sample(square, 3, {.threads = threads}); });
+    refused([&] { (void)stipple_inks(ink, 3, {.threads = threads}); });
     refused([&] { (void)spectrum({&run, 1}, {.threads = threads}); });
     refused([&] { (void)surface_spectrum(small(), {&pointer, 1}, {.threads = threads}); });
     refused([&] { (void)mosaic(small(), samples, {.threads = threads}); });
     refused([&] { (void)Tracker(small(), samples, {.threads = threads}); });
     refused([&] { (void)Population(small(), samples, {.tracker = {.threads = threads}}); });
     refused(
-        [&] { (void)track_window(small(), frames, samples, {.tracker = {.threads = threads}}); });
+        [&] { (void)track_window(small(), samples, frames, {.tracker = {.threads = threads}}); });
     refused([&] { (void)WindowTracker(small(), samples, {.tracker = {.threads = threads}}); });
   }
 }
@@ -330,18 +336,18 @@ TEST(Arguments, TakeAsManyThreadsAsTheLargestMachinesHave) {
 
 TEST(Arguments, RefuseMoreSamplesThanCanBe) {
   const std::vector<Image> ink = {{1, 1, {1.0}}};
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Plane square = Plane::rectangle(1.0, 1.0);
   const std::vector<SampleClass> classes = {{.count = 60'000'000}, {.count = 60'000'000}};
-  const std::vector<PlanarClass> planar = {{.count = 60'000'000}, {.count = 60'000'000}};
+  const std::vector<SampleClass> planar = {{.count = 60'000'000}, {.count = 60'000'000}};
   for (const std::size_t count : {std::size_t{100'000'001}, ~std::size_t{0}}) {
     const auto refused = [&](const auto& action) {
       expect_message<ArgumentError>(action, {"count", std::to_string(count), "100000000"});
     };
     refused([&] { (void)sample(small(), count); });
     refused([&] { (void)resample(small(), of_the_small(), count); });
-    refused([&] { (void)sample_planar(square, count); });
-    refused([&] { (void)sample_planar(TorusDomain(), count); });
-    refused([&] { (void)stipple(ink, count); });
+    refused([&] { (void)sample(square, count); });
+    refused([&] { (void)sample(Torus(), count); });
+    refused([&] { (void)stipple_inks(ink, count); });
     refused([&] { (void)random_start(small(), count, 0); });
     refused([&] { (void)poisson_start(small(), count, 0); });
     refused([&] { (void)square.start(Start::kRandom, count, 0, nullptr); });
@@ -350,13 +356,13 @@ TEST(Arguments, RefuseMoreSamplesThanCanBe) {
     expect_message<ArgumentError>(action, {"count", "120000000", "100000000"});
   };
   refused([&] { (void)sample_classes(small(), classes); });
-  refused([&] { (void)sample_planar_classes(square, planar); });
+  refused([&] { (void)sample_classes(square, planar); });
 }
 
 TEST(Arguments, RefuseCountsOfInksWhoseSumOverflows) {
   const std::vector<Image> inks(3, {1, 1, {1.0}});
   const std::size_t half = std::size_t{1} << 63;
-  expect_message<ArgumentError>([&] { (void)stipple(inks, 5, {.counts = {half, half, 5}}); },
+  expect_message<ArgumentError>([&] { (void)stipple_inks(inks, 5, {.counts = {half, half, 5}}); },
                                 {"counts[0]", "100000000"});
 }
 

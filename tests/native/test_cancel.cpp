@@ -4,7 +4,6 @@
 // Context::check.
 #include <gtest/gtest.h>
 
-#include <dapple/classes.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
@@ -203,7 +202,7 @@ TEST(Cancel, AWindowInWhichNothingMovesHardlyAsks) {
   const auto checks_of = [&](std::size_t frames) {
     const std::vector<std::vector<Vec3>> still(frames, shape.vertices);
     return count_checks(
-        [&](Context* context) { (void)track_window(surface, still, samples, {}, {}, context); });
+        [&](Context* context) { (void)track_window(surface, samples, still, {}, context); });
   };
   const int by_itself = 4;  // the pass and its tracker, and each sweep
   EXPECT_EQ(checks_of(10) - checks_of(5), 5 * by_itself);
@@ -247,12 +246,12 @@ void work_at_each_check(const Make& make, const Use& use) {
 
 TEST(ACheckThatWorks, MayCutTheDomainThatIsBeingCut) {
   const std::vector<Vec2> outline = {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}};
-  const PlanarDomain first = PlanarDomain::polygon(outline);
+  const Plane first = Plane::polygon(outline);
   const Sites sites = first.start(Start::kRandom, 400, 0, nullptr);
   const double expected = first.cells(sites, nullptr).cells[7].area;
   work_at_each_check(
-      [&] { return std::make_unique<PlanarDomain>(PlanarDomain::polygon(outline)); },
-      [&](const PlanarDomain& domain, Context* context) {
+      [&] { return std::make_unique<Plane>(Plane::polygon(outline)); },
+      [&](const Plane& domain, Context* context) {
         with_threads(1, [&] { EXPECT_EQ(domain.cells(sites, context).cells[7].area, expected); });
       });
 }
@@ -309,16 +308,15 @@ TEST(Watched, ClassesInTwoStagesWithRadii) {
 }
 
 TEST(Watched, ClassesInThePlane) {
-  const std::vector<PlanarClass> classes = {{.count = 20}, {.count = 60}};
+  const std::vector<SampleClass> classes = {{.count = 20}, {.count = 60}};
   ClassOptions options;
   options.sample.optimizer = few_steps();
   options.two_stages = true;
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Plane square = Plane::rectangle(1.0, 1.0);
   expect_watched(
-      [&](Context* context) { (void)sample_planar_classes(square, classes, options, context); });
-  const TorusDomain torus;
-  expect_watched(
-      [&](Context* context) { (void)sample_planar_classes(torus, classes, options, context); });
+      [&](Context* context) { (void)sample_classes(square, classes, options, context); });
+  const Torus torus;
+  expect_watched([&](Context* context) { (void)sample_classes(torus, classes, options, context); });
 }
 
 TEST(Watched, AnotherNumberOfSamples) {
@@ -398,9 +396,9 @@ TEST(Watched, NewTrackersAndMeasures) {
   const Surface surface = blob(2).surface();
   const Samples samples = sample(surface, 400);
   const double all_covered = 0.5;
-  expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, {}, context); },
+  expect_watched([&](Context* context) { (void)Tracker(surface, samples, {}, context); },
                  all_covered);
-  expect_watched([&](Context* context) { (void)Population(surface, samples, {}, {}, context); },
+  expect_watched([&](Context* context) { (void)Population(surface, samples, {}, context); },
                  all_covered);
   expect_watched(
       [&](Context* context) { (void)analyze(surface, samples, 30.0, Cells::kConnected, context); },
@@ -415,20 +413,20 @@ TEST(Watched, CellsOfAllKinds) {
     // Cells that follow the surface leave nothing to be shared out between two sheets.
     const double leap = cells == Cells::kConnected ? all_covered : chunk;
     expect_watched(
-        [&](Context* context) { (void)restricted_voronoi(walls, sites, context, cells); }, leap);
+        [&](Context* context) { (void)restricted_voronoi(walls, sites, cells, context); }, leap);
     expect_watched(
         [&](Context* context) { (void)restricted_voronoi_polygons(walls, sites, cells, context); },
         leap);
     expect_watched(
-        [&](Context* context) { (void)evaluate_energy(walls, sites, 30.0, context, cells); }, leap);
+        [&](Context* context) { (void)evaluate_energy(walls, sites, 30.0, cells, context); }, leap);
   }
   std::vector<Vec2> points;
   Random random(1);
   for (int k = 0; k < 400; ++k) points.emplace_back(random.uniform(), random.uniform());
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Plane square = Plane::rectangle(1.0, 1.0);
   const Sites on_square = square.sites(points);
   expect_watched([&](Context* context) { (void)square.cells(on_square, context); }, all_covered);
-  const TorusDomain torus;
+  const Torus torus;
   const Sites on_torus = torus.sites(points);
   expect_watched([&](Context* context) { (void)torus.cells(on_torus, context); }, chunk);
 }
@@ -525,7 +523,7 @@ TEST(Watched, AWindowOfFrames) {
   options.sweeps = 1;
   options.closed = true;
   expect_watched(
-      [&](Context* context) { (void)track_window(surface, frames, samples, options, {}, context); },
+      [&](Context* context) { (void)track_window(surface, samples, frames, options, context); },
       0.2);
 }
 
@@ -566,7 +564,7 @@ TEST(Watched, Stipples) {
   }
   const std::vector<Image> inks = {ink, other};
   expect_watched(
-      [&](Context* context) { (void)stipple(inks, 90, {.optimizer = few_steps()}, context); });
+      [&](Context* context) { (void)stipple_inks(inks, 90, {.optimizer = few_steps()}, context); });
 }
 
 TEST(Watched, ASpectrum) {
@@ -625,8 +623,9 @@ TEST(Watched, Decals) {
   }
   const std::vector<double> radii(50, 0.05);
   const std::vector<Vec3> tangents(50, Vec3::UnitX());
-  expect_watched(
-      [&](Context* context) { (void)cover(surface, samples, radii, tangents, texels, context); });
+  expect_watched([&](Context* context) {
+    (void)decal_cover(surface, samples, radii, tangents, texels, context);
+  });
 }
 
 /// From another thread, with hundreds of evaluations still to go.

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <dapple/classes.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
@@ -29,7 +28,7 @@
 #include <dapple/spectrum.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/topology.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -182,22 +181,22 @@ void add(Hash& hash, const PlanarSamples& samples) {
 
 Prepare sampling_a_picture(int threads) {
   const Image ramp{2, 2, {0.2, 0.4, 0.6, 1.0}};
-  return again([domain = PlanarDomain::image(1.0, 1.0, ramp), threads](Hash& hash) {
-    add(hash, sample_planar(domain, 40, few(threads)));
+  return again([domain = Plane::image(1.0, 1.0, ramp), threads](Hash& hash) {
+    add(hash, sample(domain, 40, few(threads)));
   });
 }
 
 Prepare sampling_a_torus(int threads) {
   return again([threads](Hash& hash) {
-    const std::array<PlanarClass, 2> classes = {{{.count = 15}, {.count = 25}}};
-    add(hash, sample_planar_classes(TorusDomain(), classes, {.sample = few(threads)}));
+    const std::array<SampleClass, 2> classes = {{{.count = 15}, {.count = 25}}};
+    add(hash, sample_classes(Torus(), classes, {.sample = few(threads)}));
   });
 }
 
 Prepare sampling_a_polygon(int threads) {
   return again([threads](Hash& hash) {
     const std::vector<Vec2> outline = {{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}};
-    add(hash, sample_planar(PlanarDomain::polygon(outline), 30, few(threads)));
+    add(hash, sample(Plane::polygon(outline), 30, few(threads)));
   });
 }
 
@@ -210,7 +209,7 @@ Image sloped_ink() {
 Prepare stippling(int threads) {
   return again([ink = sloped_ink(), threads](Hash& hash) {
     const Stipples dots =
-        stipple(std::array{ink, ink}, 50, {.optimizer = few_steps(), .threads = threads});
+        stipple_inks(std::array{ink, ink}, 50, {.optimizer = few_steps(), .threads = threads});
     hash.add(dots.positions);
     hash.add(dots.classes);
   });
@@ -318,7 +317,7 @@ Prepare a_window(int threads) {
   WindowOptions options{.tracker = tracking(threads), .sweeps = 1, .closed = true};
   const std::vector<std::vector<Vec3>> frames = {shape.vertices, deformed(shape.vertices, 0.3)};
   return again([surface, samples = start(surface, 30), frames, options](Hash& hash) {
-    hash.add(track_window(surface, frames, samples, options));
+    hash.add(track_window(surface, samples, frames, options));
   });
 }
 
@@ -344,7 +343,7 @@ Prepare covering(int) {
     const Texels grid_of_texels = texels(surface, uv, 16, 16);
     const std::vector<double> radii(20, 0.1);
     const std::vector<Vec3> tangents(20, Vec3::UnitX());
-    hash.add(cover(surface, samples, radii, tangents, grid_of_texels).samples);
+    hash.add(decal_cover(surface, samples, radii, tangents, grid_of_texels).samples);
   });
 }
 
@@ -415,7 +414,7 @@ Prepare making_surfaces(int) {
     hash.add(welded.welded_faces());
     hash.add(welded.deformed(loose.vertices).area());
     const std::vector<double> density(loose.vertices.size(), 2.0);
-    hash.add(welded.with_density({DensityAt::kVertices, density}).mass());
+    hash.add(welded.with_density({DensityAt::kVertices, density}).capacity());
     hash.add(topology(welded).genus);
     hash.add(curvature_density(whole.surface()));
   });
@@ -427,7 +426,7 @@ Prepare measuring(int) {
     hash.add(analyze(walls, samples).energy);
     hash.add(bind_samples(walls, samples.faces, samples.barycentric));
     for (const CellPolygon& polygon :
-         restricted_voronoi_polygons(walls, {samples.positions, samples.faces}))
+         restricted_voronoi_polygons(walls, {samples.positions, samples.faces}, Cells::kEuclidean))
       hash.add(polygon.points);
   });
 }

@@ -90,7 +90,7 @@ std::vector<double> exact_areas(const Shape& shape, const std::vector<Vec3>& sit
 void expect_exact_areas(const Shape& shape, const Sites& sites) {
   const Surface surface = shape.surface();
   const std::vector<double> expected = exact_areas(shape, sites.positions);
-  const std::vector<Moments> found = restricted_voronoi(surface, sites).cells;
+  const std::vector<Moments> found = restricted_voronoi(surface, sites, Cells::kEuclidean).cells;
   for (std::size_t i = 0; i < sites.size(); ++i)
     EXPECT_NEAR(found[i].area, expected[i], 1e-9 * surface.area())
         << "cell " << i << " on " << shape.name;

@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <dapple/classes.hpp>
 #include <dapple/mosaic.hpp>
 #include <dapple/relax.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/tracker.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <fstream>
 
 #include "hash.hpp"
@@ -102,7 +101,7 @@ void hash_window(Hash& hash, int threads) {
   WindowOptions options;
   options.tracker.threads = threads;
   for (const Samples& samples :
-       track_window(ring().surface(), motion(8), start(threads, 200), options))
+       track_window(ring().surface(), start(threads, 200), motion(8), options))
     hash.add(samples);
 }
 
@@ -126,14 +125,14 @@ void hash_relax_classes(Hash& hash, int threads) {
   const Surface after = before.with_density({DensityAt::kVertices, density});
   const Samples samples = sample_classes(before, classes, {.sample = {.threads = threads}});
   hash.add(relax(after, samples, changed_faces(before, after),
-                 {.classes = classes, .threads = threads}));
+                 {.threads = threads, .classes = classes}));
 }
 
 void hash_stipple(Hash& hash, int threads) {
   Image ink{12, 16, {}};
   for (std::size_t k = 0; k < ink.rows * ink.columns; ++k)
     ink.values.push_back(static_cast<double>(k * k % 97) / 128);
-  const Stipples dots = stipple(std::array{ink}, 400, {.threads = threads});
+  const Stipples dots = stipple_inks(std::array{ink}, 400, {.threads = threads});
   hash.add(dots.positions);
   hash.add(dots.radius);
 }

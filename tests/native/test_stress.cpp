@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <dapple/classes.hpp>
 #include <dapple/curvature.hpp>
 #include <dapple/decals.hpp>
 #include <dapple/energy.hpp>
@@ -55,7 +54,7 @@ struct Shared {
     return few;
   }();
   Samples samples = sample(surface, 80, options);
-  std::unique_ptr<const PlanarDomain> shared_polygon = polygon();  // cut when it is first used
+  std::unique_ptr<const Plane> shared_polygon = polygon();  // cut when it is first used
   std::vector<FaceUv> uv = charts(surface.face_count());
   Image image = [] {
     Image picture{8, 8, {}};
@@ -63,9 +62,9 @@ struct Shared {
     return picture;
   }();
 
-  static std::unique_ptr<const PlanarDomain> polygon() {
-    return std::make_unique<const PlanarDomain>(
-        PlanarDomain::polygon({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}));
+  static std::unique_ptr<const Plane> polygon() {
+    return std::make_unique<const Plane>(
+        Plane::polygon({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}}));
   }
   static std::vector<FaceUv> charts(std::size_t faces) {
     Random random(1);
@@ -95,7 +94,7 @@ Outcome flat(const std::vector<Vec2>& points) {
 Outcome tracked(const Shared& s, Context* context) {
   TrackerOptions options;
   options.optimizer.max_evaluations = 3;
-  Tracker tracker(s.surface, s.samples, options, {}, context);
+  Tracker tracker(s.surface, s.samples, options, context);
   return of(tracker.advance(s.next, context).positions);
 }
 
@@ -103,7 +102,7 @@ Outcome windowed(const Shared& s, Context* context) {
   WindowOptions options;
   options.tracker.optimizer.max_evaluations = 2;
   const std::vector<std::vector<Vec3>> frames = {s.next, s.shape.vertices};
-  return of(track_window(s.surface, frames, s.samples, options, {}, context).back().positions);
+  return of(track_window(s.surface, s.samples, frames, options, context).back().positions);
 }
 
 const std::vector<Work>& works() {
@@ -129,12 +128,12 @@ const std::vector<Work>& works() {
       [](const Shared& s, Context* c) {
         PopulationOptions options;
         options.tracker.optimizer.max_evaluations = 3;
-        Population population(s.surface, s.samples, options, {}, c);
+        Population population(s.surface, s.samples, options, c);
         return of(population.advance(s.next, c).positions);
       },
       windowed,
       [](const Shared& s, Context* c) {
-        return flat(sample_planar(*s.shared_polygon, 40, s.options, c).positions);
+        return flat(sample(*s.shared_polygon, 40, s.options, c).positions);
       },
       [](const Shared& s, Context* c) {
         return of(mosaic(s.surface, s.samples, MosaicOptions{.grout = 0.01}, c).vertices);
@@ -160,7 +159,8 @@ const std::vector<Work>& works() {
         return Outcome{double(found.genus), double(found.components)};
       },
       [](const Shared& s, Context* c) {
-        const Energy energy = evaluate_energy(s.surface, sites_of(s.samples), 30.0, c);
+        const Energy energy =
+            evaluate_energy(s.surface, sites_of(s.samples), 30.0, Cells::kEuclidean, c);
         return of(energy.gradient);
       },
       [](const Shared& s, Context* c) {
@@ -175,7 +175,7 @@ const std::vector<Work>& works() {
         const Texels found = texels(s.surface, s.uv, 24, 24, 2, c);
         const std::vector<double> radii(s.samples.size(), 0.2);
         const std::vector<Vec3> tangents(s.samples.size(), Vec3(1.0, 0.1, 0.2));
-        const auto covered = cover(s.surface, s.samples, radii, tangents, found, c).samples;
+        const auto covered = decal_cover(s.surface, s.samples, radii, tangents, found, c).samples;
         return Outcome(covered.begin(), covered.end());
       },
       [](const Shared& s, Context* c) {
@@ -192,7 +192,7 @@ const std::vector<Work>& works() {
         StippleOptions options;
         options.optimizer = s.options.optimizer;
         const std::vector<Image> inks = {s.image};
-        return flat(stipple(inks, 50, options, c).positions);
+        return flat(stipple_inks(inks, 50, options, c).positions);
       },
       [](const Shared& s, Context* c) {
         const Report report = analyze(s.surface, s.samples, 30.0, Cells::kConnected, c);

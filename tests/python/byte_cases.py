@@ -225,7 +225,7 @@ def window(mesh: Mesh, closed: bool, density: Any = None) -> Case:
         surface = run.surface(mesh, density)
         start, frames = run.sample(surface, 200), twists(run, mesh, 10, closed)
         for samples in dapple.track_window(
-            surface, frames, start, closed=closed, threads=run.threads
+            surface, start, frames, closed=closed, threads=run.threads
         ):
             run.samples(samples)
 
@@ -245,7 +245,7 @@ def window_pieces(run: Run) -> None:
     start = dapple.sample_classes(surface, RADII, seed=1, threads=run.threads)
     frames = twists(run, TORUS, 10)
     for samples in dapple.track_pieces(
-        surface, frames, start, piece=4, overlap=2, classes=RADII, threads=run.threads
+        surface, start, frames, piece=4, overlap=2, classes=RADII, threads=run.threads
     ):
         run.samples(samples)
 
@@ -361,10 +361,10 @@ def inks(run: Run) -> None:
 def planar(make: Callable[[Run], dapple.FlatDomain], count: int, **options: Any) -> Case:
     def run_it(run: Run) -> None:
         domain = make(run)
-        samples = dapple.sample_planar(domain, count, threads=run.threads, **options)
+        samples = dapple.sample(domain, count, threads=run.threads, **options)
         run.keep(positions=samples.positions, classes=samples.classes)
         run.report(samples.report)
-        energy = dapple.energy_planar(domain, samples.positions)
+        energy = dapple.evaluate_energy(domain, samples.positions)
         run.keep(capacities=energy.capacities, gradient=energy.gradient)
 
     return run_it
@@ -396,7 +396,7 @@ CASES |= {
 
 @case
 def plane_classes(run: Run) -> None:
-    samples = dapple.sample_planar_classes(dapple.Torus(), [150, 100, 50], threads=run.threads)
+    samples = dapple.sample_classes(dapple.Torus(), [150, 100, 50], threads=run.threads)
     run.keep(positions=samples.positions, classes=samples.classes)
     run.report(samples.report)
 
@@ -423,7 +423,7 @@ CASES |= {
     "mosaic": tiled(TORUS, grout=0.01),
     "mosaic_box": tiled(BOX, grout=0.02, thickness=0.05, merge=False),
     "mosaic_insets": tiled(TORUS, insets=[0.001 * (k % 10) for k in range(300)]),
-    "mosaic_euclidean": tiled(WAVY, cells="euclidean", tolerance=0.0),
+    "mosaic_euclidean": tiled(WAVY, cells="euclidean", shortest_edge=0.0),
 }
 
 
@@ -504,7 +504,7 @@ def curvature(run: Run) -> None:
 @case
 def spectrum(run: Run) -> None:
     runs = [
-        dapple.sample_planar(dapple.Torus(), 250, seed=seed, threads=run.threads).positions
+        dapple.sample(dapple.Torus(), 250, seed=seed, threads=run.threads).positions
         for seed in range(2)
     ]
     found = dapple.spectrum(runs, threads=run.threads)
@@ -545,7 +545,7 @@ def energy(run: Run) -> None:
     surface = run.surface(WAVY, exact.slope(WAVY))
     start = run.sample(surface)
     for cells in ("connected", "euclidean"):
-        found = dapple.energy(surface, start.positions, start.faces, cells=cells)
+        found = dapple.evaluate_energy(surface, start.positions, start.faces, cells=cells)
         run.keep(total=[found.total, found.cvt, found.capacity_term, found.normalized])
         run.keep(capacities=found.capacities, masses=found.masses, areas=found.areas)
         run.keep(gradient=found.gradient)

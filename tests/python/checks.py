@@ -37,11 +37,11 @@ def check_samples(surface: dapple.Surface, samples: dapple.Samples) -> None:
     there = on_faces(surface.vertices, surface.faces, samples.faces, samples.barycentric)
     size = np.abs(surface.vertices).max()
     np.testing.assert_allclose(samples.positions, there, rtol=0, atol=1e-13 * size)
-    energy = dapple.energy(surface, samples.positions, samples.faces)
+    energy = dapple.evaluate_energy(surface, samples.positions, samples.faces)
     extent = np.ptp(surface.vertices[np.unique(surface.faces)], axis=0).max()  # of what is used
     rounding = 1e-10 + 2.0**-48 * size / extent  # far away: more
     assert abs(energy.areas.sum() - surface.area) <= rounding * surface.area
-    assert abs(energy.capacities.sum() - surface.mass) <= rounding * surface.mass
+    assert abs(energy.capacities.sum() - surface.capacity) <= rounding * surface.capacity
 
 
 def is_on_density(surface: dapple.Surface, samples: dapple.Samples) -> np.ndarray:

@@ -42,7 +42,7 @@ def check_shares(runs: list[np.ndarray]) -> None:
 
 def test_in_the_plane():
     plane = dapple.Plane(1, 1, ramp(128, 16))
-    check_shares([dapple.sample_planar(plane, 1000, seed=seed).positions for seed in SEEDS])
+    check_shares([dapple.sample(plane, 1000, seed=seed).positions for seed in SEEDS])
 
 
 @pytest.mark.parametrize("make", [flat_mesh, textured_mesh])
@@ -56,6 +56,6 @@ def test_quarters_hold_what_their_samples_stand_for(make):
     surface = make()
     for seed in SEEDS:
         samples = dapple.sample(surface, 1000, seed=seed, tolerance=1e-5)
-        capacities = dapple.energy(surface, samples.positions, samples.faces).capacities
-        held = np.bincount(quarters(samples.positions), capacities) / (surface.mass / 1000)
+        capacities = dapple.evaluate_energy(surface, samples.positions, samples.faces).capacities
+        held = np.bincount(quarters(samples.positions), capacities) / (surface.capacity / 1000)
         np.testing.assert_allclose(held, np.bincount(quarters(samples.positions)), rtol=0, atol=0.3)

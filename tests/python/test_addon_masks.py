@@ -112,7 +112,7 @@ def test_a_sharp_height_ends_at_the_edge_of_a_floor():
     ground = ground_of(cube, Settings(count=300, density=settings))
     top = (ground.surface.vertices[ground.surface.faces][:, :, 2] == 1.0).all(axis=1)
     np.testing.assert_array_equal(ground.corner_density(), np.repeat(top[:, None], 3, axis=1))
-    assert ground.surface.mass == pytest.approx(4.0)
+    assert ground.surface.capacity == pytest.approx(4.0)
 
 
 def roof(pitch: float) -> SurfaceArrays:
@@ -268,7 +268,7 @@ def test_colors_of_one_term_are_of_its_own_scale():
     assert shown.most == 1.0
     assert not shown.points
     everything = density_colors.computed(plane(), settings, "", False, None)
-    assert everything.points * ground_of(plane(), settings).surface.mass == pytest.approx(300)
+    assert everything.points * ground_of(plane(), settings).surface.capacity == pytest.approx(300)
     by_area = Settings(per_area=12.0, density=settings.density)
     assert density_colors.computed(plane(), by_area, "", False, None).points == 12.0
     steps, colors = density_colors.ramp()

@@ -72,8 +72,8 @@ VERBS = READERS | {
         s, s.vertices, own(s, len(p)), p
     ),
     "Population.resume": lambda s, p: resume_population(s, p),
-    "track_window": lambda s, p: dapple.track_window(s, [s.vertices], p),
-    "track_pieces": lambda s, p: list(dapple.track_pieces(s, [s.vertices], p)),
+    "track_window": lambda s, p: dapple.track_window(s, p, [s.vertices]),
+    "track_pieces": lambda s, p: list(dapple.track_pieces(s, p, [s.vertices])),
     "WindowTracker": dapple.WindowTracker,
     "WindowTracker.resume": lambda s, p: dapple.WindowTracker(s, own(s, len(p))).resume(
         s.vertices, p, []
@@ -82,7 +82,7 @@ VERBS = READERS | {
     "to_original": lambda s, p: dapple.refine_edges(s, 9.0).to_original(p),
     "from_original": lambda s, p: dapple.refine_edges(s, 9.0).from_original(p),
     "Samples": lambda s, p: dapple.Samples(s, p.faces, p.barycentric),
-    "energy": lambda s, p: dapple.energy(s, p.positions, p.faces),
+    "evaluate_energy": lambda s, p: dapple.evaluate_energy(s, p.positions, p.faces),
 }
 
 
@@ -126,8 +126,8 @@ SURFACE_ARRAYS: dict[str, Callable[[dapple.Surface], object]] = {
     "resume": lambda s: dapple.Tracker(s, own(s, 3)).resume(np.zeros((5, 3)), own(s, 3)),
     "resume with others": lambda s: dapple.Tracker(s, own(s, 3)).resume(s.vertices, own(s, 4)),
     "population": lambda s: dapple.Population(s, own(s, 3)).advance(np.zeros((5, 3))),
-    "window": lambda s: dapple.track_window(s, [s.vertices, np.zeros((5, 3))], own(s, 3)),
-    "pieces": lambda s: list(dapple.track_pieces(s, [np.zeros((5, 3))], own(s, 3))),
+    "window": lambda s: dapple.track_window(s, own(s, 3), [s.vertices, np.zeros((5, 3))]),
+    "pieces": lambda s: list(dapple.track_pieces(s, own(s, 3), [np.zeros((5, 3))])),
     "WindowTracker": lambda s: dapple.WindowTracker(s, own(s, 3)).advance([np.zeros((5, 3))], 1),
     "WindowTracker.resume": lambda s: dapple.WindowTracker(s, own(s, 3)).resume(
         s.vertices, own(s, 3), [own(s, 4)]
@@ -145,7 +145,7 @@ SURFACE_ARRAYS: dict[str, Callable[[dapple.Surface], object]] = {
     "then": lambda s: dapple.refine_edges(s, 0.5).then(dapple.refine_edges(s, 0.2)),
     "faces of samples": lambda s: dapple.Samples(s, [0, 1], np.full((3, 3), 1 / 3)),
     "ids of samples": lambda s: dapple.Samples(s, [0, 1], np.full((2, 3), 1 / 3), ids=[1]),
-    "positions": lambda s: dapple.energy(s, np.zeros((3, 3)), [0, 1]),
+    "positions": lambda s: dapple.evaluate_energy(s, np.zeros((3, 3)), [0, 1]),
     "ranks": lambda s: dapple.progressive_ranks(np.zeros((3, 3)), [0, 1]),
 }
 
@@ -159,7 +159,7 @@ def test_refuses_arrays_of_another_length(small, name):
 def test_a_window_names_the_frame(small):
     frames = [small.vertices, small.vertices[:3]]
     with pytest.raises(dapple.SurfaceError, match=r"frames\[1\] has 3 rows"):
-        dapple.track_window(small, frames, own(small, 3))
+        dapple.track_window(small, own(small, 3), frames)
 
 
 # Whole numbers, by the name of the argument
@@ -173,14 +173,14 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
         "sample": lambda s, **k: dapple.sample(s, **{"count": 2, **k}),
         "resample": lambda s, **k: dapple.resample(s, own(s, 2), **{"count": 2, **k}),
         "relax": lambda s, **k: dapple.relax(s, own(s, 2), [0], **k),
-        "sample_planar": lambda s, **k: dapple.sample_planar(SQUARE, **{"count": 2, **k}),
+        "sample, in a plane": lambda s, **k: dapple.sample(SQUARE, **{"count": 2, **k}),
         "sample_classes": lambda s, **k: dapple.sample_classes(s, [2], **k),
-        "sample_planar_classes": lambda s, **k: dapple.sample_planar_classes(SQUARE, [2], **k),
+        "sample_classes, in a plane": lambda s, **k: dapple.sample_classes(SQUARE, [2], **k),
         "stipple_inks": lambda s, **k: dapple.stipple_inks(INKS, **{"count": 2, **k}),
         "stipple": lambda s, **k: dapple.stipple(INKS[0] / 2, **{"count": 2, **k}),
         "Tracker": lambda s, **k: dapple.Tracker(s, own(s, 2), **k),
         "Population": lambda s, **k: dapple.Population(s, own(s, 2), **k),
-        "track_window": lambda s, **k: dapple.track_window(s, [s.vertices], own(s, 2), **k),
+        "track_window": lambda s, **k: dapple.track_window(s, own(s, 2), [s.vertices], **k),
         "WindowTracker": lambda s, **k: dapple.WindowTracker(s, own(s, 2), **k),
         "mosaic": lambda s, **k: dapple.mosaic(s, own(s, 2), **k),
         "spectrum": lambda s, **k: dapple.spectrum(np.full((2, 2), 0.5), **k),
@@ -197,7 +197,7 @@ def whole_arguments() -> list[tuple[str, str, Callable[[dapple.Surface, int], ob
     }
     found = []
     for name, verb in verbs.items():
-        made = getattr(dapple, name)
+        made = getattr(dapple, name.split(",")[0])
         doc = signature(made.__init__ if isinstance(made, type) else made)
         if name == "stipple":
             doc = str(inspect.signature(made))
@@ -238,7 +238,7 @@ def test_refuses_more_samples_than_can_be(small, count):
         lambda: dapple.sample(small, count),
         lambda: dapple.resample(small, own(small, 2), count),
         lambda: dapple.relax(small, own(small, 2), [0], count=count),
-        lambda: dapple.sample_planar(SQUARE, count),
+        lambda: dapple.sample(SQUARE, count),
         lambda: dapple.stipple_inks(INKS, count),
         lambda: dapple.sample_classes(small, [count]),
     ):
@@ -287,4 +287,4 @@ def test_projects_points_beyond_all_measure(small, far):
     np.testing.assert_allclose(found.positions[0], [1, 1, 0], atol=1e-9)
     np.testing.assert_allclose(found.distances / far, [np.sqrt(1.25), np.sqrt(2)])
     with pytest.raises(ValueError, match=r"positions\[0\].*outside"):
-        dapple.energy_planar(SQUARE, [[far, far]])
+        dapple.evaluate_energy(SQUARE, [[far, far]])

@@ -25,7 +25,7 @@ def test_connected_cells_fill_both_sheets_alike(sheets):
 @pytest.mark.parametrize("cells", ["connected", "euclidean"])
 def test_cells_share_out_the_surface(sheets, cells):
     samples = dapple.sample(sheets, 100, max_evaluations=3)
-    energy = dapple.energy(sheets, samples.positions, samples.faces, cells=cells)
+    energy = dapple.evaluate_energy(sheets, samples.positions, samples.faces, cells=cells)
     assert energy.areas.sum() == pytest.approx(sheets.area, rel=1e-10)
 
 
@@ -33,7 +33,9 @@ def test_euclidean_cells_reach_through(sheets):
     samples = dapple.sample(sheets, 300)
     spread = {}
     for cells in ("connected", "euclidean"):
-        capacities = dapple.energy(sheets, samples.positions, samples.faces, cells=cells).capacities
+        capacities = dapple.evaluate_energy(
+            sheets, samples.positions, samples.faces, cells=cells
+        ).capacities
         spread[cells] = capacities.std() / capacities.mean()
     assert spread["euclidean"] > 10 * spread["connected"]
 

@@ -22,7 +22,7 @@ def test_counts_and_classes(surface: dapple.Surface) -> None:
 def test_torus_is_even_each_and_together() -> None:
     """500 + 500, the mean of five seeds."""
     runs = [
-        dapple.sample_planar_classes(dapple.Torus(), [500, 500], seed=seed, max_evaluations=25)
+        dapple.sample_classes(dapple.Torus(), [500, 500], seed=seed, max_evaluations=25)
         for seed in range(5)
     ]
 
@@ -98,7 +98,7 @@ def test_tracked_samples_without_a_radius_stay_outside_those_with_one(
 
 def test_samples_without_a_radius_in_the_plane_stay_outside_those_with_one() -> None:
     classes = [dapple.SampleClass(12, radius=0.08), dapple.SampleClass(200)]
-    samples = dapple.sample_planar_classes(dapple.Torus(), classes)
+    samples = dapple.sample_classes(dapple.Torus(), classes)
     assert samples.report.worst_overlap == 0
     assert within(samples) >= 0.08
 
@@ -147,7 +147,7 @@ def test_images_are_of_one_shape() -> None:
         dapple.SampleClass(5, density=np.ones((3, 2))),
     ]
     with pytest.raises(ValueError, match="density of class 1 is 3 x 2 pixels"):
-        dapple.sample_planar_classes(dapple.Plane(1, 1), classes)
+        dapple.sample_classes(dapple.Plane(1, 1), classes)
 
 
 def test_locked_samples_stay_in_their_class(surface):
@@ -169,4 +169,4 @@ def test_refuses_bad_locked_samples(surface):
     with pytest.raises(ValueError, match=r"locked holds 5"):
         dapple.sample_classes(surface, [dapple.SampleClass(4, locked=locked)])
     with pytest.raises(ValueError, match=r"classes\[0\] has locked samples"):
-        dapple.sample_planar_classes(dapple.Plane(1, 1), [dapple.SampleClass(9, locked=locked)])
+        dapple.sample_classes(dapple.Plane(1, 1), [dapple.SampleClass(9, locked=locked)])

@@ -638,7 +638,7 @@ def test_a_spacing_is_a_number_of_points(tmp_path, torus, surface):
 def test_a_spacing_is_that_where_the_density_is_largest(tmp_path, archive, surface):
     spacing = surface.spacing(400)
     halves = dict(np.load(archive))["half"]
-    share = surface.with_density(halves, density_at="faces").mass / surface.area
+    share = surface.with_density(halves, density_at="faces").capacity / surface.area
     found = done(
         "sample", archive, tmp_path / "points.csv", "--spacing", spacing, "--density", "half"
     )

@@ -97,7 +97,7 @@ def test_analyzes_each_class(tmp_path, torus, surface):
 
 def test_analyzes_and_draws_points_of_the_unit_square(tmp_path):
     path, picture = tmp_path / "points.csv", tmp_path / "spectrum.png"
-    flat = dapple.sample_planar(dapple.Plane(1, 1), 100).positions
+    flat = dapple.sample(dapple.Plane(1, 1), 100).positions
     np.savetxt(path, flat[:, :2], delimiter=",", fmt="%.17g")
     found = done("analyze", path, "--plot", picture, "--json", "-")
     assert json.loads(found.stdout)["report"]["spacing"] == pytest.approx(0.107457, rel=1e-5)

@@ -55,7 +55,7 @@ def test_tracks_together(tmp_path, motion, surface):
     frames = np.load(motion)["vertices"]
     start = surface.deformed(frames[0])
     first = dapple.sample(start, 60)
-    expected = dapple.track_window(start, frames[1:], first, closed=True)
+    expected = dapple.track_window(start, first, frames[1:], closed=True)
     np.testing.assert_array_equal(
         np.load(out)["positions"], [samples.positions for samples in expected]
     )
@@ -121,7 +121,7 @@ def test_keeps_the_classes_of_a_file(tmp_path, motion):
         np.testing.assert_array_equal(stored["classes"], first.classes)
         np.testing.assert_array_equal(stored["positions"][-1], last.positions)
     done("track", motion, out, "--points", points, "--together")
-    last = dapple.track_window(surface, frames[1:], first, classes=[40, 20])[-1]
+    last = dapple.track_window(surface, first, frames[1:], classes=[40, 20])[-1]
     with np.load(out) as stored:
         np.testing.assert_array_equal(stored["positions"][-1], last.positions)
 

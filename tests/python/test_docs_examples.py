@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every example of the documentation is run: by the tests here, or by those that are named here."""
 
+import doctest
+import importlib
+import math
+import pkgutil
 import re
 import shlex
 from pathlib import Path
@@ -29,6 +33,7 @@ RUN = {
     "docs/add-on.md": {"python": (2, "tests/blender/test_docs.py")},
     "docs/command-line.md": {"console": (3, "here")},
     "docs/export.md": {"sh": (1, "here"), "python": (1, "tests/blender/test_docs.py")},
+    "docs/development/options.md": {"cpp": (1, "a part of a header")},
     "docs/cpp.md": {
         "sh": (1, "tests/consumer"),
         "cmake": (2, "tests/consumer"),
@@ -182,3 +187,37 @@ def test_the_stippling_page_runs(files):
     exec(code("docs/stippling.md", "python").replace("10_000", "300"), namespace)
     assert any(Path().glob("*.svg"))
     assert len(namespace["dots"]) == 300
+
+
+def docstrings() -> list[doctest.DocTest]:
+    """The examples in the docstrings of the package."""
+    found = []
+    for module in pkgutil.walk_packages(dapple.__path__, "dapple3d."):
+        if re.search(r"\.(cli|distributed|__main__)\b", module.name):  # docs/large.md is run above
+            continue
+        try:
+            loaded = importlib.import_module(module.name)
+        except ImportError:  # an extra whose library is not installed
+            continue
+        found += doctest.DocTestFinder(exclude_empty=True).find(loaded, module.name)
+    found += doctest.DocTestFinder(exclude_empty=True).find(dapple, "dapple3d")
+    return [test for test in found if test.examples]
+
+
+def test_the_examples_in_docstrings_run(files):
+    """With fewer points than they show. What they print is not compared: it is arrays."""
+    from dapple3d import density
+
+    mesh = shapes.torus()
+    surface = dapple.Surface(*mesh)
+    names = {"vertices": mesh[0], "faces": mesh[1], "dapple": dapple, "density": density}
+    names |= {"math": math, "np": np, "surface": surface, **vars(density)}
+    names |= {"picture": np.ones((4, 4, 4)), "uv": np.random.rand(len(mesh[1]), 3, 2)}
+    names |= {"samples": dapple.sample(surface, 50), "points": np.random.rand(60, 2)}
+    tests = docstrings()
+    assert {"dapple3d", "dapple3d.plot", "dapple3d.density"} <= {test.name for test in tests}
+    for test in tests:
+        namespace = dict(vars(importlib.import_module(test.globs["__name__"]))) | names
+        for example in test.examples:
+            source = example.source.replace("10_000", "300").replace("1024", "32")
+            exec(compile(source, test.name, "exec"), namespace)

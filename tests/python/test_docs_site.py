@@ -14,7 +14,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from docs.site import docstrings, headers, stage, typed_api
-from scripts import rooms
+from scripts import option_headers, rooms
 
 ROOT = stage.ROOT
 SITE = ROOT / "docs/site"
@@ -67,18 +67,12 @@ def test_every_public_header_has_a_room():
 
 
 def test_every_option_is_told_at_its_member():
-    texts = [path.read_text() for path in HEADERS]
-    shared = headers.shared_options(texts)
-    count = 0
-    for text in texts:
-        written = headers.filtered(text, shared)
-        for sentence in headers.options(text, shared).values():
-            assert f"  /// {sentence}\n" in written
-            count += 1
-        assert "std::tuple k" not in written
-        assert "{." not in re.sub(r"//.*", "", written)
-    assert {"seed", "threads", "cells", "union_weight"} <= shared.keys()
-    assert count > 30
+    tables = [row for one in option_headers.read_headers(ROOT) for row in one.tables.values()]
+    assert sum(not member.is_group for members in tables for member in members) > 30
+    written = "".join(headers.filtered(path.read_text()) for path in HEADERS)
+    assert "{." not in re.sub(r"//.*", "", written)
+    assert "  /// (\\>= 0; in local spacings).\n  double max_step = 0.5;" in written
+    assert "  /// (0..1).\n  double pattern_strength = 0.8;" in written
 
 
 def test_comments_are_made_fit_for_doxygen():
@@ -95,7 +89,7 @@ struct Way {
 };
 """
     assert (
-        headers.filtered(text, {})
+        headers.filtered(text)
         == """
 /// Go on.
 /// \\throw SurfaceError naming the first offender
@@ -116,8 +110,7 @@ struct Way {
 @pytest.mark.parametrize("path", HEADERS, ids=lambda path: path.stem)
 def test_what_is_thrown_is_an_error(path):
     """Of the site, any other word there is a link to nothing, and a warning is an error."""
-    shared = headers.shared_options([one.read_text() for one in HEADERS])
-    thrown = re.findall(r"\\throw (\w+)", headers.filtered(path.read_text(), shared))
+    thrown = re.findall(r"\\throw (\w+)", headers.filtered(path.read_text()))
     assert set(thrown) <= {"ArgumentError", "Cancelled", "FileError", "SurfaceError"}
 
 

@@ -101,22 +101,24 @@ CALLS = {
     "relax": lambda b: dapple.relax(
         b.surface, b.samples, np.arange(len(b.faces) // 2), count=21_000, **LONG
     ),
-    "sample_planar": lambda b: dapple.sample_planar(dapple.Torus(), 30_000, **LONG),
-    "sample_planar_classes": lambda b: dapple.sample_planar_classes(
+    "sample, in a plane": lambda b: dapple.sample(dapple.Torus(), 30_000, **LONG),
+    "sample_classes, in a plane": lambda b: dapple.sample_classes(
         dapple.Plane(1, 1), [3000, 9000], **LONG
     ),
-    "energy_planar": lambda b: dapple.energy_planar(dapple.Plane(1, 1), b.points[:, :2]),
+    "evaluate_energy, in a plane": lambda b: dapple.evaluate_energy(
+        dapple.Plane(1, 1), b.points[:, :2]
+    ),
     "Plane": lambda b: many(lambda: dapple.Plane(1, 1, b.fine)),
     "Torus": lambda b: many(lambda: dapple.Torus(b.fine)),
     "analyze": lambda b: many(lambda: dapple.analyze(b.surface, b.samples)),
-    "energy": lambda b: many(
-        lambda: dapple.energy(b.surface, b.samples.positions, b.samples.faces)
+    "evaluate_energy": lambda b: many(
+        lambda: dapple.evaluate_energy(b.surface, b.samples.positions, b.samples.faces)
     ),
     "Tracker": lambda b: b.tracker.advance(b.moved),
     "Population": lambda b: b.population.advance(b.moved),
     "WindowTracker": lambda b: b.window.advance([b.moved] * 5, 5),
-    "track_window": lambda b: dapple.track_window(b.surface, [b.moved] * 5, b.few, **LONG),
-    "track_pieces": lambda b: list(dapple.track_pieces(b.surface, [b.moved] * 5, b.few, **LONG)),
+    "track_window": lambda b: dapple.track_window(b.surface, b.few, [b.moved] * 5, **LONG),
+    "track_pieces": lambda b: list(dapple.track_pieces(b.surface, b.few, [b.moved] * 5, **LONG)),
     "project": lambda b: many(lambda: dapple.project(b.surface, b.points)),
     "nearest_distances": lambda b: many(lambda: dapple.nearest_distances(b.points)),
     "progressive_ranks": lambda b: many(lambda: dapple.progressive_ranks(b.points)),
@@ -208,17 +210,17 @@ def test_a_handler_may_call_what_it_interrupted(bodies):
 def test_a_handler_may_sample_the_polygon_that_is_being_cut():
     """A polygon is cut for its samples when it is first used."""
     outline = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
-    expected = dapple.sample_planar(dapple.Plane.polygon(outline), 40, max_evaluations=1)
+    expected = dapple.sample(dapple.Plane.polygon(outline), 40, max_evaluations=1)
     heard = []
     for k in range(8):
         plane = dapple.Plane.polygon(outline)
 
         def handler(*_, plane=plane):
-            heard.append(dapple.sample_planar(plane, 40, max_evaluations=1))
+            heard.append(dapple.sample(plane, 40, max_evaluations=1))
 
         signal.signal(signal.SIGINT, handler)
         threading.Timer(0.03 * k, os.kill, (os.getpid(), signal.SIGINT)).start()
-        found = dapple.sample_planar(plane, 30_000, max_evaluations=2)
+        found = dapple.sample(plane, 30_000, max_evaluations=2)
         assert len(found) == 30_000
         deadline = time.monotonic() + 10
         while len(heard) <= k and time.monotonic() < deadline:

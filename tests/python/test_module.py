@@ -54,7 +54,7 @@ def test_documents_shapes(name, member):
 
 
 @pytest.mark.parametrize(
-    "name", ["Surface", "Samples", "Tracker.advance", "energy", "project", "write_mesh"]
+    "name", ["Surface", "Samples", "Tracker.advance", "evaluate_energy", "project", "write_mesh"]
 )
 def test_documents_arguments_and_errors(name):
     thing = dapple

@@ -45,8 +45,8 @@ def test_areas_are_those_of_the_polygons(surface, samples):
 
 
 def test_cells_are_those_of_the_energy(surface, samples):
-    made = dapple.mosaic(surface, samples, tolerance=0)
-    energy = dapple.energy(surface, samples.positions, samples.faces)
+    made = dapple.mosaic(surface, samples, shortest_edge=0)
+    energy = dapple.evaluate_energy(surface, samples.positions, samples.faces)
     np.testing.assert_allclose(made.cell_areas, energy.capacities, rtol=1e-9)
     np.testing.assert_allclose(made.areas, energy.capacities, rtol=1e-6)
 
@@ -71,7 +71,7 @@ def test_insets(surface, samples):
 
 
 def test_pieces_are_convex_without_merging(surface, samples):
-    made = dapple.mosaic(surface, samples, merge=False, tolerance=0)
+    made = dapple.mosaic(surface, samples, merge=False, shortest_edge=0)
     assert len(made) > len(surface.faces)
     for polygon, face in zip(polygons(made), made.faces, strict=True):
         corners = surface.vertices[surface.faces[face]]
@@ -136,7 +136,7 @@ def cube(cuts: int) -> dapple.Surface:
 
 
 @pytest.mark.parametrize("given", [
-    {}, {"merge": False}, {"tolerance": 0.0}, {"tolerance": 0.1}, {"cells": "euclidean"},
+    {}, {"merge": False}, {"shortest_edge": 0.0}, {"shortest_edge": 0.1}, {"cells": "euclidean"},
     {"insets": np.zeros(500)},
 ], ids=str)  # fmt: skip
 @pytest.mark.parametrize("thin", [1.0, 0.02])

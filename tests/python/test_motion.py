@@ -88,7 +88,7 @@ def test_stickiness_lessens_the_slide(mesh, surface, samples):
 
 def test_a_window_has_samples_for_every_frame(mesh, surface, samples):
     frames = frames_of(mesh, 5)
-    found = dapple.track_window(surface, frames, samples, sweeps=1)
+    found = dapple.track_window(surface, samples, frames, sweeps=1)
     assert len(found) == 6
     assert same_bytes(found[0], samples)
     for vertices, one in zip(frames, found[1:], strict=True):
@@ -101,13 +101,13 @@ def test_a_window_is_cancelled(mesh, surface, samples):
     context = dapple.Context()
     context.cancel()
     with pytest.raises(dapple.Cancelled):
-        dapple.track_window(surface, frames_of(mesh, 3), samples, context=context)
+        dapple.track_window(surface, samples, frames_of(mesh, 3), context=context)
 
 
 def test_a_short_motion_in_pieces_is_a_window(mesh, surface, samples):
     frames = frames_of(mesh, 6)
-    whole = dapple.track_window(surface, frames, samples, sweeps=1)
-    found = dapple.track_pieces(surface, iter(frames), samples, sweeps=1)
+    whole = dapple.track_window(surface, samples, frames, sweeps=1)
+    found = dapple.track_pieces(surface, samples, iter(frames), sweeps=1)
     for one, other in zip(found, whole[1:], strict=True):
         assert same_bytes(one, other)
 
@@ -120,7 +120,7 @@ def test_a_motion_in_pieces_reads_frames_as_it_needs_them(mesh, surface, samples
             read.append(frame)
             yield bent(mesh[0], 0.1 * frame)
 
-    found = dapple.track_pieces(surface, frames(), samples, piece=4, overlap=2)
+    found = dapple.track_pieces(surface, samples, frames(), piece=4, overlap=2)
     assert not read
     next(found)
     assert len(read) == 6
@@ -148,7 +148,7 @@ def test_pieces_go_on_with_the_same_bytes(mesh, surface, samples):
 def test_classes_stay_even_in_pieces(mesh, surface):
     start = dapple.sample_classes(surface, [60, 30])
     frames = frames_of(mesh, 8)
-    for one in dapple.track_pieces(surface, frames, start, piece=4, overlap=1, classes=[60, 30]):
+    for one in dapple.track_pieces(surface, start, frames, piece=4, overlap=1, classes=[60, 30]):
         np.testing.assert_array_equal(one.classes, start.classes)
         assert min(quality.alpha_min for quality in one.report.classes) > 0.4
 
@@ -156,7 +156,7 @@ def test_classes_stay_even_in_pieces(mesh, surface):
 @pytest.mark.parametrize(("piece", "overlap"), [(4, 4), (4, -1), (0, 0)])
 def test_refuses_pieces_that_do_not_come_forward(surface, samples, piece, overlap):
     with pytest.raises(ValueError, match=f"overlap is {overlap}"):
-        dapple.track_pieces(surface, [], samples, piece=piece, overlap=overlap)
+        dapple.track_pieces(surface, samples, [], piece=piece, overlap=overlap)
 
 
 def test_refuses_what_is_no_frame_ahead(surface, samples):

@@ -113,14 +113,16 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
     "Population": (lambda **given: tracked(dapple.Population, **given), {"classes": [20]}),
     "WindowTracker": (lambda **given: windowed(1, **given), {"classes": [20]}),
     "track_window": (
-        lambda **given: dapple.track_window(ground(), [ground().vertices] * 2, points(), **given),
+        lambda **given: dapple.track_window(ground(), points(), [ground().vertices] * 2, **given),
         {"classes": [20]},
     ),
     "sample": (lambda **given: dapple.sample(ground(), **given), {"count": 9}),
     "resample": (lambda **given: dapple.resample(ground(), points(), **given), {"count": 9}),
     "relax": (lambda **given: dapple.relax(ground(), points(), [1], **given), {"classes": [21]}),
-    "energy": (
-        lambda **given: dapple.energy(ground(), points().positions, points().faces, **given),
+    "evaluate_energy": (
+        lambda **given: dapple.evaluate_energy(
+            ground(), points().positions, points().faces, **given
+        ),
         {},
     ),
     "mosaic": (lambda **given: dapple.mosaic(ground(), points(), **given), {"merge": True}),
@@ -129,17 +131,17 @@ WITH_OPTIONS: dict[str, tuple[Call, dict[str, Any]]] = {
         lambda **given: dapple.refine_image(square(), uv()[:2], picture(), **given),
         {"max_faces": 1000},
     ),
-    "sample_planar": (lambda **given: dapple.sample_planar(dapple.Torus(), **given), {"count": 9}),
-    "energy_planar": (
-        lambda **given: dapple.energy_planar(dapple.Torus(), [[0.1, 0.2], [0.5, 0.7]], **given),
+    "sample, in a plane": (lambda **given: dapple.sample(dapple.Torus(), **given), {"count": 9}),
+    "evaluate_energy, in a plane": (
+        lambda **given: dapple.evaluate_energy(dapple.Torus(), [[0.1, 0.2], [0.5, 0.7]], **given),
         {},
     ),
     "sample_classes": (
         lambda **given: dapple.sample_classes(ground(), **given),
         {"classes": [5, 4]},
     ),
-    "sample_planar_classes": (
-        lambda **given: dapple.sample_planar_classes(dapple.Torus(), **given),
+    "sample_classes, in a plane": (
+        lambda **given: dapple.sample_classes(dapple.Torus(), **given),
         {"classes": [5, 4]},
     ),
     "stipple_inks": (
@@ -183,7 +185,7 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
     ),
     "FlatDomain.spacing": (lambda count: dapple.Torus().spacing(count), {"count": 9}),
     "Plane": (
-        lambda **given: dapple.sample_planar(dapple.Plane(**given), 9, **FEW),
+        lambda **given: dapple.sample(dapple.Plane(**given), 9, **FEW),
         {"width": 2.0, "height": 1.0},
     ),
     "relax": (
@@ -199,7 +201,7 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
     ),
     "track_pieces": (
         lambda **given: list(
-            dapple.track_pieces(ground(), [ground().vertices] * 3, points(), **FEW | given)
+            dapple.track_pieces(ground(), points(), [ground().vertices] * 3, **FEW | given)
         ),
         {"piece": 2, "overlap": 1},
     ),
@@ -265,7 +267,7 @@ OTHERS: dict[str, tuple[Call, dict[str, Any]]] = {
 
 def options_of(verb: str) -> dict[str, Any]:
     """The defaults, but for those that would take long."""
-    return {option.name: option.default for option in dapple.option_table(verb)
+    return {option.name: option.default for option in dapple.option_table(verb.split(",")[0])
             if option.type != "str"}  # fmt: skip
 
 

@@ -89,7 +89,7 @@ def values():
     several = dapple.sample_classes(surface, classes, max_evaluations=2)
     population = dapple.Population(surface, samples, max_evaluations=2)
     grown = population.advance(1.2 * vertices)
-    flat = dapple.sample_planar(dapple.Torus(), 64, max_evaluations=2)
+    flat = dapple.sample(dapple.Torus(), 64, max_evaluations=2)
     uv = np.stack([vertices[faces][..., 0], vertices[faces][..., 1]], axis=-1) / 10 + 0.5
     return {
         "Samples": samples,
@@ -104,7 +104,7 @@ def values():
         "choice": next(o for o in dapple.option_table("sample") if o.choices),
         "Topology": surface.topology,
         "Projection": dapple.project(surface, vertices * 1.1),
-        "Energy": dapple.energy(surface, samples.positions, samples.faces),
+        "Energy": dapple.evaluate_energy(surface, samples.positions, samples.faces),
         "Mosaic": dapple.mosaic(surface, samples, grout=0.01),
         "Texels": dapple.texels(surface, uv, 16, 16),
         "Spectrum": dapple.spectrum(flat.positions, half_width=8),
@@ -153,8 +153,8 @@ def test_what_was_pickled_works_on():
     made = values()
     for name in ("Plane", "image", "polygon", "Torus", "periodic"):
         domain = made[name]
-        found = dapple.sample_planar(sent(domain), 30, max_evaluations=2)
-        expected = dapple.sample_planar(domain, 30, max_evaluations=2)
+        found = dapple.sample(sent(domain), 30, max_evaluations=2)
+        expected = dapple.sample(domain, 30, max_evaluations=2)
         assert found.positions.tobytes() == expected.positions.tobytes()
     refined = sent(made["Refined"])
     fine = dapple.sample(refined.surface, 40, max_evaluations=2)

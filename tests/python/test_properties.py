@@ -40,7 +40,7 @@ def test_samples_of_any_mesh_are_samples(data):
     assert np.isfinite(samples.report.energies).all()
     assert (np.diff(samples.report.energies) <= 0).all()
     assert same_bytes(samples, dapple.sample(surface, count, threads=2, **options))
-    energy = dapple.energy(surface, samples.positions, samples.faces)
+    energy = dapple.evaluate_energy(surface, samples.positions, samples.faces)
     assert energy.capacities.min() >= 0
     assert is_on_density(surface, samples).all()
 
@@ -108,9 +108,9 @@ def test_energy_and_capacities_are_those_of_the_shape(data):
     seed = data.draw(st.integers(0, 2**32 - 1), label="sites")
     positions, faces = shapes.random_points(mesh, 25, seed)
     place = Place(data, len(mesh[1]))
-    here = dapple.energy(dapple.Surface(*mesh, density), positions, faces)
+    here = dapple.evaluate_energy(dapple.Surface(*mesh, density), positions, faces)
     surface = dapple.Surface(*place.mesh(mesh), density)
-    there = dapple.energy(surface, place.of(positions), place.faces(faces))
+    there = dapple.evaluate_energy(surface, place.of(positions), place.faces(faces))
     assert there.normalized == pytest.approx(here.normalized, rel=SAME)
     for name in ("areas", "capacities"):
         one, other = getattr(here, name), getattr(there, name)

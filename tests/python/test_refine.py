@@ -28,7 +28,7 @@ def test_refines_to_an_image(refined):
     assert refined.resolved
     assert surface.density_at == "corners"
     assert surface.area == pytest.approx(1, rel=1e-12)
-    assert surface.mass == pytest.approx(0.5, rel=0.01)
+    assert surface.capacity == pytest.approx(0.5, rel=0.01)
     check_array(refined.parents, np.int32, (len(surface.faces),))
     check_array(refined.barycentric, np.float64, (len(surface.faces), 3, 3))
     corners = refined.original.vertices[refined.original.faces[refined.parents]]

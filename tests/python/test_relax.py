@@ -32,7 +32,7 @@ def test_a_changed_density_is_followed_and_far_samples_stay(surface, before, ins
     assert 0 < len(changed) < len(surface.faces) / 10
     relaxed = dapple.relax(after, before, changed)
     check_samples(after, relaxed)
-    assert len(relaxed) == pytest.approx(1000 * after.mass / surface.mass, abs=2)
+    assert len(relaxed) == pytest.approx(1000 * after.capacity / surface.capacity, abs=2)
     assert relaxed.report.count == len(relaxed)
     kept = np.flatnonzero(np.isin(relaxed.ids, before.ids))
     origin = np.searchsorted(before.ids, relaxed.ids[kept])

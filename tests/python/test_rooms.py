@@ -53,14 +53,29 @@ def test_names_the_line_that_includes_a_later_room(
 
 
 def test_names_the_lines_of_a_circle(house: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (house / "native/src/high/beam.hpp").write_text('#include "high/rafter.hpp"\n')
+    (house / "native/src/high/rafter.hpp").write_text("")
+    (house / "native/src/high/rafter.cpp").write_text(
+        '#include "high/rafter.hpp"\n#include "high/beam.hpp"\n'
+    )
+    assert rooms.main() == 1
+    out = capsys.readouterr().out
+    assert "native/src/high/rafter.cpp:2: rafter includes beam" in out
+    assert "native/src/high/beam.hpp:1: beam includes rafter" in out
+
+
+def test_a_part_may_take_the_options_of_its_verb(house: Path) -> None:
     (house / "native/src/high/beam.hpp").write_text("#include <dapple/roof.hpp>\n")
     (house / "native/src/high/roof.cpp").write_text(
         '#include <dapple/roof.hpp>\n#include "high/beam.hpp"\n'
     )
+    assert rooms.main() == 0
+
+
+def test_names_a_circle_of_public_headers(house: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (house / "native/include/dapple/ground.hpp").write_text("#include <dapple/roof.hpp>\n")
     assert rooms.main() == 1
-    out = capsys.readouterr().out
-    assert "native/src/high/roof.cpp:2: roof includes beam" in out
-    assert "native/src/high/beam.hpp:1: beam includes roof" in out
+    assert "ground includes roof" in capsys.readouterr().out
 
 
 def test_names_a_header_that_no_room_lists(house: Path, capsys: pytest.CaptureFixture[str]) -> None:

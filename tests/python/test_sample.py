@@ -118,7 +118,7 @@ def test_reports_the_evenness_of_a_plane():
     alpha = gaps.min(axis=1) / np.sqrt(2 / (np.sqrt(3) * 200))
     assert samples.report.alpha_min == pytest.approx(alpha.min(), rel=1e-12)
     assert samples.report.alpha_mean == pytest.approx(alpha.mean(), rel=1e-12)
-    capacities = dapple.energy(square, samples.positions, samples.faces).capacities
+    capacities = dapple.evaluate_energy(square, samples.positions, samples.faces).capacities
     assert samples.report.capacity_variation == pytest.approx(capacities.std() * 200, rel=1e-9)
 
 

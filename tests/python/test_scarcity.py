@@ -45,7 +45,7 @@ def run(script: str) -> str:
 HUGE = {
     "sample": "dapple.sample(surface, 3_000_000)",
     "sample_classes": "dapple.sample_classes(surface, [2_000_000, 2_000_000])",
-    "sample_planar": "dapple.sample_planar(dapple.Torus(), 3_000_000)",
+    "sample, in a plane": "dapple.sample(dapple.Torus(), 3_000_000)",
     "resample": "dapple.resample(surface, samples, 3_000_000)",
     "relax": "dapple.relax(surface, samples, np.arange(len(mesh[1])), count=3_000_000)",
     "refine_edges": "dapple.refine_edges(surface, 0.001, max_faces=100_000_000)",

@@ -133,7 +133,7 @@ def test_densities_that_another_thread_writes_are_checked_as_they_are_used():
 
     def call():
         made = dapple.Surface(vertices, faces, density)
-        assert np.isfinite(made.mass)
+        assert np.isfinite(made.capacity)
         assert np.isfinite(made.density).all()
 
     assert written_meanwhile(density, call, 1.0, np.nan) <= {"done", "SurfaceError"}

@@ -34,7 +34,7 @@ def test_specks_get_their_share_and_the_others_belong_to_nobody() -> None:
     parts = [sphere(4), *specks]
     surface = dapple.Surface(*joined(parts))
     samples = dapple.sample(surface, 1000)
-    shares = [dapple.Surface(*part).mass / surface.mass * 1000 for part in parts]
+    shares = [dapple.Surface(*part).capacity / surface.capacity * 1000 for part in parts]
     counts = parts_of(samples, parts)
     assert all(abs(count - share) < 1 for count, share in zip(counts, shares, strict=True))
     assert 0 in counts[1:]

@@ -23,7 +23,7 @@ def test_measures_area_and_mass():
     vertices, faces = grid(5)
     surface = dapple.Surface(vertices, faces, vertices[:, 0])
     assert surface.area == pytest.approx(1, rel=1e-14)
-    assert surface.mass == pytest.approx(0.5, rel=1e-14)
+    assert surface.capacity == pytest.approx(0.5, rel=1e-14)
     assert surface.spacing(50) == pytest.approx(np.sqrt(2 / (np.sqrt(3) * 50)))
 
 
@@ -97,7 +97,7 @@ def test_deforms(mesh, dense):
     np.testing.assert_array_equal(carried.faces, mesh[1])
     np.testing.assert_array_equal(carried.density, dense.density)
     assert carried.area == pytest.approx(fresh.area, rel=1e-14)
-    assert carried.mass == pytest.approx(fresh.mass, rel=1e-14)
+    assert carried.capacity == pytest.approx(fresh.capacity, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -112,10 +112,10 @@ def test_takes_a_density_at(place, shape):
     assert surface.density_at == place
     corners = {"vertices": lambda: density[faces], "faces": lambda: density[:, None]}
     expected = corners.get(place, lambda: density)().mean(axis=1).sum() / 32
-    assert surface.mass == pytest.approx(expected, rel=1e-13)
+    assert surface.capacity == pytest.approx(expected, rel=1e-13)
     other = surface.deformed(2 * vertices)
     assert other.density_at == place
-    assert other.mass == pytest.approx(4 * expected, rel=1e-13)
+    assert other.capacity == pytest.approx(4 * expected, rel=1e-13)
 
 
 def test_exchanges_its_density(surface):
@@ -126,7 +126,7 @@ def test_exchanges_its_density(surface):
     assert surface.density is None
     plain = stepped.with_density(None)
     assert plain.density is None
-    assert plain.mass == surface.mass
+    assert plain.capacity == surface.capacity
 
 
 def test_ends_only_on_faces_with_density(surface):

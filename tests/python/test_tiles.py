@@ -83,9 +83,9 @@ def test_points_beside_seams_are_as_even_as_those_of_one_solution(tmp_path, tile
     variations = []
     for points in (samples, single):
         near = near_seams(done, points.positions, reach)
-        owned = dapple.energy(surface, points.positions, points.faces).capacities[near]
-        variations.append(owned.std() / (surface.mass / count))
-        assert owned.mean() == pytest.approx(surface.mass / count, rel=0.005)
+        owned = dapple.evaluate_energy(surface, points.positions, points.faces).capacities[near]
+        variations.append(owned.std() / (surface.capacity / count))
+        assert owned.mean() == pytest.approx(surface.capacity / count, rel=0.005)
     assert variations[0] < variations[1] + 0.003
     report = dapple.analyze(surface, samples)
     assert report.alpha_min > single.report.alpha_min - 0.05

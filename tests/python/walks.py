@@ -136,13 +136,13 @@ class Walk:
     def scaled(self, other: dapple.Surface) -> dapple.Surface:
         """With a density that asks for about as many samples as this one's."""
         values = np.ones(len(other.vertices)) if other.density is None else other.density
-        share = self.random.uniform(0.5, 1.5) * self.surface.mass / other.mass
+        share = self.random.uniform(0.5, 1.5) * self.surface.capacity / other.capacity
         return other.with_density(values * share, density_at=other.density_at)
 
     def moved(self, most: float = 0.2) -> np.ndarray:
         """A later frame, whose surface does not ask for many times as many samples."""
         vertices = self.drawn_frame(most)
-        grown = self.surface.deformed(vertices).mass > MOST_GROWTH * self.surface.mass
+        grown = self.surface.deformed(vertices).capacity > MOST_GROWTH * self.surface.capacity
         return self.surface.vertices if grown else vertices
 
     def drawn_frame(self, most: float) -> np.ndarray:
@@ -312,8 +312,8 @@ class Walk:
         frames = [self.moved() for _ in range(2)]
         self.note("window of 2 frames")
         self.locked = set()
-        found = dapple.track_window(self.surface, frames, self.samples, threads=1)
-        again = dapple.track_window(self.surface, frames, self.samples, threads=2)
+        found = dapple.track_window(self.surface, self.samples, frames, threads=1)
+        again = dapple.track_window(self.surface, self.samples, frames, threads=2)
         assert len(found) == 3
         assert all(same_bytes(a, b) for a, b in zip(found, again, strict=True)), "threads"
         for frame, samples in zip(frames, found[1:], strict=True):
@@ -361,7 +361,7 @@ class Walk:
         mosaic = dapple.mosaic(self.surface, self.samples)
         assert np.isfinite(mosaic.vertices).all()
         report = dapple.analyze(self.surface, self.samples)
-        energy = dapple.energy(self.surface, self.samples.positions, self.samples.faces)
+        energy = dapple.evaluate_energy(self.surface, self.samples.positions, self.samples.faces)
         density = self.surface.density
         # analyze() leaves out faces without density that are far from all samples, and parts
         # without any: so only where there are none of either is it the whole energy.
@@ -382,7 +382,9 @@ class Walk:
         unlocked = ~np.isin(samples.ids, list(locked))
         assert is_on_density(self.surface, samples)[unlocked].all(), "unlocked on density 0"
         if samples.report.converged and len(samples):
-            cells = dapple.energy(self.surface, samples.positions, samples.faces).capacities
+            cells = dapple.evaluate_energy(
+                self.surface, samples.positions, samples.faces
+            ).capacities
             assert (cells[unlocked] > 0).all(), "converged with an empty cell"
 
     def check_kept(

@@ -10,8 +10,8 @@ struct Energy {
   double total = 0.0;
   double cvt = 0.0;            ///< sum of the integrals of phi^2 |x - x_i|^2
   double capacity_term = 0.0;  ///< sum of the squared capacities, without the weight
-  double normalized =
-      0.0;  ///< e = n E / |S|_phi^2 - lambda: free of n, size and units; 0.16037 for hexagons
+  double normalized = 0.0;     ///< e = n E / |S|_phi^2 - lambda, independent of n, size and units;
+                               ///< 0.16037 for hexagons
   std::vector<Vec3> gradient;  ///< per site, in space (not yet tangential)
   RestrictedVoronoi diagram;
 };
@@ -20,16 +20,15 @@ struct Energy {
 /// \throw ArgumentError if the sites are not finite, their faces out of range or lambda negative;
 /// SurfaceError if vertices are so far apart that the energy is not finite; Cancelled
 [[nodiscard]] Energy evaluate_energy(const Surface& surface, const Sites& sites,
-                                     double capacity_weight, Context* context = nullptr,
-                                     Cells cells = Cells::kEuclidean);
+                                     double capacity_weight, Cells cells = Cells::kConnected,
+                                     Context* context = nullptr);
 
 /// The same over any domain.
 [[nodiscard]] Energy evaluate_energy(const Domain& domain, const Sites& sites,
                                      double capacity_weight, Context* context = nullptr);
 
-/// The same in the memory that `energy` has, whatever it held: evaluations of as many sites on one
-/// surface, one after another, allocate nothing but what their sites make larger. After an error it
-/// holds nothing of use.
+/// The same in the memory of `energy`, whatever it held: repeated evaluations of as many sites on
+/// one surface allocate only what grows. After an error its contents are unspecified.
 void update_energy(Energy& energy, const Domain& domain, const Sites& sites, double capacity_weight,
                    Context* context = nullptr);
 

@@ -5,13 +5,12 @@
 
 namespace dapple {
 
-/// An argument broke its rule; the message names the argument, the rule and the first offender.
+/// An invalid argument; the message names the argument, the rule and the first offender.
 class ArgumentError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The arrays of a surface do not form one (bad index, non-finite number, negative density, no
-/// area).
+/// The arrays do not form a surface (bad index, non-finite number, negative density, no area).
 class SurfaceError : public ArgumentError {
   using ArgumentError::ArgumentError;
 };
@@ -21,7 +20,7 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The work was cancelled through its Context; nothing was changed.
+/// The work was cancelled through its Context or Poll; nothing was changed.
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("cancelled") {}

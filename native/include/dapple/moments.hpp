@@ -6,7 +6,7 @@
 namespace dapple {
 
 /// Integrals over a region of the surface, relative to a reference point o; phi is the density.
-/// Lengths are in the unit of the vertices, phi is without one.
+/// Lengths are in the unit of the vertices; phi has no unit.
 struct Moments {
   double area = 0.0;
   double capacity = 0.0;      ///< integral of phi

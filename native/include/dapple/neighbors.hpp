@@ -7,7 +7,7 @@
 
 namespace dapple {
 
-/// A site near another: its index and the squared distance.
+/// A neighbor: its index and the squared distance.
 struct Neighbor {
   std::int32_t index;
   double squared_distance;
@@ -34,7 +34,7 @@ class Neighbors {
   std::unique_ptr<Tree> tree_;
 };
 
-/// Distance of each point to the nearest other one; infinite where there is none.
+/// Distance of each point to its nearest other point; infinite for a single point.
 /// \throw ArgumentError naming the first point that is not finite
 [[nodiscard]] std::vector<double> nearest_distances(std::span<const Vec3> points);
 

@@ -3,7 +3,7 @@
 
 #include <concepts>
 #include <cstdint>
-#include <dapple/limits.hpp>
+#include <dapple/types.hpp>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -21,9 +21,6 @@ enum class Level {
   kExpert,    ///< programs and the command line
   kInternal,  ///< C++ alone
 };
-
-inline constexpr double kFinite = std::numeric_limits<double>::max();
-inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Of a number, with both ends. Of whole numbers kFinite is the largest that their type has.
 struct Range {
@@ -109,34 +106,12 @@ void check_range(const char* name, Value value, const Range& range) {
 
 /// \throw ArgumentError naming the first option that is out of its range
 template <class Struct>
-void check_options(const Struct& options) {
+void check_ranges(const Struct& options) {
   for_each_option(options, []<class Owner, class Value>(const Option<Owner, Value>& option,
                                                         const Value& value) {
     if constexpr (WholeNumber<Value> || std::floating_point<Value>)
       check_range(option.name, value, option.range);
   });
-}
-
-// What several structs have.
-
-inline constexpr Range kThreads = {0.0, kMostThreads};
-
-template <class Struct>
-constexpr Option<Struct, int> threads_option(int Struct::*member) {
-  return {"threads",
-          member,
-          kThreads,
-          "",
-          Level::kExpert,
-          "How many work at once; 0 is as many as the machine has, and the result is the same "
-          "bytes for any number.",
-          false};
-}
-
-template <class Struct>
-constexpr Option<Struct, std::uint64_t> seed_option(std::uint64_t Struct::*member) {
-  return {"seed", member,        {0.0, kFinite},
-          "",     Level::kBasic, "Of the random start: another number, another set just as even."};
 }
 
 }  // namespace dapple

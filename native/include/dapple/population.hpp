@@ -6,88 +6,77 @@
 namespace dapple {
 
 struct PopulationOptions {
-  TrackerOptions tracker = {};
-  int fade = 12;
-  double reach = 1.0;
+  /// How long a sample takes to appear or to vanish.
+  int fade = 12;  // expert, >= 1, frames
+  /// How far from a sample its surface may be in a frame of other faces, unless that part of it
+  /// moves farther as a whole; a sample without a surface vanishes.
+  double reach = 1.0;           // expert, >= 0, local spacings
+  TrackerOptions tracker = {};  // options
 };
 
-inline constexpr std::tuple kPopulationOptions = {
-    Option{"fade",
-           &PopulationOptions::fade,
-           {1.0},
-           "frames",
-           Level::kExpert,
-           "How long a sample takes to appear or to vanish."},
-    Option{
-        "reach",
-        &PopulationOptions::reach,
-        {},
-        "local spacings",
-        Level::kExpert,
-        "How far from a sample its surface may be in a frame of other faces, unless that part of "
-        "it moves farther as a whole; a sample without a surface vanishes."},
-    Group{&PopulationOptions::tracker}};
+/// \throw ArgumentError naming the first option out of its range
+void check_options(const PopulationOptions& options);
 
-constexpr const auto& options_of(const PopulationOptions&) { return kPopulationOptions; }
-
-/// What a Population knows beside the samples of its present frame: with both it goes on from there
-/// later, or elsewhere. Faces are those of the present frame.
+/// What a Population needs beside the samples of its present frame to continue from there later, or
+/// in another process. Faces are those of the present frame.
 struct PopulationState {
-  std::vector<double> fades = {};  ///< per sample: those that stay, then those that vanish
+  std::vector<double> fades = {};  ///< per sample: first those that stay, then those that vanish
   std::vector<std::int32_t> first_faces =
-      {};  ///< per sample that stays, where it was on the first frame, carried to these faces
+      {};  ///< per sample that stays, its place on the first frame, carried to these faces
   std::vector<Vec3> first_barycentric = {};
   std::vector<std::size_t> starts = {
-      0};  ///< rows of `neighbors`, one more than there are samples that stay
-  std::vector<std::int32_t> neighbors = {};  ///< on the first frame, as indices of samples
-  std::vector<double> densities = {};        ///< per class (one without classes): as wanted now
-  std::int64_t next_id = 0;                  ///< above all that were ever used
-  bool settled = true;                       ///< see Tracker::settled()
-  std::int64_t faces_digest = 0;  ///< of the present frame's faces; 0: they are not compared
+      0};  ///< row starts of `neighbors`, one more than the number of samples that stay
+  std::vector<std::int32_t> neighbors =
+      {};                              ///< neighbors on the first frame, as indices of samples
+  std::vector<double> densities = {};  ///< present target per class (one entry without classes)
+  std::int64_t next_id = 0;            ///< larger than every id used so far
+  bool settled = true;                 ///< see Tracker::settled()
+  std::int64_t faces_digest = 0;       ///< of the present frame's faces; 0: not compared
 };
 
-/// Samples on a deforming surface at a constant density per area: where it grows samples appear,
-/// where it shrinks some vanish. They never pop: `fade` of a sample goes from 0 to 1 or back, and
-/// an id is never used again.
+/// Samples on a deforming surface at a constant number per area: where it grows samples appear, and
+/// where it shrinks some vanish. They never pop: the `fade` of a sample goes from 0 to 1 or back,
+/// and an id is never used again.
 ///
-/// Those that vanish ride on the surface while the others close up; those that appear take part
-/// from the beginning.
+/// Vanishing samples move with the surface while the others close up; appearing samples take part
+/// from the start.
 class Population {
  public:
-  /// \param classes as a Tracker takes them: the density of each is kept by itself
-  /// \throw ArgumentError if the samples are not of the surface or the classes, for options out of
-  /// range; Cancelled
+  /// The density of each class is kept by itself.
+  /// \throw ArgumentError if the samples do not lie on the surface, their classes do not match, or
+  /// options are out of range; Cancelled
   Population(Surface surface, Samples samples, PopulationOptions options = {},
-             std::vector<SampleClass> classes = {}, Context* context = nullptr);
+             Context* context = nullptr);
 
   /// Move to the next frame of a body with the same faces.
   /// \return samples with `fade`: those that stay, in the order of their ids, then those that
   ///         vanish
-  /// \throw SurfaceError, Cancelled; ArgumentError if the surface has grown so much that it asks
-  /// for more samples, or more ids, than there can be; the population is then unchanged
+  /// \throw SurfaceError, Cancelled; ArgumentError if the surface has grown so much that it would
+  /// take more than kMostSamples samples or more ids than 32 bits hold; the population is then
+  /// unchanged
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
-  /// Move to a frame of any faces: fluids, remeshed and torn bodies. A surface with the same
-  /// connections and density is that of a deforming body, as above. On another one each sample goes
-  /// on from the nearest place on its side of the surface (the faces' winding tells the sides), if
-  /// there is one within `reach`. No more samples are born or die than the area changes by and
-  /// 0.5 % of them, but for those whose surface is gone: these vanish with it, and others may be
-  /// born elsewhere in exchange.
+  /// Move to a frame with any faces: fluids, remeshed and torn bodies. A surface with the same
+  /// connectivity and density counts as the same body, deformed as above. On other faces each
+  /// sample continues from the nearest point on its side of the surface (known from the faces'
+  /// winding), if there is one within `reach`. Samples whose surface is gone vanish with it, and as
+  /// many may be born elsewhere; beyond these, births and deaths are limited to the change in area
+  /// plus 0.5 % of the samples.
   ///
-  /// Meshes of one shape differ a little in area; so their number of samples may be off by 0.25 %.
-  /// \return as above; the report's slides are from the places that samples go on from
+  /// Meshes of one shape differ a little in area, so the number of samples may be off by 0.25 %.
+  /// \return as above; the report's slides are measured from the points where samples continue
   /// \throw SurfaceError, Cancelled; ArgumentError also if there are classes
   const Samples& advance(const Surface& next, Context* context = nullptr);
 
   /// What resume() needs beside samples() and the present surface().
   [[nodiscard]] PopulationState state() const;
 
-  /// Go on from a frame that was solved before, as if this population had solved it.
-  /// \param frame the surface of that frame: where its faces are those of a frame before, that
-  ///        one's, deformed
+  /// Continue from a frame that was solved earlier, as if this population had solved it.
+  /// \param frame the surface of that frame; if its faces are those of an earlier frame, that
+  ///        surface, deformed
   /// \param samples, state of a population that began as this one did; positions on that frame,
   ///        or on the present one if it has the same faces
-  /// \throw ArgumentError naming what does not fit; the population is then unchanged
+  /// \throw ArgumentError naming what does not match; the population is then unchanged
   void resume(const Surface& frame, const Samples& samples, const PopulationState& state);
 
   [[nodiscard]] const Surface& surface() const { return tracker_.surface(); }
@@ -102,11 +91,11 @@ class Population {
     std::int32_t of_class;
   };
 
-  /// What is kept of a class.
+  /// The state of one class.
   struct Kind {
     std::optional<Surface> surface;  // with its own density, if it has one
-    double first_density = 0.0;      // samples per capacity
-    double density = 0.0;            // the same, as far as meshes of one shape differ in area
+    double first_density = 0.0;      // number of samples per capacity
+    double density = 0.0;            // the same, corrected for the area of meshes of one shape
   };
 
   struct Crossing;
@@ -134,7 +123,7 @@ class Population {
   Tracker tracker_;
   PopulationOptions options_;
   std::vector<Kind> kinds_;    // one, if there are no classes
-  std::int64_t next_id_;       // above all that were ever used
+  std::int64_t next_id_;       // larger than every id used so far
   std::vector<double> fades_;  // of the tracker's samples
   std::vector<Fading> vanishing_;
   Samples samples_;

@@ -8,16 +8,16 @@
 
 namespace dapple {
 
-/// An order of points in which every beginning is even: the rank of each, 0..n-1, so that the m
-/// points with the smallest ranks are spread as evenly as such a part can be, for every m. For
-/// showing a share of a scatter, and for levels of detail.
+/// A progressive order of points: ranks 0..n-1 such that, for every m, the m points with the
+/// smallest ranks are as evenly spread as a subset can be. For showing a part of a scatter, and for
+/// levels of detail.
 ///
-/// Points are taken away one by one, always the one that is nearest to the others, as weighted
-/// sample elimination does (Yuksel 2015). Distances are compared with those that the points have
-/// all together, so that a density is kept. With classes, every class is even by itself as well,
-/// and keeps its share of the points to within one.
-/// \param classes  >= 0, one per point, or empty: all are alike
-/// \return for the same points, the same ranks; ties are broken by index
+/// Points are removed one by one, always the most crowded one, by weighted sample elimination
+/// (Yuksel 2015). Distances are taken relative to the local spacing of all points, so a density is
+/// preserved. With classes, every class is even by itself as well, and keeps its share of the
+/// points to within one.
+/// \param classes  >= 0, one per point, or empty: one class
+/// \return the ranks; ties are broken by index
 /// \throw ArgumentError naming the first point that is not finite, class below 0; if the lengths
 /// differ; Cancelled
 [[nodiscard]] std::vector<std::int32_t> progressive_ranks(

@@ -14,22 +14,23 @@ struct Projection {
   std::vector<double> distances;    ///< from the query point
 };
 
-/// Where to look, and how far.
+/// A ray of limited length.
 struct Ray {
   Vec3 origin;
   Vec3 direction;  ///< unit
   double length;
 };
 
-/// Finds the closest point of a surface for many points at once.
+/// Finds the closest points of a surface, many at once.
 ///
-/// Embree culls in single precision, on a centered and scaled copy and with a margin; candidates
-/// are compared in double precision and ties go to the lowest (caller's) face index, so the answer
-/// does not depend on Embree's tree.
+/// Embree culls in single precision, with a margin, on a centered and scaled copy; candidates are
+/// compared in double precision and ties go to the lowest (caller's) face index, so the result does
+/// not depend on Embree's tree.
 class Projector {
  public:
-  /// \param support_only leave out faces without density (or area): nothing is to end there
-  /// \param context      is asked whether to go on, no more
+  /// \param support_only leave out faces without density or area, so that no point is projected
+  /// onto them
+  /// \param context      checked for cancellation only
   /// \throw Cancelled
   explicit Projector(const Surface& surface, bool support_only = false,
                      const Context* context = nullptr);
@@ -40,8 +41,7 @@ class Projector {
   Projector& operator=(const Projector&) = delete;
 
   /// \param points finite positions
-  /// \param hints  a face (caller's index) near each point to begin from, or empty; only the speed
-  /// depends on it
+  /// \param hints  a face (caller's index) near each point, or empty; affects only the speed
   /// \throw ArgumentError naming the first point that is not finite
   /// \throw Cancelled
   [[nodiscard]] Projection project(std::span<const Vec3> points,
@@ -54,9 +54,9 @@ class Projector {
   [[nodiscard]] std::vector<std::vector<std::int32_t>> faces_within(
       std::span<const Vec3> points, std::span<const double> radii) const;
 
-  /// For each ray the first face (caller's index) that it meets, -1 if there is none. Faces within
-  /// a few millionths of the surface's size of the origin are not met, and where two are equally
-  /// far any may be the first.
+  /// For each ray the first face (caller's index) that it hits, -1 if there is none. Faces closer
+  /// to the origin than a few millionths of the surface's size are not hit; of two faces at equal
+  /// distance either may be returned.
   [[nodiscard]] std::vector<std::int32_t> first_hits(std::span<const Ray> rays) const;
 
  private:

@@ -5,11 +5,12 @@
 
 namespace dapple {
 
-/// What samples are to keep away from.
+/// Obstacles that samples keep away from.
 struct Obstacles {
   std::span<const Vec3> points = {};
-  std::span<const double> radii = {};        ///< one per point, > 0: no sample lies nearer
-  std::span<const std::uint8_t> areas = {};  ///< one per face, not 0: no sample on it; or empty
+  std::span<const double> radii = {};  ///< one per point, > 0: no sample lies nearer than this
+  std::span<const std::uint8_t> areas =
+      {};  ///< one per face: nonzero means no sample on it; or empty
 };
 
 struct ObstacleOptions {
@@ -17,10 +18,10 @@ struct ObstacleOptions {
   std::size_t max_faces = 1'000'000;  ///< 1..200000000; see refine()
 };
 
-/// Take the density away from within balls and from whole faces: no sample on the surface returned
-/// lies nearer to a point than its radius, in a straight line. Faces at the border of a ball are
-/// cut small first, since those that reach into it lose their density altogether.
-/// \return not `resolved` if max_faces was too few; the distances are kept all the same
+/// Remove the density within balls and from whole faces: no sample on the returned surface lies
+/// nearer to a point than its radius, in a straight line. Faces at the border of a ball are refined
+/// first, because faces that reach into the ball lose their density altogether.
+/// \return `resolved` is false if max_faces was reached; the distances hold all the same
 /// \throw ArgumentError naming the first point that is not finite, radius that is not > 0, option
 /// out of range; if the lengths differ or nothing is left; Cancelled
 [[nodiscard]] Refined refine_obstacles(const Surface& surface, const Obstacles& obstacles,

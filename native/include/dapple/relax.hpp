@@ -1,37 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/relax_options.hpp>
+#include <dapple/sampler.hpp>
 #include <dapple/samples.hpp>
+#include <optional>
+#include <vector>
 
 namespace dapple {
 
-/// Make samples even again where something has changed: the density, some vertices, what is
-/// blocked. Only the samples whose cells have a part of the changed faces and two rings of
-/// neighbors around them may move, go or get others beside them; all others keep every byte. Where
-/// samples at the border of that region are left with too much or too little, it grows and they are
-/// made even too. Cells are computed of the region and two rings around it alone.
+struct RelaxOptions {
+  /// Of the random start: another number, another set just as even.
+  std::uint64_t seed = 0;  // basic, >= 0
+  /// Mu, the weight of the evenness of all classes together against that of each.
+  double union_weight = 1.0;  // expert, >= 0
+  /// Classes get as many samples as fit those around, not as many as they count.
+  bool free_counts = false;         // expert
+  OptimizerOptions optimizer = {};  // options
+  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
+  /// any number.
+  int threads = 0;  // expert, 0..kMostThreads, same result
+  /// Number of samples wanted; the difference is made up where something has changed, and
+  /// everywhere if it is large. None: chosen so that new samples match their neighbors' capacity.
+  std::optional<std::size_t> count = {};
+  /// Indices of samples that do not move. New samples may appear between them.
+  std::vector<std::int32_t> locked = {};
+  /// The classes; `locked` says which samples stay. None: all samples are of one class.
+  std::vector<SampleClass> classes = {};
+};
+
+/// \throw ArgumentError naming the first option out of its range
+void check_options(const RelaxOptions& options);
+
+/// Optimize samples locally where something has changed: the density, some vertices, a blocked
+/// area. Only samples whose cells overlap the changed faces, and two rings of neighbors around
+/// them, may move, be removed or be joined by new ones; all others keep every byte. Where samples
+/// at the border of that region end with too much or too little capacity, the region grows. Only
+/// the cells of the region and of two rings around it are computed.
 ///
 /// Samples where the density is 0 are moved or replaced as if something had changed there. With a
-/// count the region grows until its samples need not come nearer to each other, or farther apart,
-/// by more than 1 % of their number: to all samples, if so many come or go.
+/// count, the region grows until the number of its samples changes by at most 1 %; if many samples
+/// come or go, it grows to all of them.
 ///
-/// Several classes are relaxed one after another, rare ones first: each even by itself and with
-/// those that are as rare or rarer, its discs apart from theirs. More common ones then make room
-/// where these have moved. A class that is within 10 % of what it is to be stays as it is.
+/// Several classes are relaxed one after another, rare ones first: each is made even by itself and
+/// together with classes that are as rare or rarer, its discs apart from theirs. More common
+/// classes then make room where these have moved. A class within 10 % of its wanted number is left
+/// alone.
 ///
-/// Those that stay come first, in their order and with their ids; new ids follow the largest. The
-/// report measures the samples that were free to move and those beside them, of each class if there
-/// are several; its count and spacing are of all, its slides of those that were free and stay.
-/// \param samples of one class or of those in the options, on a surface of the same faces; they are
-///                carried by their faces where vertices have moved
-/// \param changed the caller's indices of the faces where something has changed, see
-///                changed_faces(); none: nothing moves unless the count is another, and then
-///                samples may come and go everywhere
-/// \throw ArgumentError if the samples are not of the surface, or of a class that is not in the
-///        options; naming the first face or locked index out of range; for options out of range, a
-///        count below the number of locked samples, or a surface that has grown so much that it
-///        asks for more samples than there can be; Cancelled
+/// Samples that stay come first, in their order and with their ids; new ids follow the largest. The
+/// report measures the samples that were free to move and their neighbors, class by class if there
+/// are several; its count and spacing are those of all samples, its slides those of the free ones
+/// that stay.
+/// \param samples of one class or of those in the options, on a surface of the same faces; where
+///                vertices have moved, the samples move with their faces
+/// \param changed the caller's indices of the changed faces, see changed_faces(). If there are
+///                none, nothing moves unless the count differs; samples may then come and go
+///                everywhere
+/// \throw ArgumentError if the samples do not lie on the surface, or have a class that is not in
+///        the options; naming the first face or locked index out of range; for options out of
+///        range, a count below the number of locked samples, or a surface that has grown so much
+///        that it would take more than kMostSamples; Cancelled
 [[nodiscard]] Samples relax(const Surface& surface, const Samples& samples,
                             std::span<const std::int32_t> changed, const RelaxOptions& options = {},
                             Context* context = nullptr);

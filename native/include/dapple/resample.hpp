@@ -5,22 +5,36 @@
 
 namespace dapple {
 
-/// Another count or another density for samples that are there, most of which stay nearly where
-/// they are. Each neighborhood first gets the number that its share of the density asks for:
-/// samples are taken out far from each other, those with the smallest cells first, or put into the
-/// widest gaps. Then all are made as even as they were (`samples.report.energy`; to the tolerance
-/// if that is 0). Those that stay come first, in their order and with their ids; new ids follow the
-/// largest. The report tells how far they slid, in spacings.
-///
-/// Locked samples stay where they are; new ones may come between them.
-/// \param surface of the same faces; its density and vertices may be others
+struct ResampleOptions {
+  /// Of the random start: another number, another set just as even.
+  std::uint64_t seed = 0;           // basic, >= 0
+  OptimizerOptions optimizer = {};  // options
+  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
+  /// the nearest in space, as in the paper.
+  Cells cells = Cells::kConnected;  // expert
+  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
+  /// any number.
+  int threads = 0;  // expert, 0..kMostThreads, same result
+  /// Indices of samples that do not move. New samples may appear between them.
+  std::vector<std::int32_t> locked = {};
+};
+
+/// \throw ArgumentError naming the first option out of its range
+void check_options(const ResampleOptions& options);
+
+/// Change the number or the density of existing samples, most of which stay close to where they
+/// are. Each neighborhood first gets the number of samples that its share of the density asks for:
+/// samples are removed far from each other, those with the smallest cells first, or inserted into
+/// the widest gaps. All are then optimized until they are as even as before
+/// (`samples.report.energy`; to the tolerance if that is 0). Samples that stay come first, in their
+/// order and with their ids; new ids follow the largest. The report tells how far they slid, in
+/// spacings.
+/// \param surface of the same faces; its density and vertices may differ
 /// \param count   at least as many as are locked
-/// \param options `start` and `locked` are not used
-/// \param locked  indices of samples
-/// \throw ArgumentError if the samples are not of the surface, for options out of range, naming the
-///        first locked index out of range, or for a count below that of the locked ones; Cancelled
+/// \throw ArgumentError if the samples do not lie on the surface, for options out of range, naming
+///        the first locked index out of range, or for a count below the number of locked samples;
+///        Cancelled
 [[nodiscard]] Samples resample(const Surface& surface, const Samples& samples, std::size_t count,
-                               const SampleOptions& options = {}, Context* context = nullptr,
-                               std::span<const std::int32_t> locked = {});
+                               const ResampleOptions& options = {}, Context* context = nullptr);
 
 }  // namespace dapple

@@ -2,10 +2,18 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/radial_statistics.hpp>
 #include <dapple/samples.hpp>
+#include <vector>
 
 namespace dapple {
+
+/// Statistics of a quantity in the plane at each distance from the origin.
+struct RadialStatistics {
+  std::vector<double> radius;      ///< middle of each annulus
+  std::vector<double> mean;        ///< over the annulus
+  std::vector<double> anisotropy;  ///< variance / mean^2 over the annulus, in decibels; -infinity
+                                   ///< where nothing varies
+};
 
 struct SpectrumOptions {
   int half_width = 0;  ///< largest frequency on either axis; 0: 3 sqrt(n), n the largest run's
@@ -34,7 +42,7 @@ struct Spectrum {
                                 const SpectrumOptions& options = {}, Context* context = nullptr);
 
 struct SurfaceSpectrumOptions {
-  double radius = 5.0;  ///< of the neighborhood that is looked at, in spacings
+  double radius = 5.0;  ///< radius of the neighborhood, in spacings
   int bins = 128;       ///< of the differentials on either axis; even
   int threads = 0;      ///< 0: as many as the machine has
 };
@@ -56,9 +64,9 @@ struct SurfaceSpectrum {
   std::size_t centers = 0;  ///< samples farther than the radius from any border, over all runs
   double radius = 0.0;      ///< in spacings
   int bins = 0;
-  /// bins^2 values over [-radius, radius]^2, row by row from the lowest y: how many differentials
-  /// end there for each that would of white noise (the pair correlation function). NaN where the
-  /// middle of a bin is farther out than the radius.
+  /// bins^2 values over [-radius, radius]^2, row by row from the lowest y: number of differentials
+  /// that end there, relative to white noise (the pair correlation function). NaN where the middle
+  /// of a bin lies beyond the radius.
   std::vector<double> differentials;
   RadialStatistics radial_differentials;  ///< over the annuli as wide as a bin, in spacings
   int half_width = 0;

@@ -1,60 +1,57 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/classes.hpp>
-#include <dapple/image.hpp>
+#include <dapple/sampler.hpp>
+#include <dapple/types.hpp>
 
 namespace dapple {
 
-/// The inks that a color picture is separated into, in this order; a stipple of one is the class.
+/// The inks that a color picture is separated into, in this order; the index of an ink is the class
+/// of its dots.
 enum class Ink { kRed, kGreen, kBlue, kCyan, kMagenta, kYellow, kBlack };
 inline constexpr std::size_t kInks = 7;
 
 /// Red, green and blue of a picture, each in [0, 1] and of one shape.
 using ColorImage = std::array<Image, 3>;
 
-/// How much of each pixel each ink covers, in [0, 1]; 1 - the sum is paper.
+/// Separate a picture into coverages of inks, in [0, 1] per pixel; 1 - their sum is paper.
 ///
-/// With c = 1 - red, m = 1 - green, y = 1 - blue: black takes what all three have in common, then
-/// blue (c and m), green (c and y) or red (m and y) what the two others have in common, then cyan,
-/// magenta or yellow what is left of one. At most one of each three is there, and all together
+/// With c = 1 - red, m = 1 - green, y = 1 - blue: black takes the part common to all three, then
+/// blue (c and m), green (c and y) or red (m and y) the part common to the remaining two, then
+/// cyan, magenta or yellow the rest of one. At most one of each three is used, and all together
 /// cover max(c, m, y).
 /// \throw ArgumentError naming the channel and its first value that is not in [0, 1], or a channel
 /// of another shape
-[[nodiscard]] std::array<Image, kInks> separate(const ColorImage& picture);
+[[nodiscard]] std::array<Image, kInks> separate_inks(const ColorImage& picture);
 
-/// The color that coverages mix to side by side: the inverse of separate().
-[[nodiscard]] ColorImage mix(const std::array<Image, kInks>& inks);
+/// The color of coverages printed side by side: the inverse of separate_inks().
+[[nodiscard]] ColorImage mix_inks(const std::array<Image, kInks>& inks);
 
 struct StippleOptions {
-  std::uint64_t seed = 0;
-  OptimizerOptions optimizer = {.tolerance = 2e-4};  // more is not seen from afar
-  double union_weight = 1.0;
+  // With the default 0 the tone is right wherever dots do not overlap. In nearly black areas, where
+  // they must, 1.1 times the automatic radius leaves no gap.
+  /// Of every dot; 0 is where all dots together have the area of the ink that the picture asks for.
+  double radius = 0.0;  // expert, >= 0, pixels
+  /// Of the random start: another number, another set just as even.
+  std::uint64_t seed = 0;  // basic, >= 0
+  /// Mu, the weight of the evenness of all classes together against that of each.
+  double union_weight = 1.0;  // expert, >= 0
+  // A smaller tolerance makes no visible difference.
+  OptimizerOptions optimizer = {.tolerance = 2e-4};  // options
+  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
+  /// any number.
+  int threads = 0;  // expert, 0..kMostThreads, same result
   /// Dots of each ink; empty: in proportion to the sums of the coverages, by largest remainders.
   std::vector<std::size_t> counts = {};
-  /// 0: pi r^2 n = sum of the coverages. The tone is then right wherever dots do not overlap; where
-  /// they must, in what is nearly black, 1.1 times as much leaves no gap.
-  double radius = 0.0;
-  int threads = 0;
 };
 
-inline constexpr std::tuple kStippleOptions = {
-    Option{"radius",
-           &StippleOptions::radius,
-           {},
-           "pixels",
-           Level::kExpert,
-           "Of every dot; 0 is where all dots together have the area of the ink that the picture "
-           "asks for."},
-    seed_option(&StippleOptions::seed), union_weight_option(&StippleOptions::union_weight),
-    Group{&StippleOptions::optimizer}, threads_option(&StippleOptions::threads)};
-
-constexpr const auto& options_of(const StippleOptions&) { return kStippleOptions; }
+/// \throw ArgumentError naming the first option out of its range
+void check_options(const StippleOptions& options);
 
 struct Stipples {
   std::vector<Vec2> positions;        ///< in pixels: pixel (row, column) is [column, column + 1] x
                                       ///< [row, row + 1]
-  std::vector<std::int32_t> classes;  ///< which ink each is of, in order
+  std::vector<std::int32_t> classes;  ///< index of each dot's ink
   double radius = 0.0;                ///< of each dot, in pixels
   Report report;  ///< evaluations and iterations are those of each ink alone and of all together
 };
@@ -64,7 +61,7 @@ struct Stipples {
 /// \param inks coverages >= 0, of one shape; a gray picture is one ink, 1 - gray
 /// \throw ArgumentError for a count of 0, options out of range, a picture that is not of one shape,
 /// has a value that is negative or not finite (the first is named), or no ink at all; Cancelled
-[[nodiscard]] Stipples stipple(std::span<const Image> inks, std::size_t count,
-                               const StippleOptions& options = {}, Context* context = nullptr);
+[[nodiscard]] Stipples stipple_inks(std::span<const Image> inks, std::size_t count,
+                                    const StippleOptions& options = {}, Context* context = nullptr);
 
 }  // namespace dapple

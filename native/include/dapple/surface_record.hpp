@@ -7,8 +7,9 @@ namespace dapple {
 
 struct Connectivity;
 
-/// How faces are connected, as arrays. Surfaces that are deformed from one share it. Faces and
-/// vertices are in the surface's own order but for the `original` ones, the caller's indices.
+/// The connectivity of faces as arrays, shared by all surfaces deformed from one. Faces and
+/// vertices are in the surface's own order, except for the caller's indices in `original_face` and
+/// `original_vertex`.
 struct MeshRecord {
   std::optional<double> weld;  ///< see SurfaceOptions
   bool merge_doubled = true;   ///< see SurfaceOptions
@@ -20,24 +21,24 @@ struct MeshRecord {
   std::vector<std::array<std::int32_t, 5>> doubled;  ///< face, the one it lies on, its corners
 };
 
-/// What a surface is, for files and other processes: it comes back to the last byte.
+/// A surface as plain data, for files and other processes; it can be restored exactly.
 struct SurfaceRecord {
   std::shared_ptr<const Connectivity> connectivity;
   std::vector<Vec3> vertices;  ///< in the caller's order, as the density
   DensityAt density_at = DensityAt::kVertices;
   std::vector<double> density;  ///< empty if uniform
   double sharp_angle = 30.0;
-  std::vector<std::uint8_t> hard_edges;  ///< per face a bit for each edge; in the surface's order
-  std::vector<Vec3> normals;  ///< that were given, three per face in that order; or empty
+  std::vector<std::uint8_t> hard_edges;  ///< per face one bit for each edge; in the surface's order
+  std::vector<Vec3> normals;  ///< from with_normals(), three per face in that order; or empty
 };
 
 [[nodiscard]] MeshRecord record_of(const Connectivity& connectivity);
 [[nodiscard]] SurfaceRecord record_of(const Surface& surface);
 
-/// \throw ArgumentError naming what is of another length or out of range
+/// \throw ArgumentError naming the array of wrong length or the value out of range
 [[nodiscard]] std::shared_ptr<const Connectivity> restored(MeshRecord record);
 
-/// \throw ArgumentError naming what is of another length; SurfaceError as the constructor;
+/// \throw ArgumentError naming the array of wrong length; SurfaceError as the constructor;
 /// Cancelled
 [[nodiscard]] Surface restored(const SurfaceRecord& record, Context* context = nullptr);
 

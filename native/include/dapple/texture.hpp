@@ -2,12 +2,12 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/image.hpp>
 #include <dapple/surface.hpp>
+#include <dapple/types.hpp>
 
 namespace dapple {
 
-/// Where on a surface the texels of a picture lie; row by row, row 0 at v = 0.
+/// The places of a picture's texels on a surface, row by row; row 0 is at v = 0.
 struct Texels {
   std::size_t rows = 0;
   std::size_t columns = 0;
@@ -17,10 +17,9 @@ struct Texels {
   [[nodiscard]] std::size_t size() const { return faces.size(); }
 };
 
-/// Find the face under the center of each texel. Where texture coordinates overlap, the lowest
-/// face has it. Texels beside the faces, up to `margin` texels away, continue the nearest one, so
-/// that filtering does not bleed the background in at seams; what lies outside [0, 1] x [0, 1] is
-/// left out.
+/// Find the face under the center of each texel; where texture coordinates overlap, the face of
+/// lowest index. Texels up to `margin` texels away from a face continue the nearest one, so that
+/// filtering does not mix in the background at seams. Parts outside [0, 1] x [0, 1] are left out.
 /// \param uv      one row per face
 /// \param rows, columns of the picture, >= 1
 /// \param margin  in texels, >= 0

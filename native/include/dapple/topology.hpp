@@ -5,21 +5,21 @@
 
 namespace dapple {
 
-/// The connectivity of a surface's faces. Vertices and faces are not moved or changed.
+/// The connectivity of a surface's faces, which is measured without changing them.
 struct Topology {
   std::int32_t components = 0;         ///< sets of faces connected over edges
   std::int32_t border_edges = 0;       ///< edges with one face
   std::int32_t border_loops = 0;       ///< closed chains of border edges; -1 if not manifold
   std::int32_t nonmanifold_edges = 0;  ///< edges with three or more faces
   bool manifold =
-      false;  ///< every edge and vertex has a disc or half-disc around it, consistently turned
+      false;  ///< every edge and vertex has a disc or half-disc around it, consistently oriented
   bool closed = false;      ///< manifold without border
   std::int32_t genus = -1;  ///< handles, summed over the components; -1 if not manifold
 };
 
-/// Measure the topology, border edges at the same place being connected (SurfaceOptions::weld).
-/// Manifoldness, borders and genus come from OpenMesh's half-edge mesh; the
-/// counts that must also hold for non-manifold input from the surface's flat adjacency.
+/// Measure the topology, with coincident border edges connected (SurfaceOptions::weld).
+/// Manifoldness, borders and genus come from OpenMesh's half-edge mesh; counts that must also hold
+/// for non-manifold input come from the surface's own adjacency.
 [[nodiscard]] Topology topology(const Surface& surface);
 
 }  // namespace dapple

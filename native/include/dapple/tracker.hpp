@@ -1,64 +1,88 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/class_options.hpp>
 #include <dapple/context.hpp>
+#include <dapple/sampler.hpp>
 #include <dapple/samples.hpp>
-#include <dapple/tracker_options.hpp>
 #include <memory>
 #include <optional>
 
 namespace dapple {
+
+struct TrackerOptions {
+  /// Mu, the weight of the evenness of all classes together against that of each.
+  double union_weight = 1.0;  // expert, >= 0
+  // Within one frame no sample slides by half a spacing, which would be a jump.
+  OptimizerOptions optimizer = {.max_evaluations = 6, .max_slide = 0.45};  // options
+  /// How strongly samples return to the first frame's pattern where a deformation has gone; 0 lets
+  /// it drift.
+  double pattern_strength = 0.8;  // expert, 0..1
+  /// Farthest that the surface's shape may move at once, apart from moving as a whole, scaling and
+  /// mirroring: a frame on which it moves farther is split; 0 never splits.
+  double longest_motion = 0.02;  // expert, >= 0, sizes of the surface
+  /// Which site a part of the surface belongs to: one that it is connected to along the surface, or
+  /// the nearest in space, as in the paper.
+  Cells cells = Cells::kConnected;  // expert
+  /// How many work at once; 0 is as many as the machine has, and the result is the same bytes for
+  /// any number.
+  int threads = 0;  // expert, 0..kMostThreads, same result
+  /// Densities and radii of the samples' classes (counts are the samples'). None: they are of one
+  /// class, whatever they say.
+  std::vector<SampleClass> classes = {};
+};
+
+/// \throw ArgumentError naming the first option out of its range
+void check_options(const TrackerOptions& options);
 
 class FrameSolver;
 enum class Moved : int;
 class PatternMemory;
 class Transfer;
 
-/// Carries samples over a deforming surface: they ride the moved vertices by their barycentric
-/// coordinates and are then re-optimized, each keeping its index and id (paper, section 5.4).
+/// Carries samples over a deforming surface: they move with the vertices by their barycentric
+/// coordinates and are then optimized again, each keeping its index and id (paper, section 5.4).
 ///
-/// A frame is restored to the evenness of the first one, not minimized on: minimizing on every
-/// frame would turn the samples into a hexagonal pattern, and samples that need not move should
-/// not.
+/// Each frame is restored to the evenness of the first one, not minimized further: minimizing on
+/// every frame would turn the samples into a hexagonal pattern, and samples that need not move
+/// should not.
 class Tracker {
  public:
-  /// \param classes densities and radii of the samples' classes (counts are the samples'); empty:
-  ///                 one class, whatever the samples say
-  /// \throw ArgumentError if the samples are not of the surface or the classes; see
-  /// sample_classes(); Cancelled
+  /// \throw ArgumentError if the samples do not lie on the surface or their classes do not match;
+  /// see sample_classes(); Cancelled
   Tracker(Surface surface, Samples samples, TrackerOptions options = {},
-          std::vector<SampleClass> classes = {}, Context* context = nullptr);
+          Context* context = nullptr);
 
-  /// Move to the next frame. The tracker is unchanged if this throws. A frame with the very
-  /// vertices of the last one costs nothing, once nothing is left to be caught up.
-  /// \param vertices as many as the surface has, in the caller's order
+  /// Move to the next frame. The tracker is unchanged if this throws. A frame with exactly the
+  /// vertices of the last one costs nothing once the tracker has settled.
+  /// \param vertices one per vertex of the surface, in the caller's order
   /// \throw SurfaceError, Cancelled
   const Samples& advance(std::span<const Vec3> vertices, Context* context = nullptr);
 
-  /// Go on from a frame that was solved before, as if this tracker had solved it.
-  /// \param samples the frame's faces and barycentric coordinates, as many as the tracker has;
+  /// Continue from a frame that was solved earlier, as if this tracker had solved it.
+  /// \param samples the frame's faces and barycentric coordinates, one per sample of the tracker;
   ///                positions on that frame, the present one or the first
-  /// \param settled what settled() said then
+  /// \param settled the value of settled() then
   /// \throw SurfaceError, ArgumentError
   void resume(std::span<const Vec3> vertices, const Samples& samples, bool settled);
 
-  /// Go on on other faces or another density of the same body, which has not moved since the last
-  /// frame: where what the density depends on moves, a surface is cut along it anew.
-  /// \param surface  the other faces, wherever the body is
+  /// Continue on other faces or another density of the same body, at the vertices of the last
+  /// frame. Needed where the density depends on something that moves, so that the surface is cut
+  /// differently in each frame.
+  /// \param surface  the other faces, at any vertices
   /// \param vertices of the last frame
-  /// \param samples  where the present samples are on these faces; ids and classes stay
-  /// \param first    where they were on the first frame, on these faces
+  /// \param samples  the present samples on these faces; ids and classes are kept
+  /// \param first    their places on the first frame, on these faces
   /// \param classes  as many as before, on this surface
-  /// \param anywhere whether samples may go to wherever there is room, as on a surface that has got
-  /// other parts; else only those that the density pushes together
+  /// \param anywhere whether samples may move to any free part of the surface, as after new parts
+  /// have appeared; otherwise only samples that the density pushes together move
   /// \throw SurfaceError; ArgumentError if there are more or fewer samples or classes than before;
   /// Cancelled
   void resume_on(const Surface& surface, std::span<const Vec3> vertices, const Samples& samples,
                  const Samples& first, std::vector<SampleClass> classes = {}, bool anywhere = false,
                  Context* context = nullptr);
 
-  /// Whether nothing was left to be caught up when the last frame was done.
+  /// Whether the last frame reached the evenness aimed at, so that the same frame again would
+  /// change nothing.
   [[nodiscard]] bool settled() const { return settled_; }
   [[nodiscard]] const Surface& surface() const { return surface_; }
   [[nodiscard]] const Samples& samples() const { return samples_; }
@@ -76,9 +100,9 @@ class Tracker {
   Surface surface_;
   Samples samples_;
   std::shared_ptr<const FrameSolver> solver_;
-  std::optional<Report> measured_;  // on the present frame; empty: nobody has asked how even it is
-  bool settled_ = true;             // the first frame is what the others are held against
-  Moved moved_{};                   // since the last frame; nothing
+  std::optional<Report> measured_;  // on the present frame; empty: not measured yet
+  bool settled_ = true;             // the first frame is the reference of the others
+  Moved moved_{};                   // since the last frame
 };
 
 }  // namespace dapple

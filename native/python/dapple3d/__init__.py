@@ -40,13 +40,13 @@ from ._native import (
     Tracker,
     WindowTracker,
     __version__,
+    _paper_options,
     analyze,
     changed_faces,
     curvature_density,
     curvedness,
     decal_cover,
-    energy,
-    energy_planar,
+    evaluate_energy,
     mix_inks,
     mosaic,
     nearest_distances,
@@ -60,8 +60,6 @@ from ._native import (
     resample,
     sample,
     sample_classes,
-    sample_planar,
-    sample_planar_classes,
     separate_inks,
     spectrum,
     stipple_inks,
@@ -74,13 +72,7 @@ from . import density  # noqa: F401  found as dapple3d.density without an import
 from ._pieces import track_pieces
 from .stippling import Dots, stipple
 
-PAPER: Final[dict[str, Any]] = {
-    "start": "random",
-    "method": "line_search",
-    "repulsion_weight": 0.0,
-    "cells": "euclidean",
-    "tolerance": 1e-5,
-}
+PAPER: Final[dict[str, Any]] = _paper_options()
 """Options of sample() for the paper's own way: white noise, plain L-BFGS, no repulsion.
 
 Chen et al. 2012, Algorithm 2.
@@ -123,8 +115,7 @@ __all__ = [
     "curvature_density",
     "curvedness",
     "decal_cover",
-    "energy",
-    "energy_planar",
+    "evaluate_energy",
     "mix_inks",
     "mosaic",
     "nearest_distances",
@@ -139,8 +130,6 @@ __all__ = [
     "resample",
     "sample",
     "sample_classes",
-    "sample_planar",
-    "sample_planar_classes",
     "separate_inks",
     "spectrum",
     "stipple",

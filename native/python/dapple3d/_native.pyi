@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,7 +103,7 @@ class Surface:
     @property
     def area(self) -> float: ...
     @property
-    def mass(self) -> float: ...
+    def capacity(self) -> float: ...
     @property
     def topology(self) -> Topology: ...
     def spacing(self, count: int) -> float: ...
@@ -279,7 +279,7 @@ class FlatDomain:
     @property
     def area(self) -> float: ...
     @property
-    def mass(self) -> float: ...
+    def capacity(self) -> float: ...
     def spacing(self, count: int) -> float: ...
 
 class Plane(FlatDomain):
@@ -486,8 +486,8 @@ class Population:
 
 def track_window(
     surface: Surface,
-    frames: Iterable[ArrayLike],
     samples: Samples,
+    frames: Iterable[ArrayLike],
     *,
     closed: bool = False,
     sweeps: int = 2,
@@ -506,6 +506,7 @@ def track_window(
     classes: Sequence[SampleClass | int] | None = None,
     context: Context | None = None,
 ) -> list[Samples]: ...
+@overload
 def sample(
     surface: Surface,
     count: int,
@@ -522,6 +523,22 @@ def sample(
     locked: Samples | None = None,
     context: Context | None = None,
 ) -> Samples: ...
+@overload
+def sample(
+    domain: FlatDomain,
+    count: int,
+    *,
+    seed: int = 0,
+    capacity_weight: float = 30.0,
+    repulsion_weight: float = 3.0,
+    tolerance: float = 5e-05,
+    max_evaluations: int = 200,
+    method: Literal["trust_region", "line_search"] = "trust_region",
+    start: Literal["poisson", "random"] = "poisson",
+    cells: Literal["connected", "euclidean"] = "connected",
+    threads: int = 0,
+    context: Context | None = None,
+) -> PlanarSamples: ...
 def resample(
     surface: Surface,
     samples: Samples,
@@ -558,7 +575,8 @@ def relax(
     context: Context | None = None,
 ) -> Samples: ...
 def changed_faces(before: Surface, after: Surface) -> NDArray[np.int32]: ...
-def energy(
+@overload
+def evaluate_energy(
     surface: Surface,
     positions: ArrayLike,
     faces: ArrayLike,
@@ -566,6 +584,14 @@ def energy(
     capacity_weight: float = 30.0,
     cells: Literal["connected", "euclidean"] = "connected",
     context: Context | None = None,
+) -> Energy: ...
+@overload
+def evaluate_energy(
+    domain: FlatDomain,
+    positions: ArrayLike,
+    *,
+    capacity_weight: float = 30.0,
+    cells: Literal["connected", "euclidean"] = "connected",
 ) -> Energy: ...
 def texels(
     surface: Surface,
@@ -591,7 +617,7 @@ def mosaic(
     *,
     grout: float = 0.0,
     thickness: float = 0.0,
-    tolerance: float = 0.001,
+    shortest_edge: float = 0.001,
     merge: bool = True,
     cells: Literal["connected", "euclidean"] = "connected",
     threads: int = 0,
@@ -639,7 +665,7 @@ def refine_image(
     image: ArrayLike,
     *,
     repeat: bool = False,
-    tolerance: float = 0.02,
+    max_error: float = 0.02,
     texels: float = 1.0,
     shortest: float = 0.0,
     max_faces: int = 1000000,
@@ -668,31 +694,11 @@ def curvature_density(
     context: Context | None = None,
 ) -> NDArray[np.float64]: ...
 def project(surface: Surface, points: ArrayLike) -> Projection: ...
+def _paper_options() -> dict[str, Any]: ...
 def _read_mesh(path: str | os.PathLike[str], may_be_empty: bool) -> dict[str, Any]: ...
 def _read_vertex_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]: ...
 def write_mesh(path: str | os.PathLike[str], vertices: ArrayLike, faces: ArrayLike) -> None: ...
-def sample_planar(
-    domain: FlatDomain,
-    count: int,
-    *,
-    seed: int = 0,
-    capacity_weight: float = 30.0,
-    repulsion_weight: float = 3.0,
-    tolerance: float = 5e-05,
-    max_evaluations: int = 200,
-    method: Literal["trust_region", "line_search"] = "trust_region",
-    start: Literal["poisson", "random"] = "poisson",
-    cells: Literal["connected", "euclidean"] = "connected",
-    threads: int = 0,
-    context: Context | None = None,
-) -> PlanarSamples: ...
-def energy_planar(
-    domain: FlatDomain,
-    positions: ArrayLike,
-    *,
-    capacity_weight: float = 30.0,
-    cells: Literal["connected", "euclidean"] = "connected",
-) -> Energy: ...
+@overload
 def sample_classes(
     surface: Surface,
     classes: Sequence[SampleClass | int],
@@ -710,7 +716,8 @@ def sample_classes(
     threads: int = 0,
     context: Context | None = None,
 ) -> Samples: ...
-def sample_planar_classes(
+@overload
+def sample_classes(
     domain: FlatDomain,
     classes: Sequence[SampleClass | int],
     *,

@@ -14,8 +14,8 @@ PIECE, OVERLAP = 50, 12
 
 def track_pieces(
     surface: Surface,
-    frames: Iterable[ArrayLike],
     samples: Samples,
+    frames: Iterable[ArrayLike],
     *,
     piece: int = PIECE,
     overlap: int = OVERLAP,
@@ -30,8 +30,8 @@ def track_pieces(
 
     Args:
         surface: the Surface of the first frame.
-        frames: vertices, (v, 3) float64, of each frame after it.
         samples: Samples of the first frame, which are not changed.
+        frames: vertices, (v, 3) float64, of each frame after it.
         piece: number of frames that are optimized together; the last piece may have more.
         overlap: number of frames that the next piece optimizes again, 0..piece - 1.
         context: a Context for the progress of a piece and for cancellation.

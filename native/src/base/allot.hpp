@@ -10,14 +10,14 @@
 
 namespace dapple {
 
-/// Share out `count` in proportion to the masses, by largest remainders, ties to the first.
-inline std::vector<std::size_t> allot(std::span<const double> masses, std::size_t count) {
-  const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
-  std::vector<std::size_t> quotas(masses.size());
+/// Share out `count` in proportion to the weights, by largest remainders, ties to the first.
+inline std::vector<std::size_t> allot(std::span<const double> weights, std::size_t count) {
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  std::vector<std::size_t> quotas(weights.size());
   std::vector<std::pair<double, std::size_t>> remainders;
   std::size_t given = 0;
-  for (std::size_t k = 0; k < masses.size(); ++k) {
-    const double share = static_cast<double>(count) * masses[k] / total;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const double share = static_cast<double>(count) * weights[k] / total;
     given += quotas[k] = static_cast<std::size_t>(share);
     remainders.emplace_back(static_cast<double>(quotas[k]) - share, k);
   }

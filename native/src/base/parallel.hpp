@@ -106,7 +106,7 @@ double parallel_sum(std::size_t count, std::size_t grain, const Term& term) {
 // of them, so that on a busy machine many short calls took ever more memory and twice the time.
 template <typename Work>
 auto with_threads(int threads, const Work& work) {
-  check_range("threads", threads, kThreads);
+  check_range("threads", threads, {0.0, kMostThreads});
   if (threads == 0 || threads >= tbb::this_task_arena::max_concurrency())
     return tbb::this_task_arena::isolate(work);
   tbb::task_arena arena(threads);

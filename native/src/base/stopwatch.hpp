@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/profile.hpp>
 
 #include "base/clock.hpp"
 

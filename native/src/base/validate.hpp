@@ -3,8 +3,6 @@
 
 #include <cmath>
 #include <dapple/errors.hpp>
-#include <dapple/image.hpp>
-#include <dapple/limits.hpp>
 #include <dapple/types.hpp>
 #include <span>
 #include <string>

@@ -79,8 +79,8 @@ Sites CutSurface::on_pieces(const Sites& sites) const {
 std::shared_ptr<const CutSurface> cut_for(const Surface& surface, std::size_t count,
                                           Context* context) {
   const auto cells = static_cast<double>(order_of(count));
-  if (!has_large_face(surface, kMany * (surface.ordered().unit_mass() / cells))) return nullptr;
-  const double cell = surface.mass() / cells;
+  if (!has_large_face(surface, kMany * (surface.ordered().unit_capacity() / cells))) return nullptr;
+  const double cell = surface.capacity() / cells;
   const auto criterion = [&](const Piece& piece) {
     const double capacity = capacity_of(surface, piece);
     if (!(capacity > kFew * cell)) return EdgeMarks{};

@@ -121,7 +121,7 @@ class Picture {
   std::vector<std::int64_t> sums_;  // of bent pixels, left of and below
 };
 
-/// Whether linear interpolation between the triangle's corners is off by more than the tolerance,
+/// Whether linear interpolation between the triangle's corners is off by more than allowed,
 /// of the maximum, at some point of a lattice, or by more than half of it, of the mean, on average:
 /// without the second a convex picture would become heavier everywhere.
 class Deviation {
@@ -129,8 +129,8 @@ class Deviation {
   Deviation(const Picture& picture, const PixelTriangle& t)
       : picture_(&picture), t_(t), values_(picture(t[0]), picture(t[1]), picture(t[2])) {}
 
-  [[nodiscard]] bool exceeds(double tolerance) {
-    const double most = tolerance * picture_->maximum();
+  [[nodiscard]] bool exceeds(double max_error) {
+    const double most = max_error * picture_->maximum();
     const auto steps = static_cast<int>(std::ceil(longest_edge(t_) / kLatticeStep));
     const double third = 1.0 / (3.0 * steps);
     for (int i = 0; i < steps; ++i)
@@ -139,7 +139,7 @@ class Deviation {
         if (add(x + third, y + third) > most) return true;
         if (i + j + 1 < steps && add(x + 2.0 * third, y + 2.0 * third) > most) return true;
       }
-    return std::abs(excess_) > 0.5 * tolerance * sum_;
+    return std::abs(excess_) > 0.5 * max_error * sum_;
   }
 
  private:
@@ -192,7 +192,7 @@ EdgeMarks unresolved_edges(const Picture& picture, const PixelTriangle& t, const
   if (longest <= options.texels || longest_edge(piece) <= options.shortest ||
       !picture.bends_over(t))
     return {};
-  if (longest <= kPatch && !Deviation(picture, t).exceeds(options.tolerance)) return {};
+  if (longest <= kPatch && !Deviation(picture, t).exceeds(options.max_error)) return {};
   EdgeMarks marks{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double length = (t[(k + 1) % 3] - t[k]).norm();

@@ -8,11 +8,11 @@
 #include "base/hexagonal.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "optimize/cell_builders.hpp"
 #include "surface/local_projection.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 #include "surface/validate_surface.hpp"
+#include "voronoi/cell_builders.hpp"
 #include "voronoi/cell_surface.hpp"
 #include "voronoi/unit_voronoi.hpp"
 
@@ -27,6 +27,12 @@ double Domain::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
+RestrictedVoronoi Domain::cells(const Sites& sites, Context* context) const {
+  RestrictedVoronoi diagram;
+  update_cells(diagram, sites, context);
+  return diagram;
+}
+
 SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, KnownSides sides,
                              EmptyFaces empty)
     : surface_(surface),
@@ -36,14 +42,8 @@ SurfaceDomain::SurfaceDomain(const Surface& surface, Cells cells, Steps steps, K
       cell_surfaces_(std::make_shared<CellSurfaces>(cells, std::move(sides))),
       builders_(std::make_shared<CellBuilders>()) {}
 
-RestrictedVoronoi SurfaceDomain::cells(const Sites& sites, Context* context) const {
-  RestrictedVoronoi diagram;
-  update_cells(sites, context, diagram);
-  return diagram;
-}
-
-void SurfaceDomain::update_cells(const Sites& sites, Context* context,
-                                 RestrictedVoronoi& diagram) const {
+void SurfaceDomain::update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+                                 Context* context) const {
   check_sites(surface_, sites);
   Stretch cutting(context, 0.0, kCut), dividing(context, kCut, 1.0);
   const CellSurface on = cell_surfaces_->at(surface_, sites.size(), cutting.context());
@@ -104,7 +104,7 @@ const Projector& SurfaceDomain::projector(const Context* context) const {
   return *projector_;
 }
 
-double SurfaceDomain::mass() const { return surface_.ordered().unit_mass(); }
+double SurfaceDomain::capacity() const { return surface_.ordered().unit_capacity(); }
 
 double SurfaceDomain::density_unit() const { return surface_.ordered().density_unit(); }
 

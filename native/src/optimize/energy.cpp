@@ -30,7 +30,7 @@ void find_gradient(const RestrictedVoronoi& diagram, double capacity_weight,
 }
 
 /// The energy over its cells.
-void assemble(Energy& energy, double mass, double capacity_weight) {
+void assemble(Energy& energy, double capacity, double capacity_weight) {
   const std::vector<Moments>& cells = energy.diagram.cells;
   energy.cvt =
       parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].second; });
@@ -39,7 +39,7 @@ void assemble(Energy& energy, double mass, double capacity_weight) {
   });
   energy.total = energy.cvt + capacity_weight * energy.capacity_term;
   const auto count = static_cast<double>(energy.diagram.cells.size());
-  const double owned = mass * owned_share(energy.diagram, mass);
+  const double owned = capacity * owned_share(energy.diagram, capacity);
   energy.normalized = count / owned * energy.total / owned - capacity_weight;
   find_gradient(energy.diagram, capacity_weight, energy.gradient);
 }
@@ -55,7 +55,7 @@ Energy without_unit(Energy energy, double density_unit) {
 }  // namespace
 
 Energy evaluate_energy(const Surface& surface, const Sites& sites, double capacity_weight,
-                       Context* context, Cells cells) {
+                       Cells cells, Context* context) {
   const SurfaceDomain domain(surface, cells);
   return without_unit(evaluate_energy(domain, sites, capacity_weight, context),
                       domain.density_unit());
@@ -73,15 +73,15 @@ void update_energy(Energy& energy, const Domain& domain, const Sites& sites, dou
                    Context* context) {
   domain.check(sites);
   check_at_least("capacity_weight", capacity_weight, 0.0);
-  in_stage(context, Stage::kCells, [&] { domain.update_cells(sites, context, energy.diagram); });
-  assemble(energy, domain.mass(), capacity_weight);
+  in_stage(context, Stage::kCells, [&] { domain.update_cells(energy.diagram, sites, context); });
+  assemble(energy, domain.capacity(), capacity_weight);
 }
 
-double owned_share(const RestrictedVoronoi& diagram, double mass) {
+double owned_share(const RestrictedVoronoi& diagram, double capacity) {
   const std::vector<Moments>& cells = diagram.cells;
   const double owned =
       parallel_sum(cells.size(), kVectorGrain, [&](std::size_t k) { return cells[k].capacity; });
-  return owned > 0.0 && owned < (1.0 - kWhole) * mass ? owned / mass : 1.0;
+  return owned > 0.0 && owned < (1.0 - kWhole) * capacity ? owned / capacity : 1.0;
 }
 
 }  // namespace dapple

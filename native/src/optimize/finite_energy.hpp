@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <dapple/moments.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <span>
 #include <vector>
 

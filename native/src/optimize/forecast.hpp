@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/optimizer_options.hpp>
+#include <dapple/optimizer.hpp>
 #include <vector>
 
 namespace dapple {

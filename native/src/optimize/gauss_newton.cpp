@@ -28,7 +28,7 @@ std::size_t site_of(const Term& term, std::size_t member) {
 
 /// Call visit(i, j, pair, scale) for every pair that repels, with the numbers of their sites.
 template <typename Visit>
-void for_each_pair(const Objective& objective, const State& state, const Visit& visit) {
+void for_each_pair(const Objective& objective, const Evaluation& state, const Visit& visit) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const Term& term = objective.terms[t];
     const double scale = objective.scale(t, state.parts[t].energy.gradient.size());
@@ -47,7 +47,7 @@ double largest(const Vectors& v) {
 }
 
 /// The mean of a term's diagonal, of the first that weighs anything.
-double unit_of(const Objective& objective, const State& state) {
+double unit_of(const Objective& objective, const Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const RestrictedVoronoi& diagram = state.parts[t].energy.diagram;
     const double unit = 2.0 * objective.scale(t, diagram.cells.size()) * mean_mass(diagram);
@@ -59,7 +59,7 @@ double unit_of(const Objective& objective, const State& state) {
 }  // namespace
 
 // Divided by the mean of a diagonal, all is of the order of 1 in whatever units.
-void GaussNewton::update(const Objective& objective, const State& state, int steps,
+void GaussNewton::update(const Objective& objective, const Evaluation& state, int steps,
                          const Context* context) {
   steps_ = steps;
   context_ = context;
@@ -81,7 +81,7 @@ void GaussNewton::update(const Objective& objective, const State& state, int ste
   add_blocks();
 }
 
-void GaussNewton::add_masses(const Objective& objective, const State& state) {
+void GaussNewton::add_masses(const Objective& objective, const Evaluation& state) {
   masses_.assign(state.sites.size(), 0.0);
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
@@ -94,7 +94,7 @@ void GaussNewton::add_masses(const Objective& objective, const State& state) {
   for (const double stickiness : objective.stickiness) held_.push_back(2.0 * stickiness / unit_);
 }
 
-void GaussNewton::add_pairs(const Objective& objective, const State& state) {
+void GaussNewton::add_pairs(const Objective& objective, const Evaluation& state) {
   side_starts_.assign(state.sites.size() + 1, 0);
   for_each_pair(objective, state, [&](std::size_t i, std::size_t j, const ClosePair&, double) {
     ++side_starts_[i + 1];

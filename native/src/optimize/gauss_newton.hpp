@@ -14,16 +14,17 @@ class GaussNewton {
  public:
   /// Of nothing, until update().
   GaussNewton() = default;
-  GaussNewton(const Objective& objective, const State& state, int steps,
+  GaussNewton(const Objective& objective, const Evaluation& state, int steps,
               const Context* context = nullptr) {
     update(objective, state, steps, context);
   }
 
   /// At another state, in the same memory. All arguments must outlive the use of solve().
   /// \param steps of conjugate gradients, at most
-  /// \param context is asked at each whether to go on, no more
+  /// \param context checked for cancellation at each step, no more
   /// \throw Cancelled
-  void update(const Objective& objective, const State& state, int steps, const Context* context);
+  void update(const Objective& objective, const Evaluation& state, int steps,
+              const Context* context);
 
   /// Solve H x = b approximately by conjugate gradients with a block-Jacobi preconditioner; b
   /// restricted.
@@ -39,8 +40,8 @@ class GaussNewton {
 
   /// From residual_ to x_.
   void iterate(double delta);
-  void add_masses(const Objective& objective, const State& state);
-  void add_pairs(const Objective& objective, const State& state);
+  void add_masses(const Objective& objective, const Evaluation& state);
+  void add_pairs(const Objective& objective, const Evaluation& state);
   void add_blocks();
   [[nodiscard]] std::span<const Side> sides(std::size_t site) const {
     return std::span(sides_).subspan(side_starts_[site],

@@ -21,12 +21,12 @@ constexpr double kHoldMost = 0.05;  // share of the sites that a jump may be bla
 // owners.
 constexpr double kJump = 0.6;
 
-double first_scale(const Objective& objective, const State& state, double max_step) {
+double first_scale(const Objective& objective, const Evaluation& state, double max_step) {
   const double excess = step_excess(objective, state, max_step, state.gradient);
   return excess > 0.0 ? kFirstStep / excess : 0.0;
 }
 
-Vectors uncut_direction(const Objective& objective, const State& state, double max_step,
+Vectors uncut_direction(const Objective& objective, const Evaluation& state, double max_step,
                         const LbfgsHistory& history) {
   const double scale = history.empty() ? first_scale(objective, state, max_step) : history.scale();
   const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
@@ -50,8 +50,8 @@ std::vector<std::size_t> worst_sites(const std::vector<double>& rise) {
 
 /// Where cells change pieces the energy jumps, and one such place would stop all sites: if few
 /// cells alone are to blame for a step that failed, only the sites beside them are held back.
-bool hold_back(const Objective& objective, const State& from, const State& next, double slope,
-               Vectors& direction) {
+bool hold_back(const Objective& objective, const Evaluation& from, const Evaluation& next,
+               double slope, Vectors& direction) {
   const std::vector<double> before = energy_shares(objective, from);
   std::vector<double> rise = energy_shares(objective, next);
   for (std::size_t k = 0; k < rise.size(); ++k) rise[k] -= before[k];
@@ -72,7 +72,7 @@ bool hold_back(const Objective& objective, const State& from, const State& next,
 
 }  // namespace
 
-Vectors lbfgs_direction(const Objective& objective, const State& state, double max_step,
+Vectors lbfgs_direction(const Objective& objective, const Evaluation& state, double max_step,
                         LbfgsHistory& history) {
   Vectors direction = uncut_direction(objective, state, max_step, history);
   if (dot(direction, state.gradient) >= 0.0) {
@@ -86,14 +86,14 @@ Vectors lbfgs_direction(const Objective& objective, const State& state, double m
   return direction;
 }
 
-Step backtrack(const Objective& objective, const State& from, Vectors direction,
+Step backtrack(const Objective& objective, const Evaluation& from, Vectors direction,
                const Backtracking& how,
-               const std::function<const State*(const Vectors& moves)>& at) {
+               const std::function<const Evaluation*(const Vectors& moves)>& at) {
   Step step;
   double rise = std::numeric_limits<double>::infinity();
   for (int k = 0; k < how.most; ++k) {
     const double slope = std::min(dot(direction, from.gradient), 0.0);
-    const State* next = at(direction);
+    const Evaluation* next = at(direction);
     if (!next) break;
     step.found = next->total <= from.total + kArmijo * slope;
     if (step.found) break;

@@ -10,7 +10,7 @@ namespace dapple {
 
 /// A direction of plain L-BFGS, as in the paper; each site's move is cut to the longest step.
 /// \param max_step in local spacings
-[[nodiscard]] Vectors lbfgs_direction(const Objective& objective, const State& state,
+[[nodiscard]] Vectors lbfgs_direction(const Objective& objective, const Evaluation& state,
                                       double max_step, LbfgsHistory& history);
 
 /// How a line search goes on after a step that does not lower the energy enough.
@@ -33,8 +33,8 @@ struct Step {
 /// Armijo's rule: the longest of the shortened steps that lowers the energy by a share of what its
 /// slope predicts.
 /// \param at the state after moves, until it is asked again; null if no evaluation is left
-[[nodiscard]] Step backtrack(const Objective& objective, const State& from, Vectors direction,
+[[nodiscard]] Step backtrack(const Objective& objective, const Evaluation& from, Vectors direction,
                              const Backtracking& how,
-                             const std::function<const State*(const Vectors& moves)>& at);
+                             const std::function<const Evaluation*(const Vectors& moves)>& at);
 
 }  // namespace dapple

@@ -38,7 +38,6 @@ class Minimizer {
         restoration_(options.method == Method::kTrustRegion ? restoration : nullptr),
         aim_(aim),
         history_(options.history),
-        radii_(objective.terms.size()),
         region_(options.max_step, /*exact=*/restoring()),
         limit_(objective_, options.max_slide),
         rule_(restoring() ? kLocal * options.tolerance : options.tolerance, options.patience,
@@ -76,7 +75,7 @@ class Minimizer {
                state_);
     check_finite_energy(objective_, state_);
     give_room(objective_, state_);
-    shrink_radii(objective_, state_, radii_);
+    shrink_radii(objective_, state_);
     if (options_.stickiness > 0.0)
       stick(objective_, state_, limit_.home().positions, options_.stickiness);
     if (restoring()) {
@@ -86,14 +85,14 @@ class Minimizer {
     note_energy();
   }
 
-  void evaluate(Sites sites, State& state) {
+  void evaluate(Sites sites, Evaluation& state) {
     const int before = result_.evaluations++;
     Stretch evaluating(context_, forecast_.progress(before), forecast_.progress(before + 1));
-    update(state, objective_, std::move(sites), radii_, evaluating.context());
+    update(state, objective_, std::move(sites), evaluating.context());
   }
 
   /// The state after moves along the surface, null if no evaluation is left.
-  const State* evaluate_at(const Vectors& moves) {
+  const Evaluation* evaluate_at(const Vectors& moves) {
     if (result_.evaluations >= options_.max_evaluations) return nullptr;
     Vectors moved = state_.sites.positions;
     add_scaled(moved, 1.0, moves);
@@ -119,7 +118,7 @@ class Minimizer {
   }
 
   [[nodiscard]] Vectors descent_direction() {
-    return in_trust_region() ? region_.step(objective_, state_, radii_, history_, context_)
+    return in_trust_region() ? region_.step(objective_, state_, history_, context_)
                              : lbfgs_direction(objective_, state_, options_.max_step, history_);
   }
 
@@ -141,7 +140,7 @@ class Minimizer {
   /// From the state that was tried.
   void go_on() {
     std::swap(state_, trial_);
-    shrink_radii(objective_, state_, radii_);
+    shrink_radii(objective_, state_);
     ++result_.iterations;
     note_energy();
   }
@@ -211,16 +210,15 @@ class Minimizer {
   Context* context_;
   const Restoration* restoration_;  // null: minimize on
   Aim aim_;
-  State state_;
-  State trial_;  // where a step leads; its memory is that of earlier ones
+  Evaluation state_;
+  Evaluation trial_;  // where a step leads; its memory is that of earlier ones
   LbfgsHistory history_;
-  std::vector<std::vector<double>> radii_;  // of the repulsion, per term and site; empty without it
   TrustRegion region_;
   SlideLimit limit_;
   StoppingRule rule_;
   Forecast forecast_;
   double decrease_ = 0.0;  // of the last step, relative
-  double owned_ = 1.0;     // share of the mass at the start, see owned_share()
+  double owned_ = 1.0;     // share of the capacity at the start, see owned_share()
   int reinsertions_ = 0;
   int full_steps_ = 0;  // in a row
   int last_;            // evaluation: fewer than are allowed once it goes on where it was stuck

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/optimizer_options.hpp>
+#include <dapple/optimizer.hpp>
 #include <limits>
 
 #include "optimize/objective.hpp"
@@ -12,7 +12,7 @@ namespace dapple {
 
 /// Where a minimization ended.
 struct Minimum {
-  State state;
+  Evaluation state;
   std::vector<double> energies;  ///< see OptimizerResult
   int evaluations = 0;
   int iterations = 0;

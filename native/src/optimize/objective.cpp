@@ -19,11 +19,12 @@ constexpr double kMostRoom = 0.5;                // of what the other sites had,
 
 /// kappa (|S|_phi / n)^2
 double repulsion_weight(const Term& term, std::size_t count) {
-  const double share = term.domain->mass() / static_cast<double>(std::max<std::size_t>(count, 1));
+  const double share =
+      term.domain->capacity() / static_cast<double>(std::max<std::size_t>(count, 1));
   return term.repulsion_weight * share * share;
 }
 
-void add(const Objective& objective, std::size_t term, const Part& part, State& state) {
+void add(const Objective& objective, std::size_t term, const Part& part, Evaluation& state) {
   const std::vector<std::int32_t>& members = objective.terms[term].members;
   const double scale = objective.scale(term, part.energy.gradient.size());
   const double relief = 1.0 - objective.cvt_weight;
@@ -36,13 +37,13 @@ void add(const Objective& objective, std::size_t term, const Part& part, State& 
 }
 
 /// Of lambda (sum (m_i - t_i)^2 + |S|_phi^2 / n): the part that the capacities wanted change.
-void add_wanted(const Objective& objective, std::size_t term, const Part& part, State& state) {
+void add_wanted(const Objective& objective, std::size_t term, const Part& part, Evaluation& state) {
   const Term& of = objective.terms[term];
   if (of.wanted.empty()) return;
   const RestrictedVoronoi& diagram = part.energy.diagram;
   const double weight = objective.scale(term, diagram.cells.size()) * objective.capacity_weight;
-  const double mass = of.domain->mass();
-  double sum = mass * mass / static_cast<double>(diagram.cells.size());
+  const double capacity = of.domain->capacity();
+  double sum = capacity * capacity / static_cast<double>(diagram.cells.size());
   for (std::size_t i = 0; i < diagram.cells.size(); ++i) {
     sum += of.wanted[i] * (of.wanted[i] - 2.0 * diagram.cells[i].capacity);
     Vec3 more = Vec3::Zero();
@@ -54,7 +55,7 @@ void add_wanted(const Objective& objective, std::size_t term, const Part& part, 
   state.total += weight * sum;
 }
 
-void add_stickiness(const Objective& objective, State& state) {
+void add_stickiness(const Objective& objective, Evaluation& state) {
   for (std::size_t k = 0; k < objective.anchors.size(); ++k) {
     const Vec3 way = state.sites.positions[k] - objective.anchors[k];
     state.total += objective.stickiness[k] * way.squaredNorm();
@@ -62,7 +63,7 @@ void add_stickiness(const Objective& objective, State& state) {
   }
 }
 
-void add_up(const Objective& objective, State& state) {
+void add_up(const Objective& objective, Evaluation& state) {
   state.total = state.discs.energy;
   state.gradient.resize(state.sites.size());
   for_each_vector(state.gradient.size(), [&](std::size_t k) { state.gradient[k].setZero(); });
@@ -73,6 +74,17 @@ void add_up(const Objective& objective, State& state) {
   if (!state.discs.pairs.empty()) add_scaled(state.gradient, 1.0, state.discs.gradient);
   add_stickiness(objective, state);
   objective.restrict(state.gradient, state.normals);
+}
+
+/// Evaluate the repulsion at the present radii and add up again.
+void repel(const Objective& objective, Evaluation& state) {
+  for (std::size_t t = 0; t < state.parts.size(); ++t) {
+    Part& part = state.parts[t];
+    const Term& term = objective.terms[t];
+    update_repulsion(part.repulsion, part.energy.diagram, term.radii,
+                     repulsion_weight(term, part.energy.gradient.size()));
+  }
+  add_up(objective, state);
 }
 
 }  // namespace
@@ -119,8 +131,8 @@ double Objective::total_weight() const {
 }
 
 double Objective::scale(std::size_t term, std::size_t sites) const {
-  const double mass = terms[term].domain->mass();
-  return terms[term].weight * static_cast<double>(sites) / mass / mass;
+  const double capacity = terms[term].domain->capacity();
+  return terms[term].weight * static_cast<double>(sites) / capacity / capacity;
 }
 
 Sites Objective::project(const Vectors& points, std::span<const std::int32_t> hints,
@@ -149,15 +161,13 @@ void Objective::restrict(Vectors& v, const Vectors& normals) const {
     if (locked[k]) v[k].setZero();
 }
 
-State evaluate(const Objective& objective, Sites sites,
-               const std::vector<std::vector<double>>& radii, Context* context) {
-  State state;
-  update(state, objective, std::move(sites), radii, context);
+Evaluation evaluate(const Objective& objective, Sites sites, Context* context) {
+  Evaluation state;
+  update(state, objective, std::move(sites), context);
   return state;
 }
 
-void update(State& state, const Objective& objective, Sites sites,
-            const std::vector<std::vector<double>>& radii, Context* context) {
+void update(Evaluation& state, const Objective& objective, Sites sites, Context* context) {
   state.sites = std::move(sites);
   objective.domain().check(state.sites);
   update_normals(state, objective);
@@ -173,60 +183,49 @@ void update(State& state, const Objective& objective, Sites sites,
   state.discs = {};
   if (!objective.discs.empty())
     state.discs = evaluate_disc_repulsion(discs_of(objective, state), objective.discs_weight);
-  set_radii(objective, state, radii);
+  repel(objective, state);
 }
 
-void update_normals(State& state, const Objective& objective) {
+void update_normals(Evaluation& state, const Objective& objective) {
   state.normals.resize(state.sites.size());
   for_each_vector(state.normals.size(), [&](std::size_t k) {
     state.normals[k] = objective.domain().normal(state.sites.faces[k]);
   });
 }
 
-Discs discs_of(const Objective& objective, const State& state) {
+Discs discs_of(const Objective& objective, const Evaluation& state) {
   return {state.sites, state.normals, objective.discs, objective.domain().period()};
 }
 
-void check_finite_energy(const Objective& objective, const State& state) {
+void check_finite_energy(const Objective& objective, const Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const Energy& energy = state.parts[t].energy;
     check_finite_energy(energy.total, energy.diagram.cells, objective.terms[t].members);
   }
 }
 
-void set_radii(const Objective& objective, State& state,
-               const std::vector<std::vector<double>>& radii) {
-  for (std::size_t t = 0; t < state.parts.size(); ++t) {
-    Part& part = state.parts[t];
-    update_repulsion(part.repulsion, part.energy.diagram, radii[t],
-                     repulsion_weight(objective.terms[t], part.energy.gradient.size()));
-  }
-  add_up(objective, state);
-}
-
-double local_spacing(const Objective& objective, const State& state, std::size_t term,
+double local_spacing(const Objective& objective, const Evaluation& state, std::size_t term,
                      std::size_t k) {
   const std::vector<Moments>& cells = state.parts[term].energy.diagram.cells;
-  return local_spacing(cells[k],
-                       objective.terms[term].domain->mass() / static_cast<double>(cells.size()));
+  return local_spacing(
+      cells[k], objective.terms[term].domain->capacity() / static_cast<double>(cells.size()));
 }
 
-void shrink_radii(const Objective& objective, State& state,
-                  std::vector<std::vector<double>>& radii) {
+void shrink_radii(Objective& objective, Evaluation& state) {
   bool changed = false;
-  for (std::size_t t = 0; t < radii.size(); ++t) {
-    const Term& term = objective.terms[t];
-    if (term.repulsion_weight == 0.0 || (term.domain->uniform() && !radii[t].empty())) continue;
-    radii[t].resize(state.parts[t].energy.gradient.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t k = 0; k < radii[t].size(); ++k)
-      radii[t][k] =
-          std::min(radii[t][k], term.repulsion_radius * local_spacing(objective, state, t, k));
+  for (std::size_t t = 0; t < objective.terms.size(); ++t) {
+    Term& term = objective.terms[t];
+    if (term.repulsion_weight == 0.0 || (term.domain->uniform() && !term.radii.empty())) continue;
+    term.radii.resize(state.parts[t].energy.gradient.size(), kInfinite);
+    for (std::size_t k = 0; k < term.radii.size(); ++k)
+      term.radii[k] =
+          std::min(term.radii[k], term.repulsion_radius * local_spacing(objective, state, t, k));
     changed = true;
   }
-  if (changed) set_radii(objective, state, radii);
+  if (changed) repel(objective, state);
 }
 
-std::vector<double> energy_shares(const Objective& objective, const State& state) {
+std::vector<double> energy_shares(const Objective& objective, const Evaluation& state) {
   std::vector<double> shares(state.sites.size(), 0.0);
   const auto add_pairs = [&](const Repulsion& repulsion, const auto& site, double scale) {
     for (const ClosePair& pair : repulsion.pairs)
@@ -240,7 +239,7 @@ std::vector<double> energy_shares(const Objective& objective, const State& state
       return static_cast<std::size_t>(members.empty() ? k : members[static_cast<std::size_t>(k)]);
     };
     const double scale = objective.scale(t, cells.size());
-    const double mean = objective.terms[t].domain->mass() / static_cast<double>(cells.size());
+    const double mean = objective.terms[t].domain->capacity() / static_cast<double>(cells.size());
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const std::vector<double>& wanted = objective.terms[t].wanted;
       const double excess = cells[k].capacity - (wanted.empty() ? mean : wanted[k]);
@@ -257,14 +256,14 @@ std::vector<double> energy_shares(const Objective& objective, const State& state
   return shares;
 }
 
-double normalized_energy(const Objective& objective, const State& state) {
+double normalized_energy(const Objective& objective, const Evaluation& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     sum += objective.terms[t].weight * state.parts[t].energy.normalized;
   return sum / objective.total_weight();
 }
 
-double normalized_cvt(const Objective& objective, const State& state) {
+double normalized_cvt(const Objective& objective, const Evaluation& state) {
   double sum = 0.0;
   for (std::size_t t = 0; t < state.parts.size(); ++t)
     sum += objective.scale(t, state.parts[t].energy.gradient.size()) * state.parts[t].energy.cvt /
@@ -272,18 +271,18 @@ double normalized_cvt(const Objective& objective, const State& state) {
   return sum / objective.total_weight();
 }
 
-double owned_share(const Objective& objective, const State& state, std::size_t term) {
-  return owned_share(state.parts[term].energy.diagram, objective.terms[term].domain->mass());
+double owned_share(const Objective& objective, const Evaluation& state, std::size_t term) {
+  return owned_share(state.parts[term].energy.diagram, objective.terms[term].domain->capacity());
 }
 
-double capacity_variation(const Objective& objective, const State& state) {
+double capacity_variation(const Objective& objective, const Evaluation& state) {
   const double rest = normalized_energy(objective, state) - normalized_cvt(objective, state);
   return objective.capacity_weight > 0.0
              ? std::sqrt(std::max(0.0, rest) / objective.capacity_weight)
              : 0.0;
 }
 
-void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
+void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamma) {
   const std::vector<Moments>& cells = state.diagram().cells;
   objective.anchors = std::move(anchors);
   objective.stickiness.clear();
@@ -294,11 +293,11 @@ void stick(Objective& objective, State& state, Vectors anchors, double gamma) {
 
 // Nothing is nearer to a disc than the sum of its radius and the smallest: its cell holds the
 // hexagon around half of that. Where the smallest is 0, points may be near each other.
-void give_room(Objective& objective, State& state) {
+void give_room(Objective& objective, Evaluation& state) {
   if (objective.discs.empty()) return;
   const double least = *std::min_element(objective.discs.begin(), objective.discs.end());
   const std::vector<Moments>& cells = state.diagram().cells;
-  const double mean = objective.domain().mass() / static_cast<double>(cells.size());
+  const double mean = objective.domain().capacity() / static_cast<double>(cells.size());
   std::vector<double> wanted(cells.size(), mean);
   double more = 0.0, others = 0.0;
   for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -315,7 +314,7 @@ void give_room(Objective& objective, State& state) {
   add_up(objective, state);
 }
 
-void weigh_cvt(Objective& objective, State& state, double weight) {
+void weigh_cvt(Objective& objective, Evaluation& state, double weight) {
   objective.cvt_weight = weight;
   add_up(objective, state);
 }

@@ -14,6 +14,7 @@ struct Term {
   double weight = 1.0;                     ///< of its normalized energy in the sum
   double repulsion_radius = 0.0;    ///< distance below which its repulsion acts, in local spacings
   double repulsion_weight = 0.0;    ///< kappa
+  std::vector<double> radii = {};   ///< of each member's repulsion; empty: nothing repels yet
   std::vector<double> wanted = {};  ///< capacity of each member's cell; empty: as much for all
 };
 
@@ -67,8 +68,8 @@ struct Part {
   Repulsion repulsion;
 };
 
-/// Where the sites are and what is known there.
-struct State {
+/// The sites, and everything that follows from where they are.
+struct Evaluation {
   Sites sites;
   Vectors normals;
   std::vector<Part> parts;
@@ -79,64 +80,57 @@ struct State {
   [[nodiscard]] const RestrictedVoronoi& diagram() const { return parts[0].energy.diagram; }
 };
 
-/// \param radii of the repulsion, per term
-[[nodiscard]] State evaluate(const Objective& objective, Sites sites,
-                             const std::vector<std::vector<double>>& radii, Context* context);
+[[nodiscard]] Evaluation evaluate(const Objective& objective, Sites sites, Context* context);
 
 /// The same in the memory that `state` has, whatever it held.
-void update(State& state, const Objective& objective, Sites sites,
-            const std::vector<std::vector<double>>& radii, Context* context);
+void update(Evaluation& state, const Objective& objective, Sites sites, Context* context);
 
 /// The normals where the sites are.
-void update_normals(State& state, const Objective& objective);
+void update_normals(Evaluation& state, const Objective& objective);
 
 /// The discs around the sites; they must not outlive the two.
-[[nodiscard]] Discs discs_of(const Objective& objective, const State& state);
+[[nodiscard]] Discs discs_of(const Objective& objective, const Evaluation& state);
 
 /// \throw SurfaceError naming the first site whose cell reaches so far that the energy is not
 /// finite
-void check_finite_energy(const Objective& objective, const State& state);
-
-/// Add up again after the radii have changed.
-void set_radii(const Objective& objective, State& state,
-               const std::vector<std::vector<double>>& radii);
+void check_finite_energy(const Objective& objective, const Evaluation& state);
 
 /// Local spacing at a term's mean capacity.
 /// \param k the site's index in the term
-[[nodiscard]] double local_spacing(const Objective& objective, const State& state, std::size_t term,
-                                   std::size_t k);
+[[nodiscard]] double local_spacing(const Objective& objective, const Evaluation& state,
+                                   std::size_t term, std::size_t k);
 
 /// Let the radii of the repulsion follow the local spacing. They stay fixed within an iteration, so
 /// that the gradient is exact, and between iterations they only shrink, so that the repulsion never
 /// rises.
-/// \param radii per term and site; empty where nothing repels, or nothing did so far
-void shrink_radii(const Objective& objective, State& state,
-                  std::vector<std::vector<double>>& radii);
+void shrink_radii(Objective& objective, Evaluation& state);
 
 /// Per site what its cells and pairs add to the total, capacities counted from their means.
-[[nodiscard]] std::vector<double> energy_shares(const Objective& objective, const State& state);
+[[nodiscard]] std::vector<double> energy_shares(const Objective& objective,
+                                                const Evaluation& state);
 
 /// The terms' normalized energies e = n E / |S|_phi^2 - lambda, averaged by their weights.
-[[nodiscard]] double normalized_energy(const Objective& objective, const State& state);
+[[nodiscard]] double normalized_energy(const Objective& objective, const Evaluation& state);
 
 /// See owned_share.hpp; of the cells of a term.
-[[nodiscard]] double owned_share(const Objective& objective, const State& state, std::size_t term);
+[[nodiscard]] double owned_share(const Objective& objective, const Evaluation& state,
+                                 std::size_t term);
 
 /// Of them the part n E_cvt / |S|_phi^2.
-[[nodiscard]] double normalized_cvt(const Objective& objective, const State& state);
+[[nodiscard]] double normalized_cvt(const Objective& objective, const Evaluation& state);
 
 /// Standard deviation / mean of the capacities: the rest is lambda times its square.
-[[nodiscard]] double capacity_variation(const Objective& objective, const State& state);
+[[nodiscard]] double capacity_variation(const Objective& objective, const Evaluation& state);
 
 /// Add gamma sum m_k |x_k - anchor_k|^2 with the present m_k, and add up again.
-void stick(Objective& objective, State& state, Vectors anchors, double gamma);
+void stick(Objective& objective, Evaluation& state, Vectors anchors, double gamma);
 
 /// Where a disc takes more room than the cells of all together have, have its site want as much,
 /// and the others share the rest; add up again. Else the cells around large discs would be crushed,
 /// for an evenness that nothing can reach.
-void give_room(Objective& objective, State& state);
+void give_room(Objective& objective, Evaluation& state);
 
 /// Add up again with another weight of E_cvt.
-void weigh_cvt(Objective& objective, State& state, double weight);
+void weigh_cvt(Objective& objective, Evaluation& state, double weight);
 
 }  // namespace dapple

@@ -15,12 +15,12 @@ constexpr double kEmpty = 1e-6;  // of the mean capacity: a cell that rounding m
 
 /// Of a cell of a term that is not empty.
 double least_capacity(const Objective& objective, std::size_t term, std::size_t sites) {
-  return kEmpty * objective.terms[term].domain->mass() / static_cast<double>(sites);
+  return kEmpty * objective.terms[term].domain->capacity() / static_cast<double>(sites);
 }
 
 class Reinserter {
  public:
-  Reinserter(const Objective& objective, const State& state)
+  Reinserter(const Objective& objective, const Evaluation& state)
       : objective_(objective), state_(state) {}
 
   Reinsertion run() {
@@ -77,7 +77,7 @@ class Reinserter {
   }
 
   const Objective& objective_;
-  const State& state_;
+  const Evaluation& state_;
   std::vector<std::size_t> empty_;
   std::vector<std::size_t> held_;  // sites that have a cell
   Vectors held_positions_;
@@ -86,11 +86,11 @@ class Reinserter {
 
 }  // namespace
 
-Reinsertion find_reinsertion(const Objective& objective, const State& state) {
+Reinsertion find_reinsertion(const Objective& objective, const Evaluation& state) {
   return Reinserter(objective, state).run();
 }
 
-bool has_empty_cell(const Objective& objective, const State& state) {
+bool has_empty_cell(const Objective& objective, const Evaluation& state) {
   for (std::size_t t = 0; t < state.parts.size(); ++t) {
     const std::vector<Moments>& cells = state.parts[t].energy.diagram.cells;
     const std::vector<std::int32_t>& members = objective.terms[t].members;

@@ -18,9 +18,9 @@ struct Reinsertion {
   Vectors positions;
   std::vector<std::int32_t> faces;  ///< of the site that each starts from
 };
-[[nodiscard]] Reinsertion find_reinsertion(const Objective& objective, const State& state);
+[[nodiscard]] Reinsertion find_reinsertion(const Objective& objective, const Evaluation& state);
 
 /// Whether a site that may move has no capacity, of all or of its class.
-[[nodiscard]] bool has_empty_cell(const Objective& objective, const State& state);
+[[nodiscard]] bool has_empty_cell(const Objective& objective, const Evaluation& state);
 
 }  // namespace dapple

@@ -24,13 +24,13 @@ struct Restoration {
   double overlap = 1e-3;         ///< of discs, of the distance that they should have
 
   /// s, the weight of E_cvt.
-  [[nodiscard]] double cvt_weight(const Objective& objective, const State& state) const;
+  [[nodiscard]] double cvt_weight(const Objective& objective, const Evaluation& state) const;
 
   /// Whether a state is as even as a frame has to be to end there.
-  [[nodiscard]] bool reached(const Objective& objective, const State& state) const;
+  [[nodiscard]] bool reached(const Objective& objective, const Evaluation& state) const;
 
   /// Whether it is so even that a frame need not begin: as the first frame, with some room left.
-  [[nodiscard]] bool unnecessary(const Objective& objective, const State& state) const;
+  [[nodiscard]] bool unnecessary(const Objective& objective, const Evaluation& state) const;
 };
 
 }  // namespace dapple

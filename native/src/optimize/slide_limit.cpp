@@ -26,19 +26,19 @@ Sites project_unlocked(const Objective& objective, const Sites& before, const Ve
 
 }  // namespace
 
-double SlideLimit::reach(const State& state, std::size_t k) const {
+double SlideLimit::reach(const Evaluation& state, std::size_t k) const {
   return max_slide_ * std::min(local_spacing(*objective_, state, 0, k),
                                objective_->domain().spacing(state.sites.size()));
 }
 
-bool SlideLimit::exceeded(const State& state) const {
+bool SlideLimit::exceeded(const Evaluation& state) const {
   for (std::size_t k = 0; k < home_.size(); ++k)
     if ((state.sites.positions[k] - home_.positions[k]).norm() > reach(state, k)) return true;
   return false;
 }
 
-Sites SlideLimit::project(const State& state, Vectors moved, std::span<const std::int32_t> hints,
-                          const Context* context) const {
+Sites SlideLimit::project(const Evaluation& state, Vectors moved,
+                          std::span<const std::int32_t> hints, const Context* context) const {
   if (std::isinf(max_slide_))
     return project_unlocked(*objective_, state.sites, moved, hints, context);
   for_each_vector(moved.size(), [&](std::size_t k) {
@@ -54,7 +54,7 @@ Sites SlideLimit::project(const State& state, Vectors moved, std::span<const std
 
 /// Project the sites that are out of reach again, with `part` of their distance; 0 is their home.
 /// \return whether there was one
-bool SlideLimit::pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+bool SlideLimit::pull_back(const Evaluation& state, Sites& sites, Vectors& moved, double part,
                            const Context* context) const {
   std::vector<std::int32_t> far;
   Sites pulled;

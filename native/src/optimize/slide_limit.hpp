@@ -17,20 +17,20 @@ class SlideLimit {
   [[nodiscard]] const Sites& home() const { return home_; }
 
   /// Whether a site is farther from its home than it may be.
-  [[nodiscard]] bool exceeded(const State& state) const;
+  [[nodiscard]] bool exceeded(const Evaluation& state) const;
 
   /// The projections of moved sites. A projection can carry a site that was held back farther again
   /// (around a bend, to another sheet): it is pulled toward its home until it does not.
   /// \param state whose sites are moved
   /// \param hints faces near the points
   /// \throw Cancelled
-  [[nodiscard]] Sites project(const State& state, Vectors moved,
+  [[nodiscard]] Sites project(const Evaluation& state, Vectors moved,
                               std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const;
 
  private:
-  [[nodiscard]] double reach(const State& state, std::size_t k) const;
-  bool pull_back(const State& state, Sites& sites, Vectors& moved, double part,
+  [[nodiscard]] double reach(const Evaluation& state, std::size_t k) const;
+  bool pull_back(const Evaluation& state, Sites& sites, Vectors& moved, double part,
                  const Context* context) const;
 
   const Objective* objective_;

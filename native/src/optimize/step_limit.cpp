@@ -16,7 +16,7 @@ constexpr double kThin = 0.18;  // area against the square of the length; 0.87 f
 
 /// The spacing; the length of the cell where the surface is thinner than that: there the sites are
 /// far more than a spacing apart. Cells that are large in all directions have too few sites around.
-double reach(const Objective& objective, const State& state, std::size_t k) {
+double reach(const Objective& objective, const Evaluation& state, std::size_t k) {
   const Moments& cell = state.diagram().cells[k];
   const double spacing = local_spacing(objective, state, 0, k);
   const double length = cell.mass > 0.0 ? kSpread * std::sqrt(cell.second / cell.mass) : 0.0;
@@ -26,12 +26,12 @@ double reach(const Objective& objective, const State& state, std::size_t k) {
 
 }  // namespace
 
-double longest_step(const Objective& objective, const State& state, double max_step,
+double longest_step(const Objective& objective, const Evaluation& state, double max_step,
                     std::size_t k) {
   return std::max(max_step * reach(objective, state, k), std::numeric_limits<double>::min());
 }
 
-double step_excess(const Objective& objective, const State& state, double max_step,
+double step_excess(const Objective& objective, const Evaluation& state, double max_step,
                    const Vectors& moves) {
   double excess = 0.0;
   for (std::size_t k = 0; k < moves.size(); ++k)

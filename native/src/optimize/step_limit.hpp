@@ -7,11 +7,11 @@ namespace dapple {
 
 /// How far a site may move in one step.
 /// \param max_step in local spacings
-[[nodiscard]] double longest_step(const Objective& objective, const State& state, double max_step,
-                                  std::size_t k);
+[[nodiscard]] double longest_step(const Objective& objective, const Evaluation& state,
+                                  double max_step, std::size_t k);
 
 /// The longest move of a site with a cell, relative to the longest step allowed there.
-[[nodiscard]] double step_excess(const Objective& objective, const State& state, double max_step,
-                                 const Vectors& moves);
+[[nodiscard]] double step_excess(const Objective& objective, const Evaluation& state,
+                                 double max_step, const Vectors& moves);
 
 }  // namespace dapple

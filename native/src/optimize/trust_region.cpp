@@ -27,12 +27,12 @@ constexpr double kFewTooFar = 0.02;  // ... and of as few sites the moves alone 
 
 /// Not where many moves would be shortened: in white noise, or where the repulsions of classes and
 /// of all together contradict each other, that costs more than it gives.
-Vectors keep_apart(const State& state, const std::vector<std::vector<double>>& radii,
-                   Vectors direction) {
-  if (radii.size() > 1) return direction;
+Vectors keep_apart(const Objective& objective, const Evaluation& state, Vectors direction) {
+  if (objective.terms.size() > 1) return direction;
   Vectors full = direction;
   for (int pass = 0; pass < kPasses; ++pass) {
-    const std::size_t shortened = shorten_approaches(state.diagram(), radii[0], direction);
+    const std::size_t shortened =
+        shorten_approaches(state.diagram(), objective.terms[0].radii, direction);
     if (static_cast<double>(shortened) > kMostHeld * static_cast<double>(direction.size()))
       return full;
     if (shortened == 0) break;
@@ -51,7 +51,8 @@ std::vector<bool> of_rare_classes(const Objective& objective, std::size_t sites)
 
 /// The cells of a rare class are large beside the spacing of all together, by which a step is
 /// limited: what a few such sites want must not shorten the moves of all.
-void cut_few(const Objective& objective, const State& state, double max_step, Vectors& direction) {
+void cut_few(const Objective& objective, const Evaluation& state, double max_step,
+             Vectors& direction) {
   if (state.parts.size() < 2) return;
   const std::vector<bool> rare = of_rare_classes(objective, direction.size());
   std::vector<std::size_t> far;
@@ -69,9 +70,8 @@ void cut_few(const Objective& objective, const State& state, double max_step, Ve
 
 // A larger delta shortens the model's own step, but not what stored pairs of little curvature add
 // to it.
-Vectors TrustRegion::step(const Objective& objective, const State& state,
-                          const std::vector<std::vector<double>>& radii, LbfgsHistory& history,
-                          const Context* context) {
+Vectors TrustRegion::step(const Objective& objective, const Evaluation& state,
+                          LbfgsHistory& history, const Context* context) {
   model_.update(objective, state, exact_ ? kExactSteps : kSteps, context);
   const auto restrict = [&](Vectors& v) { objective.restrict(v, state.normals); };
   const double first_delta = delta_;
@@ -82,7 +82,7 @@ Vectors TrustRegion::step(const Objective& objective, const State& state,
     const double excess = step_excess(objective, state, max_step_, direction);
     const bool descends = dot(direction, state.gradient) < 0.0;
     if ((excess <= 1.0 + kRounding && descends) || delta_ > kMost) {
-      direction = keep_apart(state, radii, std::move(direction));
+      direction = keep_apart(objective, state, std::move(direction));
       if (objective.holds_discs)
         keep_discs_apart(discs_of(objective, state), objective.locked, direction);
       return direction;
@@ -104,7 +104,7 @@ void TrustRegion::update_radius(bool found, double shortened) {
   delta_ = std::min(delta_, kMost);
 }
 
-double TrustRegion::promised(const Objective& objective, const State& state,
+double TrustRegion::promised(const Objective& objective, const Evaluation& state,
                              const Context* context) {
   model_.update(objective, state, kSteps, context);
   return 0.5 * dot(model_.solve(state.gradient, least_delta_), state.gradient);

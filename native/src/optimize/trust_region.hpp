@@ -19,18 +19,16 @@ class TrustRegion {
 
   /// A descent direction within the trust region; delta grows, and pairs are forgotten, until there
   /// is one.
-  /// \param radii of the repulsion, per term
   /// \throw Cancelled
-  [[nodiscard]] Vectors step(const Objective& objective, const State& state,
-                             const std::vector<std::vector<double>>& radii, LbfgsHistory& history,
-                             const Context* context = nullptr);
+  [[nodiscard]] Vectors step(const Objective& objective, const Evaluation& state,
+                             LbfgsHistory& history, const Context* context = nullptr);
 
   /// \param found whether the step lowered the energy
   /// \param shortened by how much it had to be for that; 1: not at all
   void update_radius(bool found, double shortened);
 
   /// What a full step of the model promises.
-  [[nodiscard]] double promised(const Objective& objective, const State& state,
+  [[nodiscard]] double promised(const Objective& objective, const Evaluation& state,
                                 const Context* context = nullptr);
 
  private:

@@ -92,8 +92,9 @@ void check(const Surface& surface, const Samples& samples, std::span<const doubl
 
 }  // namespace
 
-DecalCover cover(const Surface& surface, const Samples& samples, std::span<const double> radii,
-                 std::span<const Vec3> tangents, const Texels& texels, Context* context) {
+DecalCover decal_cover(const Surface& surface, const Samples& samples,
+                       std::span<const double> radii, std::span<const Vec3> tangents,
+                       const Texels& texels, Context* context) {
   check(surface, samples, radii, tangents, texels);
   if (context) context->check();
   DecalCover result{std::vector<std::int32_t>(texels.size(), -1),

@@ -18,7 +18,7 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 32;   // cells a chunk
-constexpr double kRounding = 1e-9;   // spacings: no tolerance below it means anything
+constexpr double kRounding = 1e-9;   // spacings: no shorter edge means anything
 constexpr double kSamePlace = 1e-6;  // spacings: what two tiles make of one point is nearer
 // Of the progress: large faces are cut, the cells known and the tiles made.
 constexpr double kCut = 0.15, kCellsShare = 0.4;
@@ -48,7 +48,7 @@ class Tiler {
         samples_(samples),
         options_(options),
         rounding_(kSamePlace * surface.spacing(samples.size())),
-        tolerance_(std::max(options.tolerance, kRounding) * surface.spacing(samples.size())) {}
+        shortest_(std::max(options.shortest_edge, kRounding) * surface.spacing(samples.size())) {}
 
   [[nodiscard]] bool merges() const { return options_.merge; }
 
@@ -69,12 +69,12 @@ class Tiler {
   }
 
   [[nodiscard]] Patch cleaned(JoinedPatch joined) const {
-    return without_short_edges(std::move(joined), tolerance_);
+    return without_short_edges(std::move(joined), shortest_);
   }
 
   /// The same of all tiles, which touch each other.
   [[nodiscard]] std::vector<Patch> cleaned(std::vector<JoinedPatch> joined) const {
-    return without_short_edges(std::move(joined), tolerance_, std::min(tolerance_, rounding_));
+    return without_short_edges(std::move(joined), shortest_, std::min(shortest_, rounding_));
   }
 
   [[nodiscard]] Patch flat(const Patch& patch) const {
@@ -100,7 +100,7 @@ class Tiler {
   PatchBuilder builder_;
   const Samples& samples_;
   const MosaicOptions& options_;
-  double rounding_, tolerance_;
+  double rounding_, shortest_;
 };
 
 /// Where the pieces of each site begin, and their number.

@@ -163,7 +163,7 @@ struct ShortEdge {
   auto operator<=>(const ShortEdge&) const = default;
 };
 
-std::vector<ShortEdge> short_edges(const Patch& patch, double tolerance) {
+std::vector<ShortEdge> short_edges(const Patch& patch, double shortest) {
   std::vector<ShortEdge> result;
   for (const PatchPolygon& polygon : patch.polygons)
     for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
@@ -172,8 +172,7 @@ std::vector<ShortEdge> short_edges(const Patch& patch, double tolerance) {
       const double length =
           (patch.points[static_cast<std::size_t>(a)] - patch.points[static_cast<std::size_t>(b)])
               .squaredNorm();
-      if (length < tolerance * tolerance)
-        result.push_back({length, std::min(a, b), std::max(a, b)});
+      if (length < shortest * shortest) result.push_back({length, std::min(a, b), std::max(a, b)});
     }
   std::sort(result.begin(), result.end());
   return result;
@@ -220,11 +219,11 @@ void keep_simple_loops(Patch& patch) {
 
 /// Returns into which point each has gone.
 std::vector<std::int32_t> remove_short_edges(Patch& patch, std::span<const On> kinds,
-                                             double tolerance) {
+                                             double shortest) {
   std::vector<std::int32_t> result(patch.points.size());
   std::iota(result.begin(), result.end(), 0);
-  for (std::vector<ShortEdge> edges = short_edges(patch, tolerance); !edges.empty();
-       edges = short_edges(patch, tolerance)) {
+  for (std::vector<ShortEdge> edges = short_edges(patch, shortest); !edges.empty();
+       edges = short_edges(patch, shortest)) {
     const std::vector<std::int32_t> goal = goals(patch, kinds, edges);
     const auto move = [&goal](std::int32_t& k) { k = goal[static_cast<std::size_t>(k)]; };
     for (PatchPolygon& polygon : patch.polygons) std::ranges::for_each(polygon.corners, move);
@@ -250,8 +249,8 @@ class Union {
     keep_simple_loops(whole_);
   }
 
-  void remove_short_edges(double tolerance) {
-    const std::vector<std::int32_t> gone = dapple::remove_short_edges(whole_, kinds_, tolerance);
+  void remove_short_edges(double shortest) {
+    const std::vector<std::int32_t> gone = dapple::remove_short_edges(whole_, kinds_, shortest);
     for (std::int32_t& k : places_) k = gone[static_cast<std::size_t>(k)];
   }
 
@@ -363,15 +362,15 @@ JoinedPatch PatchBuilder::build(std::span<const CellPolygon> pieces,
   return {std::move(patch), joiner.kinds()};
 }
 
-Patch without_short_edges(JoinedPatch joined, double tolerance) {
-  remove_short_edges(joined.patch, joined.kinds, tolerance);
+Patch without_short_edges(JoinedPatch joined, double shortest) {
+  remove_short_edges(joined.patch, joined.kinds, shortest);
   return std::move(joined.patch);
 }
 
-std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined, double tolerance,
+std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined, double shortest,
                                        double rounding) {
   Union whole(joined, rounding);
-  whole.remove_short_edges(tolerance);
+  whole.remove_short_edges(shortest);
   std::vector<Patch> result;
   for (std::size_t k = 0; k < joined.size(); ++k)
     result.push_back(whole.part(k, std::move(joined[k].patch)));

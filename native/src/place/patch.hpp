@@ -29,14 +29,14 @@ struct JoinedPatch {
   std::vector<On> kinds;  ///< per point
 };
 
-/// Without edges shorter than `tolerance`; polygons without extent are gone, and no polygon meets
+/// Without edges shorter than `shortest`; polygons without extent are gone, and no polygon meets
 /// itself.
-[[nodiscard]] Patch without_short_edges(JoinedPatch joined, double tolerance);
+[[nodiscard]] Patch without_short_edges(JoinedPatch joined, double shortest);
 
 /// The same of patches that touch, so that they touch with the same points as before: an edge is
 /// removed from all that have it, to the same place. Points within `rounding` count as one.
 [[nodiscard]] std::vector<Patch> without_short_edges(std::vector<JoinedPatch> joined,
-                                                     double tolerance, double rounding);
+                                                     double shortest, double rounding);
 
 /// Points on edges of the mesh, by the vertices of these, the lower first.
 using EdgePoints = std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/tiles.hpp>
+#include <dapple/mosaic.hpp>
 #include <functional>
 
 #include "place/patch.hpp"

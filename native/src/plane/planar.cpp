@@ -145,20 +145,20 @@ Sites FlatDomain::start(Start kind, std::size_t count, std::uint64_t seed, Conte
 
 // ---- the plane ----
 
-PlanarDomain::PlanarDomain(Surface surface, const Vec2& size, std::shared_ptr<const Image> density)
+Plane::Plane(Surface surface, const Vec2& size, std::shared_ptr<const Image> density)
     : FlatDomain(std::move(density)),
       surface_(std::move(surface)),
       size_(size),
       projector_(std::make_shared<Projector>(surface_, /*support_only=*/true)),
       cell_surfaces_(std::make_shared<CellSurfaces>(Cells::kEuclidean)) {}
 
-PlanarDomain PlanarDomain::rectangle(double width, double height) {
+Plane Plane::rectangle(double width, double height) {
   check_positive("width", width);
   check_positive("height", height);
   return {box_surface(Vec2::Zero(), {width, height}), {width, height}, nullptr};
 }
 
-PlanarDomain PlanarDomain::image(double width, double height, const Image& density) {
+Plane Plane::image(double width, double height, const Image& density) {
   check_positive("width", width);
   check_positive("height", height);
   checked(density);
@@ -181,39 +181,38 @@ PlanarDomain PlanarDomain::image(double width, double height, const Image& densi
   return {std::move(surface), {width, height}, std::make_shared<const Image>(density)};
 }
 
-PlanarDomain PlanarDomain::polygon(const std::vector<Vec2>& outline,
-                                   std::span<const std::vector<Vec2>> holes) {
+Plane Plane::polygon(const std::vector<Vec2>& outline, std::span<const std::vector<Vec2>> holes) {
   return {polygon_surface(outline, holes), Vec2::Zero(), nullptr};
 }
 
-RestrictedVoronoi PlanarDomain::cells(const Sites& sites, Context* context) const {
+void Plane::update_cells(RestrictedVoronoi& diagram, const Sites& sites, Context* context) const {
   if (context) context->check();
   Stretch cutting(context, 0.0, kCut);
   // A rectangle has no corner that a straight way between two of its points could leave it at.
   const auto cut =
       size_.isZero() ? cell_surfaces_->at(surface_, sites.size(), cutting.context()).cut : nullptr;
   Stretch dividing(context, cut ? kCut : 0.0, 1.0);
-  return restricted_voronoi(
+  diagram = restricted_voronoi(
       cut ? cut->surface() : surface_, cut ? cut->on_pieces(sites) : sites,
       in_stage(context, Stage::kNeighbors,
                [&] { return plane_graph(sites.positions, frame_of(surface_, size_)); }),
-      dividing.context(), cells_);
+      cells_, dividing.context());
 }
 
-double PlanarDomain::mass() const { return surface_.ordered().unit_mass(); }
+double Plane::capacity() const { return surface_.ordered().unit_capacity(); }
 
-double PlanarDomain::density_unit() const { return surface_.ordered().density_unit(); }
+double Plane::density_unit() const { return surface_.ordered().density_unit(); }
 
-Sites PlanarDomain::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
-                            const Context* context) const {
+Sites Plane::project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
+                     const Context* context) const {
   Projection found = projector_->project(points, hints, context);
   move_off_zeros(surface_, found.faces, found.barycentric, found.positions);
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
-void PlanarDomain::check(const Sites& sites) const { check_sites(surface_, sites); }
+void Plane::check(const Sites& sites) const { check_sites(surface_, sites); }
 
-Sites PlanarDomain::sites(std::span<const Vec2> points) const {
+Sites Plane::sites(std::span<const Vec2> points) const {
   Projection found = Projector(surface_).project(in_space("positions", points));
   for (std::size_t k = 0; k < points.size(); ++k)
     if (found.distances[k] > kOutside * std::sqrt(area()))
@@ -223,18 +222,17 @@ Sites PlanarDomain::sites(std::span<const Vec2> points) const {
   return {std::move(found.positions), std::move(found.faces), std::move(found.barycentric)};
 }
 
-std::unique_ptr<FlatDomain> PlanarDomain::with_cells(Cells cells) const {
-  auto result = std::make_unique<PlanarDomain>(*this);
+std::unique_ptr<FlatDomain> Plane::with_cells(Cells cells) const {
+  auto result = std::make_unique<Plane>(*this);
   result->cells_ = cells;
   return result;
 }
 
-std::vector<bool> PlanarDomain::on_border(const Sites& sites,
-                                          const RestrictedVoronoi& diagram) const {
+std::vector<bool> Plane::on_border(const Sites& sites, const RestrictedVoronoi& diagram) const {
   return cells_on_border(surface_, sites, diagram);
 }
 
-std::unique_ptr<FlatDomain> PlanarDomain::with_density(const Image& density) const {
+std::unique_ptr<FlatDomain> Plane::with_density(const Image& density) const {
   if (size_.x() == 0.0)
     throw ArgumentError("density is an image, and the domain a polygon: only rectangles take one");
   return image(size_.x(), size_.y(), density).with_cells(cells_);
@@ -242,7 +240,7 @@ std::unique_ptr<FlatDomain> PlanarDomain::with_density(const Image& density) con
 
 // ---- the torus ----
 
-TorusDomain::TorusDomain()
+Torus::Torus()
     : FlatDomain(nullptr),
       pixels_(0, 0),
       before_(0, 0),
@@ -250,7 +248,7 @@ TorusDomain::TorusDomain()
       period_(box_surface({0, 0}, {1, 1})),
       cover_(box_surface({-1, -1}, {2, 2})) {}
 
-TorusDomain::TorusDomain(const Image& density)
+Torus::Torus(const Image& density)
     : FlatDomain(std::make_shared<const Image>(density)),
       pixels_(size_of(checked(density))),
       before_(pixels_before(pixels_)),
@@ -261,7 +259,7 @@ TorusDomain::TorusDomain(const Image& density)
     support_ = std::make_shared<const Projector>(cover_, /*support_only=*/true);
 }
 
-std::int32_t TorusDomain::face_at(const Vec2& wrapped) const {
+std::int32_t Torus::face_at(const Vec2& wrapped) const {
   const Eigen::Array2d at =
       uniform() ? ((wrapped.array() + 1.0) / 3.0).eval()
                 : (wrapped.array() * pixels_.cast<double>() - 0.5 + before_.cast<double>()).eval();
@@ -270,11 +268,11 @@ std::int32_t TorusDomain::face_at(const Vec2& wrapped) const {
   return 2 * (quad.y() * quads_.x() + quad.x()) + (inside.y() > inside.x() ? 1 : 0);
 }
 
-Vec2 TorusDomain::canonical(const Vec3& position) const {
+Vec2 Torus::canonical(const Vec3& position) const {
   return {wrap(position.x()), wrap(position.y())};
 }
 
-RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const {
+void Torus::update_cells(RestrictedVoronoi& diagram, const Sites& sites, Context* context) const {
   if (context) context->check();
   Sites wrapped;
   wrapped.positions.resize(sites.size());
@@ -286,18 +284,18 @@ RestrictedVoronoi TorusDomain::cells(const Sites& sites, Context* context) const
   });
   const SiteGraph graph =
       in_stage(context, Stage::kNeighbors, [&] { return torus_graph(wrapped.positions); });
-  return restricted_voronoi(cover_, wrapped, graph, context);
+  diagram = restricted_voronoi(cover_, wrapped, graph, Cells::kEuclidean, context);
 }
 
-double TorusDomain::mass() const {
+double Torus::capacity() const {
   const OrderedSurface& period = period_.ordered();
-  return period.unit_mass() * (density_unit() / period.density_unit());
+  return period.unit_capacity() * (density_unit() / period.density_unit());
 }
 
-double TorusDomain::density_unit() const { return cover_.ordered().density_unit(); }
+double Torus::density_unit() const { return cover_.ordered().density_unit(); }
 
-Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::int32_t>,
-                           const Context* context) const {
+Sites Torus::project(std::span<const Vec3> points, std::span<const std::int32_t>,
+                     const Context* context) const {
   check_finite("points", points);
   if (context) context->check();
   Sites sites = bind(points);
@@ -306,7 +304,7 @@ Sites TorusDomain::project(std::span<const Vec3> points, std::span<const std::in
 }
 
 /// The points where they are.
-Sites TorusDomain::bind(std::span<const Vec3> points) const {
+Sites Torus::bind(std::span<const Vec3> points) const {
   const OrderedSurface& cover = cover_.ordered();
   Sites sites{Vectors(points.size()), std::vector<std::int32_t>(points.size()),
               Vectors(points.size())};
@@ -322,7 +320,7 @@ Sites TorusDomain::bind(std::span<const Vec3> points) const {
 }
 
 /// Move sites from where the density is 0 to the nearest place that has some.
-void TorusDomain::lead_to_density(Sites& sites, const Context* context) const {
+void Torus::lead_to_density(Sites& sites, const Context* context) const {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     if (is_on_density(cover_, sites.faces[k], sites.barycentric[k])) continue;
     const Vec2 p = canonical(sites.positions[k]);
@@ -337,26 +335,26 @@ void TorusDomain::lead_to_density(Sites& sites, const Context* context) const {
   }
 }
 
-void TorusDomain::check(const Sites& sites) const { check_sites(cover_, sites); }
+void Torus::check(const Sites& sites) const { check_sites(cover_, sites); }
 
-Sites TorusDomain::sites(std::span<const Vec2> points) const {
+Sites Torus::sites(std::span<const Vec2> points) const {
   return bind(in_space("positions", points));
 }
 
 // Its cells are whole, whatever the rule for parts of them.
-std::unique_ptr<FlatDomain> TorusDomain::with_cells(Cells) const {
-  return std::make_unique<TorusDomain>(*this);
+std::unique_ptr<FlatDomain> Torus::with_cells(Cells) const {
+  return std::make_unique<Torus>(*this);
 }
 
-std::vector<bool> TorusDomain::on_border(const Sites& sites, const RestrictedVoronoi&) const {
+std::vector<bool> Torus::on_border(const Sites& sites, const RestrictedVoronoi&) const {
   return std::vector<bool>(sites.size(), false);
 }
 
-std::unique_ptr<FlatDomain> TorusDomain::with_density(const Image& density) const {
-  return std::make_unique<TorusDomain>(density);
+std::unique_ptr<FlatDomain> Torus::with_density(const Image& density) const {
+  return std::make_unique<Torus>(density);
 }
 
-Sites TorusDomain::to_sampling_surface(const Sites& sites) const {
+Sites Torus::to_sampling_surface(const Sites& sites) const {
   std::vector<Vec3> points;
   for (const Vec3& x : sites.positions) {
     const Vec2 p = canonical(x);

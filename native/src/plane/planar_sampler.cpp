@@ -15,19 +15,19 @@ std::string shape(const Image& image) {
 }
 
 /// The density of class c as an image of this shape.
-const Image& image_of(const FlatDomain& domain, const PlanarClass& member, const Image& ones) {
-  if (member.density) return *member.density;
+const Image& image_of(const FlatDomain& domain, const SampleClass& member, const Image& ones) {
+  if (member.image) return *member.image;
   return domain.density() ? *domain.density() : ones;
 }
 
-const Image* first_image(std::span<const PlanarClass> classes) {
-  for (const PlanarClass& member : classes)
-    if (member.density) return &*member.density;
+const Image* first_image(std::span<const SampleClass> classes) {
+  for (const SampleClass& member : classes)
+    if (member.image) return &*member.image;
   return nullptr;
 }
 
 /// Sum of the classes' images, each scaled to its count.
-Image union_image(const FlatDomain& domain, std::span<const PlanarClass> classes,
+Image union_image(const FlatDomain& domain, std::span<const SampleClass> classes,
                   const std::vector<double>& weights) {
   Image sum = *first_image(classes);
   Image ones = sum;
@@ -43,16 +43,21 @@ Image union_image(const FlatDomain& domain, std::span<const PlanarClass> classes
   return sum;
 }
 
-ClassProblem planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
+ClassProblem planar_classes(const FlatDomain& domain, std::span<const SampleClass> classes,
                             Cells cells) {
   if (classes.empty()) throw ArgumentError("classes is empty: at least one is needed");
+  for (std::size_t c = 0; c < classes.size(); ++c)
+    if (classes[c].surface)
+      throw ArgumentError(
+          entry("classes", c) +
+          ".surface is given: in a flat domain a class has its density as an image");
   const std::shared_ptr<const FlatDomain> own = domain.with_cells(cells);
   ClassProblem problem{own, {}};
   std::size_t filled = 0;
-  for (const PlanarClass& member : classes) {
+  for (const SampleClass& member : classes) {
     const std::shared_ptr<const Domain> mine =
-        member.density
-            ? std::shared_ptr<const Domain>(domain.with_density(*member.density)->with_cells(cells))
+        member.image
+            ? std::shared_ptr<const Domain>(domain.with_density(*member.image)->with_cells(cells))
             : own;
     problem.classes.push_back({mine, member.count, member.radius, member.locked});
     filled += member.count > 0 ? 1 : 0;
@@ -70,16 +75,16 @@ ClassProblem planar_classes(const FlatDomain& domain, std::span<const PlanarClas
 
 }  // namespace
 
-PlanarSamples sample_planar(const FlatDomain& domain, std::size_t count,
-                            const SampleOptions& options, Context* context) {
-  const PlanarClass all{.count = count, .locked = options.locked};
+PlanarSamples sample(const FlatDomain& domain, std::size_t count, const SampleOptions& options,
+                     Context* context) {
+  const SampleClass all{.count = count, .locked = options.locked};
   ClassOptions of_class{.sample = options};
   of_class.sample.locked = {};
-  return sample_planar_classes(domain, {&all, 1}, of_class, context);
+  return sample_classes(domain, {&all, 1}, of_class, context);
 }
 
-PlanarSamples sample_planar_classes(const FlatDomain& domain, std::span<const PlanarClass> classes,
-                                    const ClassOptions& options, Context* context) {
+PlanarSamples sample_classes(const FlatDomain& domain, std::span<const SampleClass> classes,
+                             const ClassOptions& options, Context* context) {
   TimedCall call(context);
   if (context) context->check();
   check_none_locked("sample.locked", options.sample.locked, "classes say themselves which stay");

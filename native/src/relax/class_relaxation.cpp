@@ -69,7 +69,7 @@ Sites left_of(const RelaxedClass& one) {
 }
 
 Companion companion(const RelaxedClass& one) {
-  return {&one.surface, static_cast<double>(wanted(one)) / one.surface.mass(), one.radius};
+  return {&one.surface, static_cast<double>(wanted(one)) / one.surface.capacity(), one.radius};
 }
 
 /// What lies on the faces; those that were free when the class was relaxed alone still are.

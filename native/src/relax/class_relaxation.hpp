@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/relax_options.hpp>
+#include <dapple/relax.hpp>
 #include <dapple/samples.hpp>
 
 #include "relax/company.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "optimize/discs.hpp"
+#include "rebalance/lead_to_density.hpp"
 #include "relax/part_domain.hpp"
-#include "sample/lead_to_density.hpp"
 #include "sample/solve_classes.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -119,7 +119,7 @@ Minimum even_among(std::span<const Self> selves, const Company& company,
                                                      gathered.start.size());
   Objective objective =
       make_objective(problem, class_of_sites(problem),
-                     {.sample = {.optimizer = options}, .union_weight = company.union_weight},
+                     {.union_weight = company.union_weight, .sample = {.optimizer = options}},
                      std::move(gathered.locked));
   leave_out_locked(objective);
   objective.holds_discs = !objective.discs.empty();

@@ -11,7 +11,7 @@ namespace dapple {
 /// A class of samples among which another one is relaxed, or that one itself.
 struct Companion {
   const Surface* surface;  ///< with its density; of the same faces
-  double weight;           ///< of that density in the sum of all: its count / its mass
+  double weight;           ///< of that density in the sum of all: its count / its capacity
   double radius;           ///< of its discs
   Sites sites = {};        ///< those that stay where they are
 };

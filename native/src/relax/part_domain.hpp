@@ -12,14 +12,11 @@ class PartDomain final : public Domain {
   /// \param domain   of the part; must outlive this
   /// \param capacity of a site, as the domain's integrals
   PartDomain(const SurfaceDomain& domain, double capacity, std::size_t count)
-      : domain_(domain), mass_(capacity * static_cast<double>(count)) {}
+      : domain_(domain), capacity_(capacity * static_cast<double>(count)) {}
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override {
-    return domain_.cells(sites, context);
-  }
-  void update_cells(const Sites& sites, Context* context,
-                    RestrictedVoronoi& diagram) const override {
-    domain_.update_cells(sites, context, diagram);
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+                    Context* context) const override {
+    domain_.update_cells(diagram, sites, context);
   }
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context) const override {
@@ -27,7 +24,7 @@ class PartDomain final : public Domain {
   }
   [[nodiscard]] Vec3 normal(std::int32_t face) const override { return domain_.normal(face); }
   [[nodiscard]] double area() const override { return domain_.area(); }
-  [[nodiscard]] double mass() const override { return mass_; }
+  [[nodiscard]] double capacity() const override { return capacity_; }
   [[nodiscard]] double density_unit() const override { return domain_.density_unit(); }
   [[nodiscard]] bool uniform() const override { return domain_.uniform(); }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
@@ -41,7 +38,7 @@ class PartDomain final : public Domain {
 
  private:
   const SurfaceDomain& domain_;
-  double mass_;
+  double capacity_;
 };
 
 }  // namespace dapple

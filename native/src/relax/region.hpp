@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "rebalance/among_locked.hpp"
 #include "relax/surface_part.hpp"
-#include "sample/among_locked.hpp"
 
 namespace dapple {
 

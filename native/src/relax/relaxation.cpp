@@ -11,12 +11,12 @@
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "optimize/owned_share.hpp"
+#include "rebalance/among_locked.hpp"
+#include "rebalance/lead_to_density.hpp"
+#include "rebalance/rebalance.hpp"
+#include "rebalance/widest_gaps.hpp"
 #include "relax/part_domain.hpp"
-#include "sample/among_locked.hpp"
-#include "sample/lead_to_density.hpp"
 #include "sample/outcome.hpp"
-#include "sample/rebalance.hpp"
-#include "sample/widest_gaps.hpp"
 #include "surface/on_density.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -340,18 +340,18 @@ double Relaxation::capacity_around(const Region& region, const RestrictedVoronoi
 /// The mean on the faces that have not changed; of all where these hold hardly any sites. In the
 /// unit of the cells of the whole surface.
 double Relaxation::capacity_elsewhere() const {
-  double mass = 0.0;
+  double capacity = 0.0;
   std::vector<bool> is_changed(surface_.face_count(), false);
   for (const OrderedFace face : changed_) {
     is_changed[as_index(face)] = true;
-    mass += surface_.ordered().geometry(face).moments.capacity;
+    capacity += surface_.ordered().geometry(face).moments.capacity;
   }
   const auto left = std::count_if(sites_.faces.begin(), sites_.faces.end(), [&](std::int32_t f) {
     return !is_changed[as_index(surface_.ordered().ordered_face(f))];
   });
-  const double all = surface_.ordered().unit_mass();
-  return left >= kHardlyAny && all > mass ? (all - mass) / static_cast<double>(left)
-                                          : all / static_cast<double>(given_);
+  const double all = surface_.ordered().unit_capacity();
+  return left >= kHardlyAny && all > capacity ? (all - capacity) / static_cast<double>(left)
+                                              : all / static_cast<double>(given_);
 }
 
 /// Of each of the sites where samples come and go, so that there become as many as are wanted; 0 if
@@ -492,7 +492,7 @@ void Relaxation::measure_all(const Region& region, const Minimum& found) {
   const Energy& energy = own_energy(found);  // in the unit of the part's share
   static_cast<Quality&>(report_) =
       measure(domain, energy, sites, surface_.normals(faces, sites.barycentric));
-  const double owned = domain.mass() * owned_share(energy.diagram, domain.mass());
+  const double owned = domain.capacity() * owned_share(energy.diagram, domain.capacity());
   report_.energy = static_cast<double>(sites.size()) * energy.total / owned / owned -
                    options_.optimizer.capacity_weight;
 }

@@ -97,7 +97,7 @@ std::vector<double> union_weights(const ClassProblem& problem) {
   std::vector<double> weights;
   weights.reserve(problem.classes.size());
   for (const ClassProblem::Member& member : problem.classes)
-    weights.push_back(static_cast<double>(member.count) / member.domain->mass() *
+    weights.push_back(static_cast<double>(member.count) / member.domain->capacity() *
                       member.domain->density_unit());
   return weights;
 }

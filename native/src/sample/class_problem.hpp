@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/class_options.hpp>
 #include <dapple/domain.hpp>
+#include <dapple/sampler.hpp>
 #include <span>
 
 #include "optimize/objective.hpp"
@@ -23,7 +23,7 @@ struct ClassProblem {
 
 [[nodiscard]] bool any_radius(const ClassProblem& problem);
 
-/// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
+/// \throw ArgumentError for options out of range, or radii whose discs exceed the densest packing
 void check(const ClassProblem& problem, const ClassOptions& options);
 
 /// Per site, class by class, whether it is locked; empty: none is.

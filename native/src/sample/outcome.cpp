@@ -49,11 +49,11 @@ double whole_count_variation(const Domain& domain, const Sites& sites) {
   std::vector<double> counts(islands.count(), 0.0);
   for (const std::int32_t face : domain.to_sampling_surface(sites).faces)
     ++counts[islands.at(surface.ordered().ordered_face(face))];
-  const double mean = surface.ordered().unit_mass() / static_cast<double>(sites.size());
+  const double mean = surface.ordered().unit_capacity() / static_cast<double>(sites.size());
   double sum = 0.0;
   for (std::size_t c = 0; c < islands.count(); ++c) {
     if (counts[c] == 0.0) continue;
-    const double off = islands.masses()[c] / (counts[c] * mean) - 1.0;
+    const double off = islands.capacities()[c] / (counts[c] * mean) - 1.0;
     sum += counts[c] * (off * off);
   }
   return std::sqrt(sum / static_cast<double>(sites.size()));
@@ -72,7 +72,7 @@ Quality measure(const Domain& domain, const Energy& energy, const Sites& sites,
 
 Report to_report(const Objective& objective, const Minimum& found, std::size_t class_count,
                  std::span<const Vec3> normals) {
-  const State& state = found.state;
+  const Evaluation& state = found.state;
   Report report;
   static_cast<Quality&>(report) =
       measure(objective.domain(), state.parts[0].energy, state.sites, normals);

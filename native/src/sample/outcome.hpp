@@ -13,7 +13,7 @@ namespace dapple {
 inline constexpr double kAsEven = 5e-4;
 
 /// The least capacity variation of as many samples as each island of the density has: within one
-/// they share its mass at best. 0 where there is one island.
+/// they share its capacity at best. 0 where there is one island.
 [[nodiscard]] double whole_count_variation(const Domain& domain, const Sites& sites);
 
 /// How even sites are by the energy over their cells.

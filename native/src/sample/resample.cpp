@@ -8,12 +8,12 @@
 #include "base/progress.hpp"
 #include "base/validate.hpp"
 #include "optimize/minimizer.hpp"
-#include "sample/among_locked.hpp"
-#include "sample/lead_to_density.hpp"
+#include "rebalance/among_locked.hpp"
+#include "rebalance/lead_to_density.hpp"
+#include "rebalance/rebalance.hpp"
+#include "rebalance/widest_gaps.hpp"
 #include "sample/outcome.hpp"
-#include "sample/rebalance.hpp"
 #include "sample/timed_call.hpp"
-#include "sample/widest_gaps.hpp"
 #include "voronoi/cell_surface.hpp"
 
 namespace dapple {
@@ -211,20 +211,20 @@ void restore_locked(const Samples& before, const Beginning& first, Samples& afte
 }  // namespace
 
 Samples resample(const Surface& surface, const Samples& samples, std::size_t count,
-                 const SampleOptions& options, Context* context,
-                 std::span<const std::int32_t> locked) {
+                 const ResampleOptions& options, Context* context) {
   TimedCall call(context);
   if (context) context->check();
   check_count("count", count);
-  check_none_locked("options.locked", options.locked, "say which of the samples stay by locked");
-  check_locked(locked, samples, count);
+  check_options(options);
+  check_locked(options.locked, samples, count);
   Samples result = with_threads(options.threads, [&] {
     const SurfaceDomain domain(surface, options.cells, Steps::kAnywhere,
                                sides_for(surface, count, options.cells), EmptyFaces::kLeft);
     const double begun = beginning(samples.size(), count);
     Stretch starting(call.context(), 0.0, begun), evening(call.context(), begun, 1.0);
     const Beginning first = in_stage(call.context(), Stage::kStart, [&] {
-      return begin(surface, domain, samples, locked, count, options.seed, starting.context());
+      return begin(surface, domain, samples, options.locked, count, options.seed,
+                   starting.context());
     });
     const std::vector<std::int32_t> ids = continued(first.kept.ids, last_id(samples), count);
     OptimizerResult found = even_out(domain, first, samples, options.optimizer, evening.context());

@@ -9,7 +9,7 @@
 #include "base/progress.hpp"
 #include "optimize/discs.hpp"
 #include "optimize/forecast.hpp"
-#include "sample/rebalance.hpp"
+#include "rebalance/rebalance.hpp"
 #include "surface/islands.hpp"
 #include "surface/ordered_surface.hpp"
 
@@ -50,7 +50,7 @@ int evaluations_left(const OptimizerOptions& options, const Minimum& sum) {
 }  // namespace
 
 Sites discs_apart(const Objective& objective, Sites sites, Context* context) {
-  State state;
+  Evaluation state;
   state.sites = std::move(sites);
   for (int push = 0; push < kPushes; ++push) {
     update_normals(state, objective);

@@ -32,7 +32,7 @@ struct ClassMinimum {
 
 /// Start and minimize: all classes at once, or the rare ones first where some are far rarer than
 /// others; in two stages where that is asked for.
-/// \throw ArgumentError for options out of range, or radii for which the area cannot suffice
+/// \throw ArgumentError for options out of range, or radii whose discs exceed the densest packing
 [[nodiscard]] ClassMinimum solve(const ClassProblem& problem, const ClassOptions& options,
                                  Context* context);
 

@@ -18,7 +18,7 @@ Surface union_surface(const Surface& surface, std::span<const SampleClass> class
   std::vector<double> values(3 * surface.face_count(), 0.0);
   for (const SampleClass& member : classes) {
     const Surface& own = surface_of(surface, member);
-    const double weight = static_cast<double>(member.count) / own.mass();
+    const double weight = static_cast<double>(member.count) / own.capacity();
     for (std::size_t f = 0; f < surface.face_count(); ++f) {
       const Vec3 densities =
           own.ordered().densities(own.ordered().ordered_face(static_cast<std::int32_t>(f)));
@@ -37,10 +37,14 @@ std::size_t total(std::span<const SampleClass> classes) {
 
 void check_faces(const Surface& surface, std::span<const SampleClass> classes) {
   if (classes.empty()) throw ArgumentError("classes is empty: at least one is needed");
-  for (std::size_t c = 0; c < classes.size(); ++c)
+  for (std::size_t c = 0; c < classes.size(); ++c) {
+    if (classes[c].image)
+      throw ArgumentError(entry("classes", c) +
+                          ".image is given: on a surface a class has its density as a surface");
     if (!surface_of(surface, classes[c]).same_faces(surface))
       throw ArgumentError(entry("classes", c) +
                           " has a surface of other faces: make it by with_density()");
+  }
 }
 
 void check_locked(const Surface& surface, std::span<const SampleClass> classes) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cmath>
-#include <dapple/radial_statistics.hpp>
+#include <dapple/spectrum.hpp>
 #include <limits>
 #include <numbers>
 

@@ -121,7 +121,7 @@ class Differentials {
     if (surface_.uniform()) return uniform;
     const double density = samples_.barycentric[sample].dot(
         surface_.ordered().densities(surface_.ordered().ordered_face(samples_.faces[sample])));
-    return uniform * std::sqrt(surface_.mass() / surface_.area() / density);
+    return uniform * std::sqrt(surface_.capacity() / surface_.area() / density);
   }
 
   void find_centers(const Context* context) {

@@ -30,10 +30,10 @@ constexpr std::size_t kGrain = 256;          // of them, in one piece of paralle
 constexpr double kUnion = 0.85;              // distance to any class, in the spacing of all
 constexpr double kSizesYield = 0.4;          // fraction below which the discs' own radii shrink too
 
-/// Where `count` points have the density n phi / mass, their hexagonal spacing is
-/// sqrt(2 mass / (sqrt(3) n phi)): this at phi = 1.
+/// Where `count` points have the density n phi / capacity, their hexagonal spacing is
+/// sqrt(2 capacity / (sqrt(3) n phi)): this at phi = 1.
 double spacing_at_1(const Surface& surface, std::size_t count) {
-  return surface.spacing(count) * std::sqrt(surface.mass() / surface.area());
+  return surface.spacing(count) * std::sqrt(surface.capacity() / surface.area());
 }
 
 std::vector<Dart> darts_at(const Surface& surface, const Sites& sites) {

@@ -28,7 +28,7 @@ void subtract(std::vector<std::size_t>& quotas, const std::vector<std::size_t>& 
 }  // namespace
 
 DartBoard::DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken)
-    : surface_(&surface), islands_(surface), places_(allot(islands_.masses(), count)) {
+    : surface_(&surface), islands_(surface), places_(allot(islands_.capacities(), count)) {
   std::vector<std::size_t> held(places_.size(), 0);
   for (const Dart& dart : taken) ++held[islands_.at(dart.face)];
   subtract(places_, held);
@@ -42,21 +42,21 @@ DartBoard::Draw DartBoard::draw(Random& random) const {
   }
 }
 
-// The first face whose cumulative mass lies above: a binary search would miss the cache at each of
-// its steps.
-std::size_t DartBoard::face_at(double mass) const {
+// The first face whose cumulative capacity lies above: a binary search would miss the cache at each
+// of its steps.
+std::size_t DartBoard::face_at(double capacity) const {
   const std::size_t last = cumulative_.size() - 1;
-  const double part = mass / cumulative_.back() * static_cast<double>(guide_.size());
+  const double part = capacity / cumulative_.back() * static_cast<double>(guide_.size());
   std::size_t k = guide_[std::min(static_cast<std::size_t>(part), guide_.size() - 1)];
-  while (k > 0 && cumulative_[k - 1] > mass) --k;  // rounding
-  while (k < last && cumulative_[k] <= mass) ++k;
+  while (k > 0 && cumulative_[k - 1] > capacity) --k;  // rounding
+  while (k < last && cumulative_[k] <= capacity) ++k;
   return k;
 }
 
 bool DartBoard::take(const Dart& dart) {
   const std::size_t c = islands_.at(dart.face);
   if (--places_[c] > 0) return false;
-  closed_ += islands_.masses()[c];
+  closed_ += islands_.capacities()[c];
   if (closed_ > 0.5 * cumulative_.back()) sum_up();
   return true;
 }

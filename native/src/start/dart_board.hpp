@@ -10,7 +10,7 @@ namespace dapple {
 /// Draws points of a surface with its density, while their island has places left.
 class DartBoard {
  public:
-  /// Each island gets its share of `count` places by mass, by largest remainders.
+  /// Each island gets its share of `count` places by capacity, by largest remainders.
   /// \param taken darts that are there already, `count` includes them
   DartBoard(const Surface& surface, std::size_t count, const std::vector<Dart>& taken = {});
 
@@ -28,15 +28,15 @@ class DartBoard {
 
  private:
   void sum_up();
-  [[nodiscard]] std::size_t face_at(double mass) const;
+  [[nodiscard]] std::size_t face_at(double capacity) const;
   [[nodiscard]] Draw draw_on(OrderedFace face, Random& random) const;
 
   const Surface* surface_;
   Islands islands_;
   std::vector<std::size_t> places_;   // left per island
-  std::vector<double> cumulative_;    // mass of the faces so far, without full islands
-  double closed_ = 0.0;               // mass of islands that have become full since
-  std::vector<std::uint32_t> guide_;  // per equal part of the mass: the face it begins in
+  std::vector<double> cumulative_;    // capacity of the faces so far, without full islands
+  double closed_ = 0.0;               // capacity of islands that have become full since
+  std::vector<std::uint32_t> guide_;  // per equal part of the capacity: the face it begins in
 };
 
 }  // namespace dapple

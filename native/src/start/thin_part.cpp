@@ -109,7 +109,7 @@ class Course {
  private:
   struct Node {
     std::size_t slab = 0;
-    double area = 0.0, mass = 0.0;
+    double area = 0.0, capacity = 0.0;
     std::vector<std::size_t> pieces = {};  // of them, those with density
     std::vector<std::size_t> beside = {};  // nodes in the next slabs
     bool visited = false;
@@ -272,22 +272,22 @@ class Course {
     const bool last = node.slab + 1 == slabs_;
     const Slice part = slice(distances(face), low, last ? 2.0 * length_ : low + height_);
     const double area = part.share * surface_.geometry(faces_[face]).moments.area;
-    const double mass = area * part.centroid.dot(surface_.densities(faces_[face]));
+    const double capacity = area * part.centroid.dot(surface_.densities(faces_[face]));
     node.area += area;
-    node.mass += mass;
-    if (mass > 0.0) node.pieces.push_back(piece);
+    node.capacity += capacity;
+    if (capacity > 0.0) node.pieces.push_back(piece);
   }
 
   /// Whether it is long, and nearly nowhere wider around than a few spacings.
   [[nodiscard]] bool is_thin(std::size_t count) const {
     double all = 0.0, wide = 0.0, area = 0.0;
-    for (const Node& node : nodes_) all += node.mass;
+    for (const Node& node : nodes_) all += node.capacity;
     const double share = all / static_cast<double>(count);
     for (const Node& node : nodes_) {
       area += node.area;
-      if (node.mass > 0.0 &&
-          node.area / height_ > kNarrow * hexagonal_spacing(share * node.area / node.mass))
-        wide += node.mass;
+      if (node.capacity > 0.0 &&
+          node.area / height_ > kNarrow * hexagonal_spacing(share * node.area / node.capacity))
+        wide += node.capacity;
     }
     const double along = height_ * static_cast<double>(nodes_.size());
     return all > 0.0 && wide <= kWide * all && along * along >= kLong * area;
@@ -339,7 +339,7 @@ class Course {
 
   std::optional<std::vector<Place>> take(std::size_t count, double phase, Random& random) const {
     double all = 0.0;
-    for (const Visit& visit : order_) all += nodes_[visit.node].mass;
+    for (const Visit& visit : order_) all += nodes_[visit.node].capacity;
     std::vector<Place> result;
     double before = 0.0;
     for (const auto& [k, forward] : order_) {
@@ -347,13 +347,13 @@ class Course {
       while (result.size() < count) {
         const double wanted =
             (static_cast<double>(result.size()) + phase) / static_cast<double>(count) * all;
-        if (!(wanted < before + node.mass)) break;
-        const double part = (wanted - before) / node.mass;
+        if (!(wanted < before + node.capacity)) break;
+        const double part = (wanted - before) / node.capacity;
         const auto place = place_in(node, forward ? part : 1.0 - part, result, random);
         if (!place) return std::nullopt;
         result.push_back(*place);
       }
-      before += node.mass;
+      before += node.capacity;
     }
     if (result.size() != count) return std::nullopt;
     return result;

@@ -62,8 +62,8 @@ Islands::Islands(const Surface& surface) : surface_(&surface) {
   if (!surface.uniform() && lacks_density(surface)) labels_ = labels_of(surface);
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     const std::size_t island = at(nth_face(f));
-    if (island >= masses_.size()) masses_.resize(island + 1, 0.0);
-    masses_[island] += mesh.geometry(nth_face(f)).moments.capacity;
+    if (island >= capacities_.size()) capacities_.resize(island + 1, 0.0);
+    capacities_[island] += mesh.geometry(nth_face(f)).moments.capacity;
   }
 }
 

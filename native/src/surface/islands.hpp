@@ -18,19 +18,19 @@ class Islands {
 
   /// Whether there are faces without density.
   [[nodiscard]] bool has_gaps() const { return !labels_.empty(); }
-  [[nodiscard]] std::size_t count() const { return masses_.size(); }
-  /// Of a face, in 0..count() - 1; faces without density have one too, of mass 0.
+  [[nodiscard]] std::size_t count() const { return capacities_.size(); }
+  /// Of a face, in 0..count() - 1; faces without density have one too, of capacity 0.
   [[nodiscard]] std::size_t at(OrderedFace face) const {
     return static_cast<std::size_t>(labels_.empty() ? surface_->ordered().component(face)
                                                     : labels_[as_index(face)]);
   }
   /// Integrals of the density, as those of faces.
-  [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
+  [[nodiscard]] const std::vector<double>& capacities() const { return capacities_; }
 
  private:
   const Surface* surface_;
   std::vector<std::int32_t> labels_;  // per ordered face; empty: its component
-  std::vector<double> masses_;
+  std::vector<double> capacities_;
 };
 
 }  // namespace dapple

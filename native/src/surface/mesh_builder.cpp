@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <dapple/limits.hpp>
+#include <dapple/types.hpp>
 #include <numeric>
 
 #include "base/progress.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <dapple/mesh_arrays.hpp>
+#include <dapple/mesh_file.hpp>
 #include <span>
 
 namespace dapple {
@@ -47,9 +47,6 @@ class MeshBuilder {
 
   /// \param corners vertices from 0 on; whether they are there is known at the end
   void add_polygon(std::span<const std::int64_t> corners);
-
-  [[nodiscard]] std::size_t polygon_count() const { return ends_.size(); }
-  [[nodiscard]] std::size_t corner_count() const { return corners_.size(); }
 
   /// \throw ReadError naming the first polygon with a vertex that is not there
   [[nodiscard]] MeshArrays build();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/mesh_arrays.hpp>
+#include <dapple/mesh_file.hpp>
 #include <string_view>
 
 #include "surface/mesh_text.hpp"

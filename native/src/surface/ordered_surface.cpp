@@ -126,7 +126,7 @@ void OrderedSurface::measure(const OrderedSurface* before, Context* context) {
   for (const auto& block : result->blocks) {
     result->first.push_back(block->faces.data());
     for (const double area : block->areas) result->area += area;
-    for (const double capacity : block->capacities) result->unit_mass += capacity;
+    for (const double capacity : block->capacities) result->unit_capacity += capacity;
   }
   check(*result);
   first_geometry_ = result->first.data();
@@ -199,9 +199,9 @@ void OrderedSurface::check(const Geometry& geometry) {
   if (!std::isfinite(geometry.area)) throw SurfaceError("vertices span an area that is not finite");
   if (!(geometry.area > 0.0))
     throw SurfaceError("faces have no area: all triangles are degenerate");
-  if (!(geometry.unit_mass > 0.0))
+  if (!(geometry.unit_capacity > 0.0))
     throw SurfaceError("density is 0 wherever the faces have area: nothing can be placed");
-  if (!std::isfinite(geometry.unit_mass / geometry.density_unit))
+  if (!std::isfinite(geometry.unit_capacity / geometry.density_unit))
     throw SurfaceError("density has an integral that is not finite: scale its values down");
 }
 

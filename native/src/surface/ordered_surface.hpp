@@ -2,8 +2,8 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/density.hpp>
 #include <dapple/moments.hpp>
+#include <dapple/surface.hpp>
 #include <memory>
 
 #include "surface/connectivity.hpp"
@@ -52,9 +52,9 @@ class OrderedSurface {
   [[nodiscard]] std::size_t face_count() const { return connectivity_->faces.size(); }
   [[nodiscard]] double area() const { return geometry_->area; }
   /// Integral of the density, in the caller's unit.
-  [[nodiscard]] double mass() const { return unit_mass() / density_unit(); }
+  [[nodiscard]] double capacity() const { return unit_capacity() / density_unit(); }
   /// Integral of the density times density_unit(), as those of faces and cells.
-  [[nodiscard]] double unit_mass() const { return geometry_->unit_mass; }
+  [[nodiscard]] double unit_capacity() const { return geometry_->unit_capacity; }
   /// What `geometry` and domains have multiplied the density by: 1, unless the mean density lies
   /// beyond 2^64 or 2^-64; then the power of two that brings it near 1, so that squares of
   /// integrals stay in the range of numbers.
@@ -152,7 +152,7 @@ class OrderedSurface {
     std::vector<std::shared_ptr<const Block>> blocks;
     std::vector<const FaceGeometry*> first;  // per block
     double area = 0.0;
-    double unit_mass = 0.0;
+    double unit_capacity = 0.0;
     double density_unit = 1.0;
   };
 

@@ -284,18 +284,18 @@ class Sides {
     };
     for (const auto& [a, b] : pairs)  // a label is one of the faces that have it
       if (sets.find(a) == sets.find(b)) whole[body(a)] = true;
-    std::vector<double> masses(label_.size(), 0.0);  // of sets
-    std::vector<int> parts(whole.size(), 0);         // of bodies
+    std::vector<double> capacities(label_.size(), 0.0);  // of sets
+    std::vector<int> parts(whole.size(), 0);             // of bodies
     const auto set = [&](std::size_t f) {
       return static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(f)));
     };
     for (std::size_t f = 0; f < label_.size(); ++f) {
       if (set(f) == f && mesh_.counts(nth_face(f))) ++parts[body(static_cast<std::int32_t>(f))];
-      masses[set(f)] += mesh_.geometry(nth_face(f)).moments.capacity;
+      capacities[set(f)] += mesh_.geometry(nth_face(f)).moments.capacity;
     }
     for (std::size_t f = 0; f < label_.size(); ++f)
       if (set(f) == f && parts[body(static_cast<std::int32_t>(f))] > 1 &&
-          mesh_.counts(nth_face(f)) && masses[f] * cells < kFewest * mesh_.unit_mass())
+          mesh_.counts(nth_face(f)) && capacities[f] * cells < kFewest * mesh_.unit_capacity())
         whole[body(static_cast<std::int32_t>(f))] = true;
     return whole;
   }

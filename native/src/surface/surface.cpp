@@ -16,6 +16,17 @@
 namespace dapple {
 namespace {
 
+/// Of faces that have an area.
+double largest_density(const OrderedSurface& surface) {
+  double largest = 0.0;
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const auto face = static_cast<OrderedFace>(f);
+    if (!surface.geometry(face).normal.isZero(0.0))
+      largest = std::max(largest, surface.densities(face).maxCoeff());
+  }
+  return largest;
+}
+
 constexpr std::size_t kGrain = 4096;  // faces a chunk
 constexpr double kConnected = 0.85;   // of the progress: only the faces are left to be measured
 
@@ -187,7 +198,7 @@ std::size_t Surface::face_count() const { return ordered_->face_count(); }
 std::size_t Surface::doubled_faces() const { return ordered_->connectivity().doubled.size(); }
 bool Surface::merge_doubled() const { return ordered_->connectivity().merge_doubled; }
 double Surface::area() const { return ordered_->area(); }
-double Surface::mass() const { return ordered_->mass(); }
+double Surface::capacity() const { return ordered_->capacity(); }
 std::optional<double> Surface::weld() const { return ordered_->connectivity().weld; }
 double Surface::sharp_angle() const { return ordered_->shading().sharp_angle; }
 bool Surface::has_normals() const { return !ordered_->shading().given.empty(); }
@@ -294,6 +305,17 @@ std::vector<Vec3> Surface::corner_normals() const {
 
 double Surface::spacing(std::size_t count) const {
   return hexagonal_spacing(area() / static_cast<double>(std::max<std::size_t>(count, 1)));
+}
+
+std::size_t Surface::count(double spacing) const {
+  check_positive("spacing", spacing);
+  const double area = capacity() / largest_density(*ordered_);
+  const double samples = std::round(2.0 * area / (std::numbers::sqrt3 * spacing * spacing));
+  if (!(samples <= static_cast<double>(kMostSamples)))
+    throw ArgumentError("spacing is " + number(spacing) + ": the surface would have " +
+                        number(samples) + " samples, at most " + std::to_string(kMostSamples) +
+                        " are possible");
+  return std::max<std::size_t>(static_cast<std::size_t>(samples), 1);
 }
 
 }  // namespace dapple

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/image.hpp>
 #include <dapple/surface.hpp>
+#include <dapple/types.hpp>
 #include <string>
 
 namespace dapple {

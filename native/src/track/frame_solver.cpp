@@ -10,9 +10,9 @@
 #include "base/stopwatch.hpp"
 #include "base/validate.hpp"
 #include "optimize/reinsertion.hpp"
-#include "sample/lead_to_density.hpp"
+#include "rebalance/lead_to_density.hpp"
+#include "rebalance/rebalance.hpp"
 #include "sample/outcome.hpp"
-#include "sample/rebalance.hpp"
 #include "sample/solve_classes.hpp"
 #include "sample/surface_classes.hpp"
 #include "surface/on_density.hpp"
@@ -51,11 +51,11 @@ std::vector<SampleClass> on_frame(const Surface& surface, std::vector<SampleClas
   return classes;
 }
 
-bool overlaps(const State& state, const Restoration& aim) {
+bool overlaps(const Evaluation& state, const Restoration& aim) {
   return worst_overlap(state.discs) > aim.overlap;
 }
 
-bool overlaps_more(const State& state, const State& than) {
+bool overlaps_more(const Evaluation& state, const Evaluation& than) {
   return worst_overlap(state.discs) > worst_overlap(than.discs);
 }
 
@@ -68,7 +68,7 @@ struct Frame {
         problem(surface_classes(surface, classes, options.cells, Steps::kConnected, sides)),
         objective(make_objective(
             problem, classes.size() > 1 ? class_of : std::vector<std::int32_t>(class_of.size(), 0),
-            {.sample = {.optimizer = options.optimizer}, .union_weight = options.union_weight})) {
+            {.union_weight = options.union_weight, .sample = {.optimizer = options.optimizer}})) {
     objective.holds_discs = !objective.discs.empty();
   }
 
@@ -115,8 +115,8 @@ std::vector<double> spacings_at(const Surface& surface, const Sites& sites) {
   for (std::size_t k = 0; k < sites.size(); ++k) {
     const OrderedFace face = surface.ordered().ordered_face(sites.faces[k]);
     const double density = sites.barycentric[k].dot(surface.ordered().densities(face));
-    result.push_back(hexagonal_spacing(
-        surface.mass() / (std::max(density, kThin * most) * static_cast<double>(sites.size()))));
+    result.push_back(hexagonal_spacing(surface.capacity() / (std::max(density, kThin * most) *
+                                                             static_cast<double>(sites.size()))));
   }
   return result;
 }
@@ -144,7 +144,8 @@ std::size_t count_piled(const Surface& own, const Sites& before, const Sites& no
 /// for the same shape, sites stay where they are: one that is led elsewhere hops.
 bool is_unfilled(const Domain& domain, const Sites& sites, Context* context) {
   const RestrictedVoronoi diagram = domain.cells(sites, context);
-  const double mean = domain.mass() / static_cast<double>(std::max<std::size_t>(sites.size(), 1));
+  const double mean =
+      domain.capacity() / static_cast<double>(std::max<std::size_t>(sites.size(), 1));
   return std::any_of(diagram.cells.begin(), diagram.cells.end(), [mean](const Moments& cell) {
     return cell.capacity > kRoomy * mean || cell.capacity < kCrowded * mean;
   });
@@ -252,22 +253,20 @@ Sites carried(const Surface& surface, Sites sites) {
   return sites;
 }
 
-FrameSolver::FrameSolver(const Surface& surface, const Samples& samples,
-                         const TrackerOptions& options, std::vector<SampleClass> classes,
+FrameSolver::FrameSolver(const Surface& surface, const Samples& samples, TrackerOptions options,
                          Context* context)
-    : options_(options),
-      classes_(counted(std::move(classes), samples.classes)),
+    : options_(std::move(options)),
+      classes_(counted(std::exchange(options_.classes, {}), samples.classes)),
       ids_(samples.ids),
       class_of_(samples.classes),
       first_(sites_of(samples)) {
-  check_options(options);
+  check_options(options_);
   check_extent(surface, first_);
-  sides_ = sides_for(surface, first_.size(), options.cells);
+  sides_ = sides_for(surface, first_.size(), options_.cells);
   const Frame frame(surface, classes_, class_of_, options_, sides_);
-  const std::vector<std::vector<double>> no_repulsion(frame.objective.terms.size());
   Minimum first;
-  first.state = evaluate(frame.objective, first_, no_repulsion, context);
-  const State& state = first.state;
+  first.state = evaluate(frame.objective, first_, context);
+  const Evaluation& state = first.state;
   check_finite_energy(frame.objective, state);
   target_energy_ = normalized_energy(frame.objective, state);
   restoration_.cvt = normalized_cvt(frame.objective, state);

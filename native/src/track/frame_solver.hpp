@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/class_options.hpp>
 #include <dapple/context.hpp>
 #include <dapple/domain.hpp>
+#include <dapple/sampler.hpp>
 #include <dapple/samples.hpp>
-#include <dapple/tracker_options.hpp>
+#include <dapple/tracker.hpp>
 
 #include "optimize/restoration.hpp"
 #include "track/pattern_memory.hpp"
@@ -26,8 +26,8 @@ class FrameSolver {
  public:
   /// \throw ArgumentError for options out of range, or samples of a class that is not given;
   /// Cancelled
-  FrameSolver(const Surface& surface, const Samples& samples, const TrackerOptions& options,
-              std::vector<SampleClass> classes, Context* context);
+  FrameSolver(const Surface& surface, const Samples& samples, TrackerOptions options,
+              Context* context);
 
   /// Moves back toward the first frame's pattern; see PatternMemory.
   /// \param before the sites on the last frame
@@ -74,7 +74,7 @@ class FrameSolver {
   [[nodiscard]] FrameSolver replaced(const Samples& now, Sites first, PatternMemory memory) const;
 
   /// The same aims for the same samples on other faces or another density of the body.
-  /// \param first where they were on the first frame, on these faces
+  /// \param first their places on the first frame, on these faces
   /// \throw ArgumentError if the classes are not as many as before; Cancelled
   [[nodiscard]] FrameSolver on_ground(const Surface& surface, const Samples& now, Sites first,
                                       std::vector<SampleClass> classes, Context* context) const;
@@ -94,8 +94,8 @@ class FrameSolver {
   [[nodiscard]] Restoration restoration(Moved moved, const Domain& all, const Sites& sites) const;
   [[nodiscard]] FrameSolver with(const Samples& now) const;
 
-  TrackerOptions options_;
-  KnownSides sides_;  // of the first frame, so that no frame has others; none for other faces
+  TrackerOptions options_;  // without classes
+  KnownSides sides_;        // of the first frame, so that no frame has others; none for other faces
   std::vector<SampleClass> classes_;
   std::vector<std::int32_t> ids_, class_of_;  // per sample
   Sites first_;                               // on the first frame

@@ -51,17 +51,18 @@ struct Population::Crossing {
 };
 
 Population::Population(Surface surface, Samples samples, PopulationOptions options,
-                       std::vector<SampleClass> classes, Context* context)
-    : tracker_(std::move(surface), std::move(samples), options.tracker, classes, context),
-      options_(options),
-      kinds_(std::max<std::size_t>(classes.size(), 1)),
+                       Context* context)
+    : tracker_(std::move(surface), std::move(samples), options.tracker, context),
+      options_(std::move(options)),
       next_id_(0) {
-  check_options(options);
+  check_options(options_);
+  std::vector<SampleClass> classes = std::exchange(options_.tracker.classes, {});
+  kinds_.resize(std::max<std::size_t>(classes.size(), 1));
   const Samples& first = tracker_.samples();
   for (std::size_t c = 0; c < kinds_.size(); ++c) {
     if (!classes.empty()) kinds_[c].surface = std::move(classes[c].surface);
     kinds_[c].first_density =
-        static_cast<double>(count_of(first, c)) / surface_of(tracker_, c).mass();
+        static_cast<double>(count_of(first, c)) / surface_of(tracker_, c).capacity();
     kinds_[c].density = kinds_[c].first_density;
   }
   if (!first.ids.empty())
@@ -84,7 +85,7 @@ Surface Population::surface_of(const Tracker& tracker, std::size_t kind) const {
 
 /// How many samples of a class the surface asks for.
 std::size_t Population::wanted(const Tracker& tracker, std::size_t kind) const {
-  return whole_count(kinds_[kind].density * surface_of(tracker, kind).mass(),
+  return whole_count(kinds_[kind].density * surface_of(tracker, kind).capacity(),
                      count_of(tracker.samples(), kind));
 }
 
@@ -124,11 +125,10 @@ Samples Population::resized(const Tracker& tracker, std::size_t kind, std::int64
   // The energy is enough: the frames that follow bring the samples back to the first one's
   // evenness.
   now.report.evenness.capacity_variation = std::numeric_limits<double>::infinity();
-  SampleOptions options;
-  options.optimizer = options_.tracker.optimizer;
-  options.cells = options_.tracker.cells;
-  options.threads = options_.tracker.threads;
-  options.seed = static_cast<std::uint64_t>(next_id);
+  const ResampleOptions options{.seed = static_cast<std::uint64_t>(next_id),
+                                .optimizer = options_.tracker.optimizer,
+                                .cells = options_.tracker.cells,
+                                .threads = options_.tracker.threads};
   Samples result = resample(surface, now, count, options, context);
   const std::set<std::int32_t> known(now.ids.begin(), now.ids.end());
   const auto is_new = [&](std::int32_t id) { return !known.contains(id); };
@@ -217,9 +217,9 @@ Population::Crossing Population::cross(const Surface& next, Context* context) co
   const Kind& kind = kinds_[0];
   Crossing result{tracker_,
                   {},
-                  std::clamp(now / next.mass(), (1.0 - kAlike) * kind.first_density,
+                  std::clamp(now / next.capacity(), (1.0 - kAlike) * kind.first_density,
                              (1.0 + kAlike) * kind.first_density)};
-  const std::size_t count = whole_count(result.density * next.mass(), last.size());
+  const std::size_t count = whole_count(result.density * next.capacity(), last.size());
   Stretch beginning(context, kFound, kBegun), evening(context, kBegun, 1.0);
   const Transfer transfer(surface(), next, sites_of(last), {kind.density, options_.reach}, context);
   const SurfaceDomain domain(next, options_.tracker.cells, Steps::kConnected);

@@ -183,12 +183,11 @@ TrackerOptions without_stickiness(TrackerOptions options) {
 }  // namespace
 
 MotionStart::MotionStart(const Surface& surface, const Samples& samples, const WindowOptions& given,
-                         std::vector<SampleClass> classes, Context* context)
+                         Context* context)
     : options(given),
-      tracker(surface, samples, without_stickiness(given.tracker), classes,
+      tracker(surface, samples, without_stickiness(given.tracker),
               Stretch(context, 0.0, 0.0).context()),
-      solver(surface, tracker.samples(), given.tracker, std::move(classes),
-             Stretch(context, 0.0, 0.0).context()) {}
+      solver(surface, tracker.samples(), given.tracker, Stretch(context, 0.0, 0.0).context()) {}
 
 void check_frames(const Surface& surface, std::span<const std::vector<Vec3>> frames) {
   for (std::size_t t = 0; t < frames.size(); ++t) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dapple/tracker.hpp>
-#include <dapple/window_options.hpp>
+#include <dapple/window_tracker.hpp>
 #include <span>
 
 #include "track/frame_solver.hpp"
@@ -13,7 +13,7 @@ namespace dapple {
 struct MotionStart {
   /// \throw ArgumentError as Tracker; Cancelled
   MotionStart(const Surface& surface, const Samples& samples, const WindowOptions& options,
-              std::vector<SampleClass> classes, Context* context);
+              Context* context);
 
   WindowOptions options;
   Tracker tracker;  ///< there, and without stickiness

@@ -65,8 +65,7 @@ Report resting(Report report) {
 
 }  // namespace
 
-Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
-                 std::vector<SampleClass> classes, Context* context)
+Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options, Context* context)
     : first_surface_(surface), surface_(std::move(surface)), samples_(bound(surface_, samples)) {
   samples_.report = std::move(samples.report);
   if (context) {
@@ -75,7 +74,7 @@ Tracker::Tracker(Surface surface, Samples samples, TrackerOptions options,
   }
   Stretch evaluating(context, kBound, kEvaluated);
   with_threads(options.threads, [&] {
-    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, options, std::move(classes),
+    solver_ = std::make_shared<const FrameSolver>(surface_, samples_, std::move(options),
                                                   evaluating.context());
   });
   measured_ = solver_->first_report();

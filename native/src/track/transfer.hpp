@@ -15,7 +15,7 @@ struct Transferred {
 
 /// How far points of a surface may be from it in the next frame.
 struct Reach {
-  double density = 0.0;   ///< samples per capacity, > 0
+  double density = 0.0;   ///< number of samples per capacity, > 0
   double spacings = 0.0;  ///< local ones, of so many samples
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <dapple/poisson_start.hpp>
 
-#include "sample/rebalance.hpp"
+#include "rebalance/rebalance.hpp"
 
 namespace dapple {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 
 #include "base/parallel.hpp"
 #include "base/validate.hpp"
@@ -7,13 +7,13 @@
 
 namespace dapple {
 
-std::vector<Samples> track_window(const Surface& surface, std::span<const std::vector<Vec3>> frames,
-                                  const Samples& samples, const WindowOptions& options,
-                                  std::vector<SampleClass> classes, Context* context) {
+std::vector<Samples> track_window(const Surface& surface, const Samples& samples,
+                                  std::span<const std::vector<Vec3>> frames,
+                                  const WindowOptions& options, Context* context) {
   check_options(options);
   check_frames(surface, frames);
   std::vector<Samples> result = with_threads(options.tracker.threads, [&] {
-    const MotionStart start(surface, samples, options, std::move(classes), context);
+    const MotionStart start(surface, samples, options, context);
     return solve_window(start, start.tracker, frames, {}, options.closed, context);
   });
   if (context) context->advance(1.0);

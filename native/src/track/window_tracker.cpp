@@ -11,12 +11,10 @@ namespace dapple {
 namespace {
 
 std::shared_ptr<const MotionStart> started(const Surface& surface, const Samples& samples,
-                                           const WindowOptions& options,
-                                           std::vector<SampleClass> classes, Context* context) {
+                                           const WindowOptions& options, Context* context) {
   check_options(options);
   return with_threads(options.tracker.threads, [&] {
-    return std::make_shared<const MotionStart>(surface, samples, options, std::move(classes),
-                                               context);
+    return std::make_shared<const MotionStart>(surface, samples, options, context);
   });
 }
 
@@ -31,10 +29,8 @@ void check_counts(std::size_t frames, std::size_t ahead, std::size_t done) {
 }  // namespace
 
 WindowTracker::WindowTracker(const Surface& surface, const Samples& samples,
-                             const WindowOptions& options, std::vector<SampleClass> classes,
-                             Context* context)
-    : start_(started(surface, samples, options, std::move(classes), context)),
-      present_(start_->tracker) {
+                             const WindowOptions& options, Context* context)
+    : start_(started(surface, samples, options, context)), present_(start_->tracker) {
   if (context) context->advance(1.0);
 }
 

@@ -64,7 +64,7 @@ double CellFlood::gap_reach() const {
   const Moments& own = mesh.geometry(sites_->faces[static_cast<std::size_t>(site_)]).moments;
   if (!(own.capacity > 0.0)) return std::numeric_limits<double>::infinity();
   return kOverGaps * surface_->spacing(sites_->size()) *
-         std::sqrt(mesh.unit_mass() / mesh.area() * own.area / own.capacity);
+         std::sqrt(mesh.unit_capacity() / mesh.area() * own.area / own.capacity);
 }
 
 bool CellFlood::is_far_gap(OrderedFace face) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/moments.hpp>
+#include <dapple/restricted_voronoi.hpp>
 
 #include "base/hexagonal.hpp"
 

@@ -21,8 +21,8 @@ Surface in_sides(const Surface& surface, std::size_t count, Cells cells) {
 
 }  // namespace
 
-RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, Context* context,
-                               Cells cells) {
+RestrictedVoronoi unit_voronoi(const Surface& surface, const Sites& sites, Cells cells,
+                               Context* context) {
   RestrictedVoronoi result;
   CellBuilder(surface).build(sites, nullptr, cells, /*leaves_gaps=*/false, context, result);
   return result;
@@ -40,17 +40,17 @@ void remove_unit(RestrictedVoronoi& diagram, double density_unit) {
   for (CellBoundary& side : diagram.boundaries) side.flux *= once;
 }
 
-RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, Context* context,
-                                     Cells cells) {
+RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites, Cells cells,
+                                     Context* context) {
   check_sites(surface, sites);
   RestrictedVoronoi diagram =
-      unit_voronoi(in_sides(surface, sites.size(), cells), sites, context, cells);
+      unit_voronoi(in_sides(surface, sites.size(), cells), sites, cells, context);
   remove_unit(diagram, surface.ordered().density_unit());
   return diagram;
 }
 
 RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                     const SiteGraph& graph, Context* context, Cells cells) {
+                                     const SiteGraph& graph, Cells cells, Context* context) {
   RestrictedVoronoi result;
   CellBuilder(surface).build(sites, &graph, cells, /*leaves_gaps=*/false, context, result);
   return result;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/cells.hpp>
 #include <dapple/context.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <dapple/surface.hpp>
 
 namespace dapple {
@@ -30,7 +30,7 @@ struct SiteGraph {
 /// covers the cells: as restricted_voronoi(surface, sites), with the neighbors known
 /// and the integrals of the density times Surface::density_unit().
 [[nodiscard]] RestrictedVoronoi restricted_voronoi(const Surface& surface, const Sites& sites,
-                                                   const SiteGraph& graph, Context* context,
-                                                   Cells cells = Cells::kEuclidean);
+                                                   const SiteGraph& graph, Cells cells,
+                                                   Context* context);
 
 }  // namespace dapple

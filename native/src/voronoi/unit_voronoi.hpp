@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/cells.hpp>
 #include <dapple/context.hpp>
+#include <dapple/restricted_voronoi.hpp>
 #include <dapple/surface.hpp>
 
 namespace dapple {

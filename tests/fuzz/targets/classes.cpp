@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dapple/classes.hpp>
+#include <dapple/sampler.hpp>
 
 #include "expect.hpp"
 #include "targets.hpp"

@@ -69,7 +69,8 @@ void fuzz_decals(Bytes& bytes) {
     radii.push_back(take_option(bytes, {}, 0.5 * surface->spacing(samples->size())));
     tangents.push_back(random.in_box());
   }
-  const auto covered = answer([&] { return cover(*surface, *samples, radii, tangents, *found); });
+  const auto covered =
+      answer([&] { return decal_cover(*surface, *samples, radii, tangents, *found); });
   if (covered) expect_cover(*covered, found->size(), samples->size());
 }
 

@@ -12,7 +12,7 @@ MosaicOptions take_mosaic_options(Bytes& bytes, const Surface& surface, std::siz
   MosaicOptions options;
   take_options(bytes, options);
   const double spacing = surface.spacing(count);
-  if (bytes.one_in(2)) options.tolerance = 0.0;
+  if (bytes.one_in(2)) options.shortest_edge = 0.0;
   if (bytes.one_in(2)) options.grout = spacing * bytes.share();
   if (bytes.one_in(3)) options.thickness = spacing * bytes.share();
   if (bytes.one_in(6))
@@ -40,7 +40,7 @@ void fuzz_mosaic(Bytes& bytes) {
   if (!bytes.was_wild()) {
     EXPECT_TRUE(made) << "what is plain is refused";
   }
-  if (made) expect_mosaic(*surface, *made, samples->size(), options.tolerance);
+  if (made) expect_mosaic(*surface, *made, samples->size(), options.shortest_edge);
 }
 
 }  // namespace dapple::fuzz

@@ -34,7 +34,7 @@ std::unique_ptr<FlatDomain> take_polygon(Bytes& bytes) {
     const Vec2 middle{bytes.between(-1.5, 1.5), bytes.between(-1.5, 1.5)};
     holes.push_back(take_ring(bytes, middle, bytes.between(0.01, 0.8)));
   }
-  return std::make_unique<PlanarDomain>(PlanarDomain::polygon(outline, holes));
+  return std::make_unique<Plane>(Plane::polygon(outline, holes));
 }
 
 /// A domain and what its image's values lie on.
@@ -47,9 +47,9 @@ struct Ground {
 Ground take_rectangle(Bytes& bytes, const Image* image) {
   const double width = take_length(bytes);
   const Vec2 size(width, take_length(bytes));
-  PlanarDomain domain = image ? PlanarDomain::image(size.x(), size.y(), *image)
-                              : PlanarDomain::rectangle(size.x(), size.y());
-  return {std::make_unique<PlanarDomain>(std::move(domain)), size};
+  Plane domain =
+      image ? Plane::image(size.x(), size.y(), *image) : Plane::rectangle(size.x(), size.y());
+  return {std::make_unique<Plane>(std::move(domain)), size};
 }
 
 Ground take_ground(Bytes& bytes) {
@@ -63,9 +63,9 @@ Ground take_ground(Bytes& bytes) {
     case 2:
       return {take_polygon(bytes)};
     case 3:
-      return {std::make_unique<TorusDomain>(), Vec2::Ones(), true};
+      return {std::make_unique<Torus>(), Vec2::Ones(), true};
     default:
-      return {std::make_unique<TorusDomain>(take_image(bytes, 0.0)), Vec2::Ones(), true};
+      return {std::make_unique<Torus>(take_image(bytes, 0.0)), Vec2::Ones(), true};
   }
 }
 
@@ -114,13 +114,13 @@ void expect_points(const FlatDomain& domain, const PlanarSamples& samples) {
 
 void fuzz_planar_classes(Bytes& bytes, const Ground& ground) {
   const FlatDomain& domain = *ground.domain;
-  std::vector<PlanarClass> classes(static_cast<std::size_t>(bytes.between(1, 3)));
-  for (PlanarClass& one : classes) {
+  std::vector<SampleClass> classes(static_cast<std::size_t>(bytes.between(1, 3)));
+  for (SampleClass& one : classes) {
     one.count = take_count(bytes, 20);
     if (domain.density() && bytes.one_in(3)) {
-      one.density = *domain.density();
-      for (double& value : one.density->values) value = bytes.byte() / 32.0;
-      take_zeros(bytes, *one.density);
+      one.image = *domain.density();
+      for (double& value : one.image->values) value = bytes.byte() / 32.0;
+      take_zeros(bytes, *one.image);
     }
     if (bytes.one_in(4)) one.radius = take_option(bytes, {}, 0.1 * domain.spacing(40));
   }
@@ -128,13 +128,13 @@ void fuzz_planar_classes(Bytes& bytes, const Ground& ground) {
   take_options(bytes, options);
   const auto samples = answer_of_threads([&](int threads) {
     options.sample.threads = threads;
-    return sample_planar_classes(domain, classes, options);
+    return sample_classes(domain, classes, options);
   });
   if (!samples) return;
   expect_points(domain, *samples);
   for (std::size_t k = 0; k < samples->positions.size(); ++k) {
-    const PlanarClass& own = classes[static_cast<std::size_t>(samples->classes[k])];
-    expect_dense(ground, own.density ? &*own.density : domain.density(), samples->positions[k]);
+    const SampleClass& own = classes[static_cast<std::size_t>(samples->classes[k])];
+    expect_dense(ground, own.image ? &*own.image : domain.density(), samples->positions[k]);
   }
   for (std::size_t c = 0; c < classes.size(); ++c)
     EXPECT_EQ(count_of(samples->classes, static_cast<std::int32_t>(c)), classes[c].count);
@@ -152,7 +152,7 @@ void fuzz_planar(Bytes& bytes) {
   take_options(bytes, options);
   const auto samples = answer_of_threads([&](int threads) {
     options.threads = threads;
-    return sample_planar(domain, count, options);
+    return sample(domain, count, options);
   });
   if (!bytes.was_wild()) {
     EXPECT_TRUE(samples) << "what is plain is refused";

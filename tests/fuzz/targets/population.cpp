@@ -12,7 +12,8 @@ namespace {
 constexpr double kMostGrowth = 2.0;  // or a frame asks for so many samples that it takes long
 
 bool grows_too_much(const Surface& now, const Surface& before) {
-  return now.area() > kMostGrowth * before.area() || now.mass() > kMostGrowth * before.mass();
+  return now.area() > kMostGrowth * before.area() ||
+         now.capacity() > kMostGrowth * before.capacity();
 }
 
 std::vector<Vec3> take_small_frame(Bytes& bytes, const Surface& surface) {
@@ -209,10 +210,11 @@ void fuzz_population(Bytes& bytes) {
   if (bytes.one_in(2)) take_others(bytes, shape, *surface, frames);
   std::vector<SampleClass> kinds;
   if (bytes.one_in(4)) kinds = take_kinds(bytes, *surface, frames);
+  options.tracker.classes = kinds;
   const bool resumes = bytes.one_in(4);
   (void)answer_of_threads([&](int threads) {
     options.tracker.threads = threads;
-    Population population(*surface, *first, options, kinds);
+    Population population(*surface, *first, options);
     auto result = run(population, frames, resumes && threads == 1, kinds.size() + 1);
     if (threads == 1 && !bytes.empty()) expect_an_answer(bytes, population);
     return result;

@@ -33,7 +33,7 @@ Refined take_picture(Bytes& bytes, const Surface& surface) {
   if (bytes.one_in(8)) uv[bytes.whole() % uv.size()][1].y() = bytes.wild();
   ImageOptions options;
   options.max_faces = kMostFaces;
-  options.tolerance = take_option(bytes, {0.0, kFinite, true}, 0.2);
+  options.max_error = take_option(bytes, {0.0, kFinite, true}, 0.2);
   options.texels = take_option(bytes, {0.0, kFinite, true}, 1.0);
   options.repeat = bytes.one_in(2);
   return refine_image(surface, uv, take_image(bytes, 0.0), options);

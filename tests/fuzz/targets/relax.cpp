@@ -30,7 +30,7 @@ Surface take_changed(Bytes& bytes, const Surface& surface) {
     const Values other = take_values(bytes, surface.vertex_count(), surface.face_count());
     return surface.with_density(other.density());
   });
-  const bool grows = changed && changed->mass() > kMostGrowth * surface.mass();
+  const bool grows = changed && changed->capacity() > kMostGrowth * surface.capacity();
   return changed && !grows ? *changed : surface;
 }
 

@@ -44,7 +44,7 @@ void fuzz_resample(Bytes& bytes) {
   if (!before) return;
   const Surface changed = take_changed(bytes, *surface);
   const std::size_t count = take_count(bytes);
-  SampleOptions options;
+  ResampleOptions options;
   take_options(bytes, options);
   std::vector<std::int32_t> locked, ids;
   if (before->size() > 0 && bytes.one_in(3))
@@ -52,9 +52,10 @@ void fuzz_resample(Bytes& bytes) {
       locked.push_back(static_cast<std::int32_t>(bytes.whole() % before->size()));
   for (const std::int32_t k : locked) ids.push_back(before->ids[static_cast<std::size_t>(k)]);
   if (locked.size() > count) bytes.set_wild();
+  options.locked = locked;
   const auto samples = answer_of_threads([&](int threads) {
     options.threads = threads;
-    return resample(changed, *before, count, options, nullptr, locked);
+    return resample(changed, *before, count, options);
   });
   if (!bytes.was_wild()) {
     EXPECT_TRUE(samples) << "what is plain is refused";

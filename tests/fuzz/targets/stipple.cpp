@@ -18,9 +18,9 @@ void fuzz_inks(Bytes& bytes) {
   picture[1] = picture[2] = picture[0];
   for (std::size_t k = 1; k < 3; ++k)
     for (double& value : picture[k].values) value = bytes.share();
-  const auto inks = answer([&] { return separate(picture); });
+  const auto inks = answer([&] { return separate_inks(picture); });
   if (!inks) return;
-  const ColorImage back = mix(*inks);
+  const ColorImage back = mix_inks(*inks);
   for (std::size_t channel = 0; channel < 3; ++channel)
     for (std::size_t k = 0; k < picture[channel].values.size(); ++k)
       EXPECT_NEAR(back[channel].values[k], picture[channel].values[k], 1e-12);
@@ -79,7 +79,7 @@ void fuzz_stipple(Bytes& bytes) {
           : std::accumulate(options.counts.begin(), options.counts.end(), std::size_t{0});
   const auto dots = answer_of_threads([&](int threads) {
     options.threads = threads;
-    return stipple(inks, count, options);
+    return stipple_inks(inks, count, options);
   });
   if (!dots) return;
   expect_dots(*dots, inks[0], count);

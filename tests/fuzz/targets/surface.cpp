@@ -120,8 +120,7 @@ void fuzz_energy(Bytes& bytes, const Surface& surface) {
   const Sites sites = take_sites(bytes, surface, bytes.below(30));
   const Cells cells = bytes.one_in(2) ? Cells::kConnected : Cells::kEuclidean;
   const double weight = take_option(bytes, {}, 30.0);
-  const auto energy =
-      answer([&] { return evaluate_energy(surface, sites, weight, nullptr, cells); });
+  const auto energy = answer([&] { return evaluate_energy(surface, sites, weight, cells); });
   if (!energy) return;
   double area = 0.0;
   for (const Moments& cell : energy->diagram.cells) area += cell.area;
@@ -131,7 +130,7 @@ void fuzz_energy(Bytes& bytes, const Surface& surface) {
   }
   test::check_cells(surface, sites, rounding);
   // Squares of capacities end where numbers do.
-  if (bytes.was_wild() || std::abs(std::log10(surface.mass())) > 60.0) return;
+  if (bytes.was_wild() || std::abs(std::log10(surface.capacity())) > 60.0) return;
   EXPECT_GE(energy->cvt, 0.0);
   for (const Vec3& part : energy->gradient) EXPECT_TRUE(part.allFinite());
 }
@@ -143,7 +142,7 @@ void fuzz_surface(Bytes& bytes) {
   const auto surface = take_surface(bytes, shape);
   if (!surface) return;
   EXPECT_GT(surface->area(), 0.0);
-  EXPECT_GT(surface->mass(), 0.0);
+  EXPECT_GT(surface->capacity(), 0.0);
   expect_topology(topology(*surface));
   expect_curvature(*surface);
   fuzz_projector(bytes, shape, *surface);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/sampler.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 
 #include "expect.hpp"
 #include "targets.hpp"
@@ -44,7 +44,7 @@ void fuzz_window(const Surface& surface, const Samples& first,
                  std::span<const std::vector<Vec3>> frames, WindowOptions options) {
   const auto all = answer_of_threads([&](int threads) {
     options.tracker.threads = threads;
-    return track_window(surface, frames, first, options);
+    return track_window(surface, first, frames, options);
   });
   if (!all) return;
   EXPECT_EQ(all->size(), frames.size() + 1);
@@ -72,10 +72,10 @@ void fuzz_tracker(Bytes& bytes) {
   }
   TrackerOptions options;
   take_options(bytes, options);
-  const std::vector<SampleClass> classes = take_classes(bytes);
+  options.classes = take_classes(bytes);
   (void)answer_of_threads([&](int threads) {
     options.threads = threads;
-    Tracker tracker(*surface, *first, options, classes);
+    Tracker tracker(*surface, *first, options);
     return tracked(tracker, frames);
   });
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <dapple/errors.hpp>
 #include <dapple/mosaic.hpp>
+#include <dapple/option_tables.hpp>
 #include <dapple/population.hpp>
 #include <dapple/refine_image.hpp>
 #include <dapple/stipple.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <limits>
 #include <set>
 

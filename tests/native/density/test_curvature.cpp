@@ -132,7 +132,7 @@ TEST_P(CurvatureOf, MakesADensity) {
     ASSERT_EQ(density.size(), surface.vertex_count());
     for (const double value : density) ASSERT_TRUE(value >= 0.1 && value <= 1.0) << value;
     EXPECT_EQ(*std::max_element(density.begin(), density.end()), 1.0);
-    EXPECT_GT(surface.with_density({DensityAt::kVertices, density}).mass(), 0.0);
+    EXPECT_GT(surface.with_density({DensityAt::kVertices, density}).capacity(), 0.0);
   }
 }
 

@@ -40,7 +40,7 @@ TEST(CutSurface, NoPieceHoldsManyCells) {
   ASSERT_NE(cut, nullptr);
   for (std::size_t f = 0; f < cut->surface().face_count(); ++f)
     EXPECT_LE(cut->surface().ordered().geometry(nth_face(f)).moments.capacity * 8192,
-              24.0 * surface.mass());
+              24.0 * surface.capacity());
   EXPECT_NEAR(cut->surface().area(), surface.area(), 1e-12 * surface.area());
   EXPECT_EQ(cut->surface().ordered().components(), surface.ordered().components());
 }
@@ -50,7 +50,7 @@ TEST(CutSurface, PiecesFollowTheDensity) {
       with_density(box(1), [](const Vec3& p) { return p.x() > 0.5 ? 0.0 : 1.0; }).surface();
   const auto cut = cut_for(surface, 1000);
   ASSERT_NE(cut, nullptr);
-  EXPECT_NEAR(cut->surface().mass(), surface.mass(), 1e-12 * surface.mass());
+  EXPECT_NEAR(cut->surface().capacity(), surface.capacity(), 1e-12 * surface.capacity());
 }
 
 TEST(CutSurface, SitesLieOnPiecesOfTheirFaces) {
@@ -100,7 +100,7 @@ TEST(CutSurface, CellsOnPiecesAreThoseOnTheWholeFaces) {
   const Surface surface = shape.surface();
   Random random(5);
   const Sites sites = random_sites(shape, 800, random);
-  const RestrictedVoronoi whole = restricted_voronoi(surface, sites);
+  const RestrictedVoronoi whole = restricted_voronoi(surface, sites, Cells::kEuclidean);
   const RestrictedVoronoi cut = SurfaceDomain(surface, Cells::kEuclidean).cells(sites, nullptr);
   for (std::size_t k = 0; k < sites.size(); ++k) {
     EXPECT_NEAR(cut.cells[k].capacity, whole.cells[k].capacity, 1e-12);

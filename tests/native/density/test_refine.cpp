@@ -124,7 +124,7 @@ TEST_P(RefineOf, CutsUntilNothingIsMarked) {
 TEST_P(RefineOf, KeepsShapeAndDensity) {
   const Refined fine = refined();
   EXPECT_NEAR(fine.surface.area(), fine.original.area(), 1e-12 * fine.original.area());
-  EXPECT_NEAR(fine.surface.mass(), fine.original.mass(), 1e-12 * fine.original.mass());
+  EXPECT_NEAR(fine.surface.capacity(), fine.original.capacity(), 1e-12 * fine.original.capacity());
   EXPECT_EQ(fine.surface.uniform(), fine.original.uniform());
   expect_bound(fine, fine.original, fine.surface);
 }

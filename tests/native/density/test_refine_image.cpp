@@ -103,7 +103,7 @@ TEST_P(RefineImageOf, HasTheMassOfThePicture) {
   for (const int cells : {1, 3, 20}) {
     const Refined refined = on_square(cells, image);
     EXPECT_TRUE(refined.resolved);
-    EXPECT_NEAR(refined.surface.mass(), integral(image), 0.01 * integral(image));
+    EXPECT_NEAR(refined.surface.capacity(), integral(image), 0.01 * integral(image));
   }
 }
 
@@ -139,7 +139,7 @@ TEST(RefineImage, LeavesALinearPictureWhole) {
       mapped(grid(2), [](const Vec3& p) { return Vec3(0.1 * p + Vec3(0.4, 0.4, 0)); });
   const Refined refined = refine_image(inner.surface(), flat_uv(inner), image);
   EXPECT_EQ(refined.surface.face_count(), 8u);
-  EXPECT_NEAR(refined.surface.mass(), 0.02, 1e-14);
+  EXPECT_NEAR(refined.surface.capacity(), 0.02, 1e-14);
 }
 
 TEST(RefineImage, CutsOnlyWhereThereIsDetail) {
@@ -148,7 +148,7 @@ TEST(RefineImage, CutsOnlyWhereThereIsDetail) {
                                 }));
   EXPECT_TRUE(dot.resolved);
   EXPECT_LT(dot.surface.face_count(), 3000u);
-  EXPECT_NEAR(dot.surface.mass(), 0.5 + 0.5 * std::numbers::pi * 1e-4, 2e-6);
+  EXPECT_NEAR(dot.surface.capacity(), 0.5 + 0.5 * std::numbers::pi * 1e-4, 2e-6);
 }
 
 /// Quarters of the picture hold 10, 20, 30 and 40 % of its mass.
@@ -215,7 +215,7 @@ TEST(RefineImage, StaysConformingAtSeams) {
   const Refined refined = refine_image(shape.surface(), uv, image, options);
   EXPECT_GT(refined.surface.face_count(), 4 * shape.faces.size());
   EXPECT_EQ(topology(refined.surface).border_loops, 2);
-  EXPECT_NEAR(refined.surface.mass(), shape.area(), 0.01 * shape.area());
+  EXPECT_NEAR(refined.surface.capacity(), shape.area(), 0.01 * shape.area());
   // Across the seam too the density is continuous, since the picture is periodic.
   std::map<std::int32_t, double> at_vertex;
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f)
@@ -236,10 +236,10 @@ TEST(RefineImage, RepeatsThePicture) {
   const Image image = picture(20, 30, hills);
   ImageOptions options;
   options.repeat = true;
-  const double repeated = refine_image(shape.surface(), uv, image, options).surface.mass();
+  const double repeated = refine_image(shape.surface(), uv, image, options).surface.capacity();
   EXPECT_NEAR(repeated, integral(image), 0.01 * integral(image));
   options.repeat = false;
-  const double clamped = refine_image(shape.surface(), uv, image, options).surface.mass();
+  const double clamped = refine_image(shape.surface(), uv, image, options).surface.capacity();
   EXPECT_GT(std::abs(clamped - repeated), 0.015 * repeated);
 }
 
@@ -247,7 +247,7 @@ TEST(RefineImage, MultipliesTheDensityOfTheSurface) {
   const Shape shape = with_density(grid(1), [](const Vec3& p) { return p.x(); });
   const Image image = picture(64, 64, [](double u, double) { return u; });
   ImageOptions fine;
-  fine.tolerance = 1e-3;
+  fine.max_error = 1e-3;
   const Refined refined = refine_image(shape.surface(), flat_uv(shape), image, fine);
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(refined.surface.face_count()); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -280,9 +280,9 @@ TEST(RefineImage, NamesTheFirstOffender) {
   expect_message<ArgumentError>([&] { (void)refine_image(surface, uv, bad); },
                                 {"image", "0 every"});
   ImageOptions options;
-  options.tolerance = 0.0;
+  options.max_error = 0.0;
   expect_message<ArgumentError>([&] { (void)refine_image(surface, uv, image, options); },
-                                {"tolerance", "0"});
+                                {"max_error", "0"});
   options = {};
   options.texels = std::numeric_limits<double>::quiet_NaN();
   expect_message<ArgumentError>([&] { (void)refine_image(surface, uv, image, options); },

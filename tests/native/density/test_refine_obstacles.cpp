@@ -63,8 +63,8 @@ TEST(RefineObstacles, TakesLittleMoreThanTheBalls) {
   const Balls balls{{{0.3, 0.3, 0}, {0.7, 0.6, 0.1}}, {0.1, 0.2}};
   const Refined refined = refine_obstacles(shape.surface(), balls.obstacles());
   const double discs = std::numbers::pi * (0.01 + 0.03);
-  EXPECT_LE(refined.surface.mass(), 1.0 - discs);
-  EXPECT_GE(refined.surface.mass(), 1.0 - 1.2 * discs);
+  EXPECT_LE(refined.surface.capacity(), 1.0 - discs);
+  EXPECT_GE(refined.surface.capacity(), 1.0 - 1.2 * discs);
   EXPECT_LT(refined.surface.face_count(), 5000u);
 }
 
@@ -113,7 +113,7 @@ TEST(RefineObstacles, MayBeMuchSmallerThanFaces) {
   const Refined refined = refine_obstacles(shape.surface(), balls.obstacles());
   EXPECT_TRUE(refined.resolved);
   EXPECT_LT(refined.surface.face_count(), 2000u);
-  EXPECT_NEAR(refined.surface.mass(), 1.0 - std::numbers::pi * 1e-10, 0.3e-10);
+  EXPECT_NEAR(refined.surface.capacity(), 1.0 - std::numbers::pi * 1e-10, 0.3e-10);
 }
 
 TEST(RefineObstacles, KeepTheirDistanceWhateverTheLimitOfFaces) {

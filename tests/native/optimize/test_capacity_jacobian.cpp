@@ -16,7 +16,7 @@ constexpr double kFactor = 0.75;
 
 struct Fixture {
   Fixture() : surface(blob(3).surface()), sites(poisson_start(surface, 60, 2)) {
-    diagram = restricted_voronoi(surface, sites);
+    diagram = restricted_voronoi(surface, sites, Cells::kEuclidean);
     Random random(5);
     for (std::size_t k = 0; k < sites.size(); ++k) {
       const Vec3 normal(random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5);

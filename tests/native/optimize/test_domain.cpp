@@ -35,8 +35,7 @@ TEST_P(ConnectedCells, ShareOutTheSurface) {
   for (const std::size_t count : {1u, 2u, 7u, 60u, 400u}) {
     Random random(count);
     const Sites sites = random_sites(GetParam(), count, random, true);
-    const RestrictedVoronoi diagram =
-        restricted_voronoi(surface, sites, nullptr, Cells::kConnected);
+    const RestrictedVoronoi diagram = restricted_voronoi(surface, sites, Cells::kConnected);
     EXPECT_NEAR(total_area(diagram), surface.area(), 1e-10 * surface.area()) << count << " sites";
   }
 }
@@ -64,8 +63,8 @@ TEST(ConnectedCells, AreEuclideanWhereNothingIsInTheWay) {
   Random random(3);
   const Sites sites = random_sites(shape, 200, random, true);
   const Surface surface = shape.surface();
-  const Energy a = evaluate_energy(surface, sites, 30.0, nullptr, Cells::kConnected);
-  const Energy b = evaluate_energy(surface, sites, 30.0, nullptr, Cells::kEuclidean);
+  const Energy a = evaluate_energy(surface, sites, 30.0, Cells::kConnected);
+  const Energy b = evaluate_energy(surface, sites, 30.0, Cells::kEuclidean);
   EXPECT_EQ(a.total, b.total);
 }
 

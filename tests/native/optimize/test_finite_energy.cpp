@@ -39,7 +39,7 @@ TEST(FiniteEnergy, IsDemandedOfAllThatMeasure) {
   const auto refused = [](const auto& action) {
     expect_message<SurfaceError>(action, {"samples[2]", "vertices", "finite"});
   };
-  refused([&] { (void)evaluate_energy(surface, sites, 30.0); });
+  refused([&] { (void)evaluate_energy(surface, sites, 30.0, Cells::kEuclidean); });
   refused([&] { (void)analyze(surface, samples); });
   refused([&] { (void)Tracker(surface, samples); });
   SampleOptions options;

@@ -24,17 +24,16 @@ struct Fixture {
     objective = make_objective(problem, class_of_sites(problem), {});
     objective.locked.assign(100, false);
     for (std::size_t k = 0; k < 100; k += 9) objective.locked[k] = true;
-    std::vector<std::vector<double>> radii;
     const Sites start = make_start(problem, Start::kRandom, 3, nullptr);
-    for (const Term& term : objective.terms)
-      radii.emplace_back(term.members.empty() ? 100 : term.members.size(), 0.3);
-    state = evaluate(objective, start, radii, nullptr);
+    for (Term& term : objective.terms)
+      term.radii.assign(term.members.empty() ? 100 : term.members.size(), 0.3);
+    state = evaluate(objective, start, nullptr);
   }
 
   Surface surface = blob(1).surface();
   ClassProblem problem;
   Objective objective;
-  State state;
+  Evaluation state;
 };
 
 std::size_t site_of(const Term& term, std::int32_t cell) {
@@ -56,7 +55,7 @@ Eigen::MatrixXd jacobian(const Term& term, const RestrictedVoronoi& diagram, std
 }
 
 /// The model Hessian by its definition, in space.
-Eigen::MatrixXd dense(const Objective& objective, const State& state) {
+Eigen::MatrixXd dense(const Objective& objective, const Evaluation& state) {
   const auto size = static_cast<Eigen::Index>(3 * state.sites.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t t = 0; t < state.parts.size(); ++t) {

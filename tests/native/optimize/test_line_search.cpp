@@ -12,17 +12,18 @@ namespace {
 struct OnALine {
   template <typename Energy>
   Step search(const Energy& energy, const Backtracking& how) {
-    State from;
+    Evaluation from;
     from.total = energy(0.0);
     from.gradient = {-Vec3::UnitX()};
-    return backtrack({}, from, {Vec3::UnitX()}, how, [&](const Vectors& moves) -> const State* {
-      if (++evaluations > most) return nullptr;
-      reached.total = energy(moves[0].x());
-      return &reached;
-    });
+    return backtrack({}, from, {Vec3::UnitX()}, how,
+                     [&](const Vectors& moves) -> const Evaluation* {
+                       if (++evaluations > most) return nullptr;
+                       reached.total = energy(moves[0].x());
+                       return &reached;
+                     });
   }
 
-  State reached;
+  Evaluation reached;
   int evaluations = 0, most = 100;
 };
 
@@ -65,8 +66,8 @@ TEST(LineSearch, DirectionsDescendAndKeepTheLongestStep) {
   problem.all = std::make_shared<const SurfaceDomain>(surface);
   problem.classes.push_back({problem.all, 80});
   const Objective objective = make_objective(problem, class_of_sites(problem), {});
-  const State state = evaluate(objective, make_start(problem, Start::kRandom, 1, nullptr),
-                               std::vector<std::vector<double>>(1), nullptr);
+  const Evaluation state =
+      evaluate(objective, make_start(problem, Start::kRandom, 1, nullptr), nullptr);
   LbfgsHistory history(5);
   const Vectors direction = lbfgs_direction(objective, state, 0.5, history);
   EXPECT_LT(dot(direction, state.gradient), 0.0);

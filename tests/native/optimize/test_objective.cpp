@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <dapple/classes.hpp>
 #include <dapple/planar.hpp>
 #include <dapple/poisson_start.hpp>
+#include <dapple/sampler.hpp>
 #include <numeric>
 
 #include "optimize/objective.hpp"
@@ -29,26 +29,24 @@ struct Fixture {
     problem.all = problem.classes[0].domain;
     objective = make_objective(problem, class_of_sites(problem), {});
     start = make_start(problem, Start::kRandom, 3, nullptr);
-    const State state = evaluate(objective, start, {{}, {}, {}, {}}, nullptr);
-    for (const Part& part : state.parts) radii.emplace_back(part.energy.gradient.size(), 0.2);
+    for (Term& term : objective.terms)
+      term.radii.assign(term.members.empty() ? start.size() : term.members.size(), 0.2);
   }
 
   std::vector<Surface> surfaces;
   ClassProblem problem;
   Objective objective;
   Sites start;
-  std::vector<std::vector<double>> radii;
 };
 
 /// Of every so many sites, by finite differences.
-void expect_slope_along_x(const Fixture& f, const State& state, std::size_t every) {
+void expect_slope_along_x(const Fixture& f, const Evaluation& state, std::size_t every) {
   constexpr double kStep = 1e-7;
   for (std::size_t k = 0; k < f.start.size(); k += every) {
     const auto total = [&](double step) {
       Sites moved = f.start;
       moved.positions[k].x() += step;
-      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
-                      nullptr)
+      return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), nullptr)
           .total;
     };
     EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].x(),
@@ -70,7 +68,7 @@ TEST(Objective, HasOneTermForAllAndOneForEachClass) {
 
 TEST(Objective, GradientIsThatOfTheTotal) {
   const Fixture f;
-  const State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  const Evaluation state = evaluate(f.objective, f.start, nullptr);
   ASSERT_FALSE(state.discs.pairs.empty());
   ASSERT_FALSE(state.parts[0].repulsion.pairs.empty());
   double largest = 0.0;
@@ -81,8 +79,7 @@ TEST(Objective, GradientIsThatOfTheTotal) {
       const auto total = [&](double step) {
         Sites moved = f.start;
         moved.positions[k] += step * along;
-        return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii,
-                        nullptr)
+        return evaluate(f.objective, f.objective.project(moved.positions, moved.faces), nullptr)
             .total;
       };
       EXPECT_NEAR((total(kStep) - total(-kStep)) / (2.0 * kStep), state.gradient[k].dot(along),
@@ -96,7 +93,7 @@ TEST(Objective, StickinessHasAnExactGradient) {
   Vectors anchors = f.start.positions;
   for (std::size_t k = 0; k < anchors.size(); ++k)
     anchors[k] += Vec3(0.03, -0.01 * double(k % 3), 0);
-  State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  Evaluation state = evaluate(f.objective, f.start, nullptr);
   const double without = state.total;
   stick(f.objective, state, anchors, 0.7);
   double added = 0.0;  // by its formula
@@ -112,17 +109,17 @@ struct FixtureWithLargeDiscs : Fixture {
   FixtureWithLargeDiscs() {
     objective.discs.assign(start.size(), 0.02);
     for (std::size_t k = 0; k < 5; ++k) objective.discs[12 * k] = 0.2;
-    state = evaluate(objective, start, radii, nullptr);
+    state = evaluate(objective, start, nullptr);
     give_room(objective, state);
   }
-  State state;
+  Evaluation state;
 };
 
 TEST(Objective, GivesLargeDiscsTheirRoomAndTheOthersTheRest) {
   const FixtureWithLargeDiscs f;
   const std::vector<double>& wanted = f.objective.terms[0].wanted;
   ASSERT_EQ(wanted.size(), f.start.size());
-  const double mass = f.problem.all->mass(), mean = mass / static_cast<double>(wanted.size());
+  const double mass = f.problem.all->capacity(), mean = mass / static_cast<double>(wanted.size());
   EXPECT_NEAR(std::accumulate(wanted.begin(), wanted.end(), 0.0), mass, 1e-12 * mass);
   // the hexagon around a circle of half the sum of the radii
   EXPECT_NEAR(wanted[12], 2.0 * std::sqrt(3.0) * 0.11 * 0.11 * mass / f.problem.all->area(), 1e-12);
@@ -134,11 +131,11 @@ TEST(Objective, GivesLargeDiscsRoomAmongPointsToo) {
   Fixture f;
   f.objective.discs.assign(f.start.size(), 0.0);
   f.objective.discs[0] = 0.2;
-  State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  Evaluation state = evaluate(f.objective, f.start, nullptr);
   give_room(f.objective, state);
   ASSERT_EQ(f.objective.terms[0].wanted.size(), f.start.size());
   EXPECT_NEAR(f.objective.terms[0].wanted[0],
-              2.0 * std::sqrt(3.0) * 0.1 * 0.1 * f.problem.all->mass() / f.problem.all->area(),
+              2.0 * std::sqrt(3.0) * 0.1 * 0.1 * f.problem.all->capacity() / f.problem.all->area(),
               1e-12);
 }
 
@@ -147,7 +144,7 @@ TEST(Objective, LeavesCapacitiesEqualWhereDiscsFit) {
   for (const double large : {0.01, 0.1}) {  // small ones; a larger one among points
     f.objective.discs.assign(f.start.size(), large == 0.01 ? 0.01 : 0.0);
     f.objective.discs[0] = large;
-    State state = evaluate(f.objective, f.start, f.radii, nullptr);
+    Evaluation state = evaluate(f.objective, f.start, nullptr);
     const double before = state.total;
     give_room(f.objective, state);
     EXPECT_TRUE(f.objective.terms[0].wanted.empty());
@@ -162,11 +159,11 @@ TEST(Objective, WithRoomForDiscsHasAnExactGradient) {
 
 TEST(Objective, SharesOfTheEnergyAddUpToItsDifferences) {
   const FixtureWithLargeDiscs f;
-  const State& one = f.state;
+  const Evaluation& one = f.state;
   Sites moved = f.start;
   for (Vec3& p : moved.positions) p.x() += 0.02 * std::sin(40.0 * p.y());
-  const State two =
-      evaluate(f.objective, f.objective.project(moved.positions, moved.faces), f.radii, nullptr);
+  const Evaluation two =
+      evaluate(f.objective, f.objective.project(moved.positions, moved.faces), nullptr);
   double difference = 0.0;
   const std::vector<double> before = energy_shares(f.objective, one);
   const std::vector<double> after = energy_shares(f.objective, two);
@@ -178,7 +175,7 @@ TEST(Objective, LockedSitesHaveNoGradient) {
   Fixture f;
   f.objective.locked.assign(f.start.size(), false);
   f.objective.locked[4] = true;
-  const State state = evaluate(f.objective, f.start, f.radii, nullptr);
+  const Evaluation state = evaluate(f.objective, f.start, nullptr);
   EXPECT_EQ(state.gradient[4], Vec3::Zero());
   EXPECT_NE(state.gradient[5], Vec3::Zero());
 }

@@ -25,8 +25,8 @@ const std::vector<std::pair<std::string, OptimizerOptions>>& ways() {
   static const std::vector<std::pair<std::string, OptimizerOptions>> kAll = {
       {"trust region with repulsion", {.tolerance = 1e-5}},
       {"trust region", {.repulsion_weight = 0.0, .tolerance = 1e-5}},
-      {"line search with repulsion", {.method = Method::kLineSearch, .tolerance = 1e-5}},
-      {"line search", {.method = Method::kLineSearch, .repulsion_weight = 0.0, .tolerance = 1e-5}}};
+      {"line search with repulsion", {.tolerance = 1e-5, .method = Method::kLineSearch}},
+      {"line search", {.repulsion_weight = 0.0, .tolerance = 1e-5, .method = Method::kLineSearch}}};
   return kAll;
 }
 
@@ -71,7 +71,7 @@ TEST_P(OptimizerOn, EndsOnTheSurface) {
 TEST_P(OptimizerOn, ReportsTheEnergyOfWhereItEnds) {
   const Surface surface = GetParam().surface();
   const OptimizerResult found = optimized(surface, 60, {});
-  const Energy again = evaluate_energy(surface, found.sites, 30.0, nullptr, Cells::kConnected);
+  const Energy again = evaluate_energy(surface, found.sites, 30.0, Cells::kConnected);
   EXPECT_EQ(again.total, found.energy.total);
 }
 
@@ -93,7 +93,7 @@ TEST(Optimizer, LowersTheEnergyFromWhiteNoise) {
 TEST(Optimizer, TakesFewerEvaluationsInATrustRegion) {
   const Surface surface = torus(120, 60).surface();
   const OptimizerResult plain =
-      optimized(surface, 1000, {.method = Method::kLineSearch, .repulsion_weight = 0.0});
+      optimized(surface, 1000, {.repulsion_weight = 0.0, .method = Method::kLineSearch});
   const OptimizerResult preconditioned = optimized(surface, 1000, {.repulsion_weight = 0.0});
   std::cout << plain.evaluations << " evaluations by line search, e " << plain.energy.normalized
             << "; " << preconditioned.evaluations << " in a trust region, e "

@@ -70,7 +70,7 @@ TEST(Reinsertion, FreesTwoSitesAtOnePlaceOfAFaceWithoutArea) {
 TEST(Reinsertion, BringsSitesBackIntoTheDensity) {
   Image image{1, 16, std::vector<double>(16, 0.0)};
   for (std::size_t k = 4; k < 8; ++k) image.values[k] = 1.0;
-  const TorusDomain torus(image);
+  const Torus torus(image);
   const Vec2 outside[] = {{0.9, 0.1}, {0.85, 0.5}, {0.3, 0.2}, {0.35, 0.7}};
   const OptimizerResult found = optimize(torus, torus.sites(outside), {});
   EXPECT_GT(least_capacity(found), 0.0);
@@ -86,7 +86,7 @@ TEST(Reinsertion, LeavesLockedSitesAlone) {
   Objective objective;
   objective.capacity_weight = 30.0;
   objective.terms.push_back({.domain = &domain});
-  const State state = evaluate(objective, sites, {{}}, nullptr);
+  const Evaluation state = evaluate(objective, sites, nullptr);
   ASSERT_EQ(find_reinsertion(objective, state).sites, std::vector<std::int32_t>{7});
   objective.locked.assign(10, true);
   EXPECT_TRUE(find_reinsertion(objective, state).sites.empty());

@@ -19,14 +19,14 @@ struct Fixture {
     state = evaluate(objective,
                      points.empty() ? make_start(problem, Start::kPoisson, 1, nullptr)
                                     : problem.all->project(points, {}),
-                     std::vector<std::vector<double>>(1), nullptr);
+                     nullptr);
     moved = state.sites.positions;
     for (Vec3& x : moved) x += Vec3(0.7, -0.4, 0.2);  // some spacings
   }
 
   ClassProblem problem;
   Objective objective;
-  State state;
+  Evaluation state;
   Vectors moved;
 };
 
@@ -35,7 +35,7 @@ TEST(SlideLimit, NoSiteEndsFartherThanItMay) {
   SlideLimit limit(f.objective, 0.3);
   limit.set_home(f.state.sites);
   EXPECT_FALSE(limit.exceeded(f.state));
-  State next = f.state;
+  Evaluation next = f.state;
   next.sites = limit.project(f.state, f.moved, f.state.sites.faces);
   const double most = 0.3 * f.problem.all->spacing(80);
   double longest = 0.0;

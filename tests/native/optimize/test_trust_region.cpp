@@ -14,14 +14,13 @@ struct Fixture {
     problem.all = std::make_shared<const SurfaceDomain>(blob(3).surface());
     problem.classes.push_back({problem.all, 80});
     objective = make_objective(problem, class_of_sites(problem), {});
-    state = evaluate(objective, make_start(problem, start, 1, nullptr), radii, nullptr);
-    shrink_radii(objective, state, radii);
+    state = evaluate(objective, make_start(problem, start, 1, nullptr), nullptr);
+    shrink_radii(objective, state);
   }
 
   ClassProblem problem;
   Objective objective;
-  std::vector<std::vector<double>> radii = std::vector<std::vector<double>>(1);
-  State state;
+  Evaluation state;
   LbfgsHistory history = LbfgsHistory(7);
 };
 
@@ -29,7 +28,7 @@ TEST(TrustRegion, StepsDescendWithinTheLongestStep) {
   for (const Start start : {Start::kRandom, Start::kPoisson}) {
     Fixture f(start);
     TrustRegion region(0.5, /*exact=*/false);
-    const Vectors step = region.step(f.objective, f.state, f.radii, f.history);
+    const Vectors step = region.step(f.objective, f.state, f.history);
     EXPECT_LT(dot(step, f.state.gradient), 0.0);
     EXPECT_LE(step_excess(f.objective, f.state, 0.5, step), 1.0);
   }
@@ -40,7 +39,7 @@ TEST(TrustRegion, ShrinksAfterFailuresAndGrowsAgain) {
   TrustRegion region(0.5, false);
   const auto length = [&] {
     TrustRegion now = region;  // a step may change delta
-    const Vectors step = now.step(f.objective, f.state, f.radii, f.history);
+    const Vectors step = now.step(f.objective, f.state, f.history);
     return std::sqrt(dot(step, step));
   };
   const double first = length();

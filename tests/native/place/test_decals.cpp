@@ -54,7 +54,7 @@ TEST(Decals, LieInTheTangentsFrame) {
   const double angle = 0.4;
   const std::vector<Vec3> tangents = {Vec3(3.0 * std::cos(angle), 3.0 * std::sin(angle), 5.0)};
   const DecalCover found =
-      cover(surface, middle_of_the_square(surface), std::vector{0.25}, tangents, texels);
+      decal_cover(surface, middle_of_the_square(surface), std::vector{0.25}, tangents, texels);
   std::size_t covered = 0;
   for (std::size_t k = 0; k < texels.size(); ++k) {
     const Vec3 p = surface.point(texels.faces[k], texels.barycentric[k]);
@@ -74,7 +74,7 @@ TEST(Decals, KeepDistancesOnACurvedSurface) {
   const std::vector<double> radii(20, 0.3);
   const std::vector<Vec3> tangents(20, Vec3(0.3, 0.4, 0.5));
   const Texels texels = middles(surface);
-  const DecalCover found = cover(surface, samples, radii, tangents, texels);
+  const DecalCover found = decal_cover(surface, samples, radii, tangents, texels);
   std::size_t covered = 0;
   for (std::size_t k = 0; k < texels.size(); ++k) {
     if (found.samples[k] < 0) continue;
@@ -95,8 +95,8 @@ TEST(Decals, StayOnTheirSheet) {
   const Shape sheets = two_sheets(6, 0.01);
   const Surface surface = sheets.surface();
   const Samples samples = bind_samples(surface, std::vector{0}, std::vector{Vec3(0.2, 0.3, 0.5)});
-  const DecalCover found =
-      cover(surface, samples, std::vector{0.5}, std::vector{Vec3(Vec3::UnitX())}, middles(surface));
+  const DecalCover found = decal_cover(surface, samples, std::vector{0.5},
+                                       std::vector{Vec3(Vec3::UnitX())}, middles(surface));
   const Vec3 normal = samples.normals[0];
   bool some = false;
   for (std::size_t f = 0; f < surface.face_count(); ++f) {
@@ -112,8 +112,8 @@ TEST(Decals, StayOnTheirSheet) {
 
 TEST(Decals, OfNoRadiusCoverNothing) {
   const Surface surface = grid(4).surface();
-  const DecalCover found = cover(surface, middle_of_the_square(surface), std::vector{0.0},
-                                 std::vector{Vec3(Vec3::UnitX())}, flat_texels(grid(4)));
+  const DecalCover found = decal_cover(surface, middle_of_the_square(surface), std::vector{0.0},
+                                       std::vector{Vec3(Vec3::UnitX())}, flat_texels(grid(4)));
   EXPECT_EQ(std::count(found.samples.begin(), found.samples.end(), -1), kRows * kRows);
 }
 
@@ -123,7 +123,7 @@ TEST(Decals, NameWhatIsWrong) {
   const Texels texels = flat_texels(grid(2));
   std::vector<double> radii(3, 0.1);
   std::vector<Vec3> tangents(3, Vec3::UnitX());
-  const auto run = [&] { (void)cover(surface, samples, radii, tangents, texels); };
+  const auto run = [&] { (void)decal_cover(surface, samples, radii, tangents, texels); };
   radii[1] = -0.5;
   expect_message<ArgumentError>(run, {"radii[1]", "-0.5"});
   radii[1] = 0.1;

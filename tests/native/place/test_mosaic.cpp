@@ -162,7 +162,7 @@ TEST_P(MosaicOn, CoversTheSurfaceWithClosedLoops) {
         sampling.optimizer.max_evaluations = 4;
         MosaicOptions options;
         options.merge = merge;
-        options.tolerance = 0.0;
+        options.shortest_edge = 0.0;
         options.cells = cells;
         const Mosaic found = mosaic(surface, sample(surface, count, sampling), options);
         ASSERT_EQ(found.tiles.size(), count);
@@ -195,11 +195,11 @@ std::size_t open_edges(const Mosaic& mosaic) {
 TEST(Mosaic, HasTheSamePointsWhereTilesTouchWithoutGrout) {
   for (const Shape& shape : {torus(48, 24), box(1), box(5), blob(4)}) {
     const Surface surface = shape.surface();
-    for (const double tolerance : {0.0, 1e-3, 0.1})
+    for (const double shortest : {0.0, 1e-3, 0.1})
       for (const bool merge : {false, true}) {
         const Samples samples = sample(surface, 300, {.optimizer = {.max_evaluations = 8}});
-        const Mosaic tiles = mosaic(surface, samples, {.tolerance = tolerance, .merge = merge});
-        EXPECT_EQ(open_edges(tiles), 0u) << tolerance;
+        const Mosaic tiles = mosaic(surface, samples, {.shortest_edge = shortest, .merge = merge});
+        EXPECT_EQ(open_edges(tiles), 0u) << shortest;
       }
   }
 }
@@ -208,7 +208,7 @@ TEST_P(MosaicOn, BuildsClosedBodiesWithoutShortEdges) {
   const Surface surface = GetParam().surface();
   MosaicOptions options;
   options.grout = 0.1 * surface.spacing(40);
-  options.tolerance = 0.02;
+  options.shortest_edge = 0.02;
   options.thickness = 0.1 * surface.spacing(40);
   const Samples samples = sample(surface, 40);
   const Mosaic found = mosaic(surface, samples, options);
@@ -216,7 +216,7 @@ TEST_P(MosaicOn, BuildsClosedBodiesWithoutShortEdges) {
   check_loops(found);
   options.thickness = 0.0;
   const Mosaic flat = mosaic(surface, samples, options);
-  EXPECT_GE(shortest_edge(flat), options.tolerance * surface.spacing(40));
+  EXPECT_GE(shortest_edge(flat), options.shortest_edge * surface.spacing(40));
   check_loops(flat);
 }
 
@@ -367,7 +367,7 @@ TEST(Mosaic, LiesInTheSurfaceAndTurnsWithIt) {
     EXPECT_GT(twice_area_vector(found, k).dot(normal), 0.0);
     for (const std::int32_t v : polygon(found, k))
       EXPECT_NEAR((vertex(found, v) - at(0)).dot(normal), 0.0,
-                  options.tolerance * surface.spacing(100));
+                  options.shortest_edge * surface.spacing(100));
   }
 }
 
@@ -378,11 +378,11 @@ TEST(Mosaic, BearsTroubledSites) {
     const Samples samples = bound(shape, troubled_sites(shape, 25, random));
     const Surface surface = shape.surface();
     MosaicOptions options;
-    options.tolerance = 0.0;
+    options.shortest_edge = 0.0;
     const Mosaic whole = mosaic(surface, samples, options);
     check_loops(whole);
     EXPECT_NEAR(area(whole), surface.area(), 1e-6 * surface.area()) << shape.name;
-    options.tolerance = 0.02;
+    options.shortest_edge = 0.02;
     options.grout = 0.1 * surface.spacing(25);
     options.thickness = 0.01;
     const Mosaic body = mosaic(surface, samples, options);
@@ -401,7 +401,7 @@ TEST(Mosaic, OfNeedlesHasNoPolygonThatMeetsItself) {
     const Surface needle = shape.surface();
     const std::vector<Vec3> weights = {Vec3::UnitX(), Vec3::UnitY()};
     const Samples samples = bind_samples(needle, std::vector<std::int32_t>{0, 0}, weights);
-    check_loops(mosaic(needle, samples, {.tolerance = 0.0}));
+    check_loops(mosaic(needle, samples, {.shortest_edge = 0.0}));
   }
 }
 
@@ -433,7 +433,7 @@ TEST(Mosaic, NamesWhatIsWrong) {
   expect_message<ArgumentError>(run({.grout = -1.0}), {"grout", "-1"});
   expect_message<ArgumentError>(run({.grout = nan}), {"grout", "nan"});
   expect_message<ArgumentError>(run({.thickness = -0.5}), {"thickness", "-0.5"});
-  expect_message<ArgumentError>(run({.tolerance = -1e-3}), {"tolerance"});
+  expect_message<ArgumentError>(run({.shortest_edge = -1e-3}), {"shortest_edge"});
   expect_message<ArgumentError>(run({.insets = {0.0, 0.1}}), {"insets", "2", "samples", "4"});
   expect_message<ArgumentError>(run({.insets = {0.0, 0.1, -0.2, -0.3}}), {"insets[2]", "-0.2"});
 }
@@ -452,11 +452,11 @@ TEST(Mosaic, CoversRealMeshes) {
     sampling.optimizer.max_evaluations = 12;
     const Samples samples = sample(surface, 800, sampling);
     MosaicOptions options;
-    options.tolerance = 0.0;
+    options.shortest_edge = 0.0;
     const Mosaic whole = mosaic(surface, samples, options);
     check_loops(whole);
     EXPECT_NEAR(area(whole), surface.area(), 1e-6 * surface.area()) << name;
-    options.tolerance = 1e-3;
+    options.shortest_edge = 1e-3;
     options.grout = 0.1 * samples.report.spacing;
     options.thickness = 0.1 * samples.report.spacing;
     const Mosaic body = mosaic(surface, samples, options);

@@ -25,7 +25,7 @@ const Points kOutline = {{0, 0}, {3, 0}, {3, 2}, {1.5, 0.7}, {0, 2}};  // with a
 const std::vector<Points> kHoles = {{{0.4, 0.4}, {0.4, 0.9}, {0.9, 0.4}},
                                     {{2.2, 0.3}, {2.6, 0.3}, {2.6, 0.8}, {2.2, 0.8}}};
 
-PlanarDomain notched() { return PlanarDomain::polygon(kOutline, kHoles); }
+Plane notched() { return Plane::polygon(kOutline, kHoles); }
 
 Image wavy(std::size_t rows, std::size_t columns) {
   Image image{rows, columns, {}};
@@ -63,26 +63,25 @@ void expect_near(const Energy& a, const Energy& b, double tolerance) {
 
 struct Case {
   std::string name;
-  PlanarDomain domain;
+  Plane domain;
 };
 void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 
-class Plane : public testing::TestWithParam<Case> {};
+class PlaneCase : public testing::TestWithParam<Case> {};
 
-INSTANTIATE_TEST_SUITE_P(Domains, Plane,
-                         testing::Values(Case{"Rectangle", PlanarDomain::rectangle(3, 2)},
+INSTANTIATE_TEST_SUITE_P(Domains, PlaneCase,
+                         testing::Values(Case{"Rectangle", Plane::rectangle(3, 2)},
                                          Case{"Polygon", notched()},
-                                         Case{"Image", PlanarDomain::image(3, 2, wavy(7, 9))},
-                                         Case{"OnePixel", PlanarDomain::image(3, 2, {1, 1, {2.5}})},
-                                         Case{"Row", PlanarDomain::image(3, 2, wavy(1, 5))}),
+                                         Case{"Image", Plane::image(3, 2, wavy(7, 9))},
+                                         Case{"OnePixel", Plane::image(3, 2, {1, 1, {2.5}})},
+                                         Case{"Row", Plane::image(3, 2, wavy(1, 5))}),
                          shape_name<testing::TestParamInfo<Case>>);
 
-void expect_as_mesh(const PlanarDomain& domain, const Sites& sites) {
+void expect_as_mesh(const Plane& domain, const Sites& sites) {
   const Energy flat = evaluate_energy(domain, sites, kLambda);
-  expect_near(flat, evaluate_energy(domain.surface(), sites, kLambda, nullptr, Cells::kConnected),
-              1e-9);
+  expect_near(flat, evaluate_energy(domain.surface(), sites, kLambda, Cells::kConnected), 1e-9);
   expect_near(evaluate_energy(*domain.with_cells(Cells::kEuclidean), sites, kLambda),
-              evaluate_energy(domain.surface(), sites, kLambda, nullptr, Cells::kEuclidean), 1e-9);
+              evaluate_energy(domain.surface(), sites, kLambda, Cells::kEuclidean), 1e-9);
   double area = 0.0, capacity = 0.0;
   for (const Moments& cell : flat.diagram.cells) {
     area += cell.area;
@@ -90,11 +89,11 @@ void expect_as_mesh(const PlanarDomain& domain, const Sites& sites) {
   }
   if (sites.size() == 0) return;
   EXPECT_NEAR(area, domain.area(), 1e-10 * domain.area());
-  EXPECT_NEAR(capacity, domain.mass(), 1e-10 * domain.mass());
+  EXPECT_NEAR(capacity, domain.capacity(), 1e-10 * domain.capacity());
 }
 
-TEST_P(Plane, AgreesWithTheFlatMesh) {
-  const PlanarDomain& domain = GetParam().domain;
+TEST_P(PlaneCase, AgreesWithTheFlatMesh) {
+  const Plane& domain = GetParam().domain;
   for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 10u, 60u, 1000u})
     for (std::uint64_t seed = 0; seed < 5; ++seed)
       expect_as_mesh(domain, domain.start(Start::kRandom, count, seed, nullptr));
@@ -113,8 +112,8 @@ Sites without_twins(const Sites& sites, std::vector<std::size_t>& kept) {
   return result;
 }
 
-TEST_P(Plane, AgreesWithTheFlatMeshAtTroubledSites) {
-  const PlanarDomain& domain = GetParam().domain;
+TEST_P(PlaneCase, AgreesWithTheFlatMeshAtTroubledSites) {
+  const Plane& domain = GetParam().domain;
   const Surface& surface = domain.surface();
   const Shape shape{"", surface.vertices(), surface.faces(), surface.density()};
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
@@ -135,8 +134,8 @@ TEST_P(Plane, AgreesWithTheFlatMeshAtTroubledSites) {
   }
 }
 
-TEST_P(Plane, SharesOutSitesInLinesAndOnCircles) {
-  const PlanarDomain& domain = GetParam().domain;
+TEST_P(PlaneCase, SharesOutSitesInLinesAndOnCircles) {
+  const Plane& domain = GetParam().domain;
   Points line, circle, lattice, same(5, Vec2(1.5, 0.35));
   for (int k = 0; k < 7; ++k) line.emplace_back(0.1 + 0.4 * k, 0.25);
   for (int k = 0; k < 12; ++k) {
@@ -148,47 +147,47 @@ TEST_P(Plane, SharesOutSitesInLinesAndOnCircles) {
     expect_as_mesh(domain, domain.sites(points));
 }
 
-TEST_P(Plane, SamplesExactlyThatMany) {
-  const PlanarDomain& domain = GetParam().domain;
+TEST_P(PlaneCase, SamplesExactlyThatMany) {
+  const Plane& domain = GetParam().domain;
   SampleOptions options;
   options.optimizer.max_evaluations = 10;
   for (const std::size_t count : {0u, 1u, 2u, 3u, 200u}) {
-    const PlanarSamples samples = sample_planar(domain, count, options);
+    const PlanarSamples samples = sample(domain, count, options);
     EXPECT_EQ(samples.positions.size(), count);
     EXPECT_EQ(samples.report.count, count);
     EXPECT_NO_THROW((void)domain.sites(samples.positions));
   }
 }
 
-TEST_P(Plane, GivesTheSameBytesForAnyThreadsAndAgain) {
-  const PlanarDomain& domain = GetParam().domain;
+TEST_P(PlaneCase, GivesTheSameBytesForAnyThreadsAndAgain) {
+  const Plane& domain = GetParam().domain;
   SampleOptions options;
   options.optimizer.max_evaluations = 6;
   options.threads = 1;
-  const PlanarSamples base = sample_planar(domain, 150, options);
+  const PlanarSamples base = sample(domain, 150, options);
   for (const int threads : {1, 2, 5}) {
     options.threads = threads;
-    const PlanarSamples again = sample_planar(domain, 150, options);
+    const PlanarSamples again = sample(domain, 150, options);
     EXPECT_EQ(again.positions, base.positions);
     EXPECT_EQ(again.report.energies, base.report.energies);
   }
 }
 
-TEST(PlanarDomain, MeasuresItsArea) {
-  EXPECT_NEAR(PlanarDomain::rectangle(3, 2).area(), 6.0, 1e-14);
+TEST(Plane, MeasuresItsArea) {
+  EXPECT_NEAR(Plane::rectangle(3, 2).area(), 6.0, 1e-14);
   EXPECT_NEAR(notched().area(), 6.0 - 1.95 - 0.125 - 0.2, 1e-13);
   Points turned(kOutline.rbegin(), kOutline.rend());
-  EXPECT_NEAR(PlanarDomain::polygon(turned).area(), 4.05, 1e-13);
+  EXPECT_NEAR(Plane::polygon(turned).area(), 4.05, 1e-13);
 }
 
-TEST(PlanarDomain, HasTheImagesMass) {
-  EXPECT_NEAR(PlanarDomain::image(3, 2, {1, 1, {2.5}}).mass(), 15.0, 1e-13);
+TEST(Plane, HasTheImagesMass) {
+  EXPECT_NEAR(Plane::image(3, 2, {1, 1, {2.5}}).capacity(), 15.0, 1e-13);
   // Linear between the centers at 0.25 and 0.75, constant beyond them.
-  EXPECT_NEAR(PlanarDomain::image(1, 1, {1, 2, {0.0, 1.0}}).mass(), 0.5, 1e-14);
+  EXPECT_NEAR(Plane::image(1, 1, {1, 2, {0.0, 1.0}}).capacity(), 0.5, 1e-14);
 }
 
-TEST(PlanarDomain, HasTheEnergyOfFourSitesInASquare) {
-  const PlanarDomain square = PlanarDomain::rectangle(1, 1);
+TEST(Plane, HasTheEnergyOfFourSitesInASquare) {
+  const Plane square = Plane::rectangle(1, 1);
   const Points points = {{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
   const Energy energy = evaluate_energy(square, square.sites(points), kLambda);
   EXPECT_NEAR(energy.cvt, 1.0 / 24.0, 1e-15);
@@ -196,17 +195,17 @@ TEST(PlanarDomain, HasTheEnergyOfFourSitesInASquare) {
   EXPECT_LE(largest(energy.gradient), 1e-14);
 }
 
-TEST(PlanarDomain, KeepsOffHoles) {
-  const PlanarDomain domain = notched();
-  for (const Vec2& p : sample_planar(domain, 300).positions)
+TEST(Plane, KeepsOffHoles) {
+  const Plane domain = notched();
+  for (const Vec2& p : sample(domain, 300).positions)
     EXPECT_FALSE(p.x() > 2.2 + 1e-9 && p.x() < 2.6 - 1e-9 && p.y() > 0.3 + 1e-9 &&
                  p.y() < 0.8 - 1e-9);
 }
 
-TEST(PlanarDomain, FollowsAnImage) {
-  const PlanarDomain ramp = PlanarDomain::image(1, 1, {1, 2, {0.0, 1.0}});
+TEST(Plane, FollowsAnImage) {
+  const Plane ramp = Plane::image(1, 1, {1, 2, {0.0, 1.0}});
   std::size_t right = 0;
-  for (const Vec2& p : sample_planar(ramp, 400).positions) right += p.x() > 0.5 ? 1 : 0;
+  for (const Vec2& p : sample(ramp, 400).positions) right += p.x() > 0.5 ? 1 : 0;
   EXPECT_NEAR(double(right), 350.0, 8.0);  // the integral of the right half is 7/8
 }
 
@@ -239,7 +238,7 @@ Shape tiled(const Image* image) {
 }
 
 /// Against every site and its eight images cut by brute force.
-void expect_tiled(const TorusDomain& torus, const Image* image, const Points& points) {
+void expect_tiled(const Torus& torus, const Image* image, const Points& points) {
   std::vector<Vec3> images;
   for (const int y : {0, -1, 1})
     for (const int x : {0, -1, 1})
@@ -270,7 +269,7 @@ void expect_tiled(const TorusDomain& torus, const Image* image, const Points& po
 }
 
 TEST(Torus, AgreesWithATiling) {
-  const TorusDomain torus;
+  const Torus torus;
   for (const std::size_t count : {1u, 2u, 3u, 4u, 7u, 12u, 29u, 60u})
     for (std::uint64_t seed = 0; seed < 4; ++seed)
       expect_tiled(torus, nullptr, random_points(count, 1, 1, seed));
@@ -280,7 +279,7 @@ TEST(Torus, AgreesWithATilingUnderAnImage) {
   const std::pair<std::size_t, std::size_t> sizes[] = {{1, 1}, {1, 3}, {2, 2}, {3, 5}};
   for (const auto& [rows, columns] : sizes) {
     const Image image = wavy(rows, columns);
-    const TorusDomain torus(image);
+    const Torus torus(image);
     for (const std::size_t count : {1u, 2u, 3u, 8u, 40u})
       expect_tiled(torus, &image, random_points(count, 1, 1, count));
   }
@@ -291,8 +290,8 @@ TEST(Torus, AgreesWithATilingOfLattices) {
     Points points;
     for (int k = 0; k < side * side; ++k)
       points.emplace_back(double(k % side) / side, double(k / side) / side);
-    expect_tiled(TorusDomain(), nullptr, points);
-    const RestrictedVoronoi cells = TorusDomain().cells(TorusDomain().sites(points), nullptr);
+    expect_tiled(Torus(), nullptr, points);
+    const RestrictedVoronoi cells = Torus().cells(Torus().sites(points), nullptr);
     for (const Moments& cell : cells.cells) EXPECT_NEAR(cell.area, 1.0 / (side * side), 1e-15);
   }
 }
@@ -300,14 +299,14 @@ TEST(Torus, AgreesWithATilingOfLattices) {
 TEST(Torus, SharesOutSitesInOneLine) {
   Points points;
   for (int k = 0; k < 50; ++k) points.emplace_back(k / 50.0, 0.5);
-  expect_tiled(TorusDomain(), nullptr, points);
+  expect_tiled(Torus(), nullptr, points);
 }
 
 TEST(Torus, LeavesCoincidentSitesEmpty) {
   Points points = random_points(40, 1, 1, 3);
   points[30] = points[4];
   points[31] = points[4] + Vec2(1, -2);
-  const RestrictedVoronoi found = TorusDomain().cells(TorusDomain().sites(points), nullptr);
+  const RestrictedVoronoi found = Torus().cells(Torus().sites(points), nullptr);
   double area = 0.0;
   for (const Moments& cell : found.cells) area += cell.area;
   EXPECT_NEAR(area, 1.0, 1e-13);
@@ -319,7 +318,7 @@ TEST(Torus, LeavesCoincidentSitesEmpty) {
 TEST(Torus, HoldsManySitesInOneCorner) {
   for (const double size : {0.3, 0.01}) {
     const RestrictedVoronoi found =
-        TorusDomain().cells(TorusDomain().sites(random_points(600, size, size, 9)), nullptr);
+        Torus().cells(Torus().sites(random_points(600, size, size, 9)), nullptr);
     double area = 0.0;
     for (const Moments& cell : found.cells) area += cell.area;
     EXPECT_NEAR(area, 1.0, 1e-12);
@@ -335,7 +334,7 @@ TEST(Torus, DoesNotKnowWhereTheSquareBegins) {
     Image shifted = image;
     for (std::size_t k = 0; k < 16; ++k)
       shifted.values[(k / 4 + 2) % 4 * 4 + (k % 4 + 1) % 4] = image.values[k];
-    const TorusDomain plain, dense(image), dense_moved(shifted);
+    const Torus plain, dense(image), dense_moved(shifted);
     expect_near(evaluate_energy(plain, plain.sites(moved), kLambda),
                 evaluate_energy(plain, plain.sites(points), kLambda), 1e-11);
     expect_near(evaluate_energy(dense_moved, dense_moved.sites(moved), kLambda),
@@ -344,7 +343,7 @@ TEST(Torus, DoesNotKnowWhereTheSquareBegins) {
 }
 
 /// Central differences, with sites that hang over the border and outside the square.
-void expect_gradient_is_slope(const TorusDomain& torus, std::size_t count) {
+void expect_gradient_is_slope(const Torus& torus, std::size_t count) {
   Points points = random_points(count, 1, 1, 5);
   points[0] = Vec2(-1e-9, 0.3);
   points[1].x() += 3.0;
@@ -373,8 +372,7 @@ TEST(FlatDomains, GiveTheSameUnderADensityOfAnyScale) {
   };
   const auto solve = [&](double scale, bool torus) {
     const Image image = scaled(scale);
-    return torus ? sample_planar(TorusDomain(image), 150)
-                 : sample_planar(PlanarDomain::image(1.0, 1.0, image), 150);
+    return torus ? sample(Torus(image), 150) : sample(Plane::image(1.0, 1.0, image), 150);
   };
   for (const bool torus : {false, true}) {
     const PlanarSamples expected = solve(1.0, torus);
@@ -389,20 +387,20 @@ TEST(FlatDomains, GiveTheSameUnderADensityOfAnyScale) {
 
 TEST(Torus, HasTheGradientOfItsEnergy) {
   for (const std::size_t count : {3u, 4u, 12u, 80u}) {
-    expect_gradient_is_slope(TorusDomain(), count);
-    expect_gradient_is_slope(TorusDomain(wavy(5, 6)), count);
+    expect_gradient_is_slope(Torus(), count);
+    expect_gradient_is_slope(Torus(wavy(5, 6)), count);
   }
 }
 
 TEST(Torus, SamplesExactlyThatManyInTheSquare) {
-  const TorusDomain domains[] = {TorusDomain(), TorusDomain(wavy(6, 4))};
+  const Torus domains[] = {Torus(), Torus(wavy(6, 4))};
   SampleOptions options;
-  for (const TorusDomain& torus : domains)
+  for (const Torus& torus : domains)
     for (const Start start : {Start::kPoisson, Start::kRandom})
       for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 200u}) {
         options.start = start;
         options.optimizer.max_evaluations = 15;
-        const PlanarSamples samples = sample_planar(torus, count, options);
+        const PlanarSamples samples = sample(torus, count, options);
         ASSERT_EQ(samples.positions.size(), count);
         for (const Vec2& p : samples.positions)
           EXPECT_TRUE(p.minCoeff() >= 0.0 && p.maxCoeff() < 1.0);
@@ -412,28 +410,28 @@ TEST(Torus, SamplesExactlyThatManyInTheSquare) {
 TEST(Torus, GivesTheSameBytesForAnyThreadsAndAgain) {
   SampleOptions options;
   options.threads = 1;
-  const PlanarSamples base = sample_planar(TorusDomain(), 400, options);
+  const PlanarSamples base = sample(Torus(), 400, options);
   for (const int threads : {1, 2, 5}) {
     options.threads = threads;
-    const PlanarSamples again = sample_planar(TorusDomain(), 400, options);
+    const PlanarSamples again = sample(Torus(), 400, options);
     EXPECT_EQ(again.positions, base.positions);
     EXPECT_EQ(again.report.energies, base.report.energies);
   }
 }
 
 TEST(Torus, ReportsTheEvennessOfItsSamples) {
-  const PlanarSamples samples = sample_planar(TorusDomain(), 300);
+  const PlanarSamples samples = sample(Torus(), 300);
   double least = 1.0;
   for (std::size_t i = 0; i < 300; ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const Vec2 d = samples.positions[i] - samples.positions[j];
       least = std::min(least, (d - d.array().round().matrix()).norm());
     }
-  EXPECT_NEAR(samples.report.evenness.alpha_min, least / TorusDomain().spacing(300), 1e-12);
+  EXPECT_NEAR(samples.report.evenness.alpha_min, least / Torus().spacing(300), 1e-12);
 }
 
 TEST(Torus, StartsWithAllDartsApart) {
-  const TorusDomain torus;
+  const Torus torus;
   const Sites start = torus.start(Start::kPoisson, 500, 2, nullptr);
   const Evenness evenness = measure_evenness(torus.cells(start, nullptr));
   EXPECT_GT(evenness.alpha_min, 0.6);
@@ -446,7 +444,7 @@ TEST(Torus, IsEven) {
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       SampleOptions options = paper ? paper_options() : SampleOptions();
       options.seed = seed;
-      const Report report = sample_planar(TorusDomain(), 1000, options).report;
+      const Report report = sample(Torus(), 1000, options).report;
       std::printf("%s: %d evaluations, e %.4f, alpha %.3f %.3f, spread %.4f, %.2f s\n",
                   paper ? "paper" : "default", report.evaluations, report.energy,
                   report.evenness.alpha_min, report.evenness.alpha_mean,
@@ -461,36 +459,36 @@ TEST(Torus, IsEven) {
 
 // ---- what is refused ----
 
-TEST(PlanarDomain, NamesWhatIsWrong) {
+TEST(Plane, NamesWhatIsWrong) {
   const auto refuses = [](const auto& action, std::initializer_list<std::string> parts) {
     expect_message<ArgumentError>(action, parts);
   };
-  refuses([] { (void)PlanarDomain::rectangle(0, 1); }, {"width", "0"});
-  refuses([] { (void)PlanarDomain::rectangle(1, kNan); }, {"height", "nan"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {1, 0}}); }, {"outline", "2 points"});
-  refuses([] { (void)PlanarDomain::polygon({}); }, {"outline", "0 points"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {1, kNan}, {1, 1}}); }, {"outline[1]", "nan"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}}); },
+  refuses([] { (void)Plane::rectangle(0, 1); }, {"width", "0"});
+  refuses([] { (void)Plane::rectangle(1, kNan); }, {"height", "nan"});
+  refuses([] { (void)Plane::polygon({{0, 0}, {1, 0}}); }, {"outline", "2 points"});
+  refuses([] { (void)Plane::polygon({}); }, {"outline", "0 points"});
+  refuses([] { (void)Plane::polygon({{0, 0}, {1, kNan}, {1, 1}}); }, {"outline[1]", "nan"});
+  refuses([] { (void)Plane::polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}}); },
           {"outline[2]", "crosses"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}); },
+  refuses([] { (void)Plane::polygon({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}); },
           {"outline[0]", "touches"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {1, 0}, {1, 1}, {0, 0}}); },
+  refuses([] { (void)Plane::polygon({{0, 0}, {1, 0}, {1, 1}, {0, 0}}); },
           {"outline[3]", "repeats"});
-  refuses([] { (void)PlanarDomain::polygon({{0, 0}, {1, 0}, {2, 0}}); }, {"outline"});
+  refuses([] { (void)Plane::polygon({{0, 0}, {1, 0}, {2, 0}}); }, {"outline"});
   const std::vector<Points> outside = {kHoles[0], {{5, 5}, {6, 5}, {5, 6}}};
-  refuses([&] { (void)PlanarDomain::polygon(kOutline, outside); }, {"holes[1]", "outline"});
+  refuses([&] { (void)Plane::polygon(kOutline, outside); }, {"holes[1]", "outline"});
   const std::vector<Points> across = {{{-1, 0.3}, {0.3, 0.3}, {0.3, 0.6}}};
-  refuses([&] { (void)PlanarDomain::polygon(kOutline, across); }, {"holes[0]", "crosses"});
+  refuses([&] { (void)Plane::polygon(kOutline, across); }, {"holes[0]", "crosses"});
   const std::vector<Points> nested = {kHoles[1], {{2.3, 0.4}, {2.4, 0.4}, {2.4, 0.5}}};
-  refuses([&] { (void)PlanarDomain::polygon(kOutline, nested); }, {"holes[1]", "holes[0]"});
+  refuses([&] { (void)Plane::polygon(kOutline, nested); }, {"holes[1]", "holes[0]"});
 }
 
-TEST(PlanarDomain, NamesWhatIsWrongWithAnImage) {
+TEST(Plane, NamesWhatIsWrongWithAnImage) {
   const auto refuses = [](const Image& image, std::initializer_list<std::string> parts) {
-    expect_message<ArgumentError>([&] { (void)PlanarDomain::image(1, 1, image); }, parts);
-    expect_message<ArgumentError>([&] { (void)TorusDomain(image); }, parts);
+    expect_message<ArgumentError>([&] { (void)Plane::image(1, 1, image); }, parts);
+    expect_message<ArgumentError>([&] { (void)Torus(image); }, parts);
   };
-  expect_message<ArgumentError>([] { (void)PlanarDomain::image(10, 10, {1, 1, {1.7e308}}); },
+  expect_message<ArgumentError>([] { (void)Plane::image(10, 10, {1, 1, {1.7e308}}); },
                                 {"density", "not finite"});
   refuses({0, 3, {}}, {"density", "0 rows"});
   refuses({2, 2, {1, 1, 1}}, {"density", "3", "4"});
@@ -499,36 +497,36 @@ TEST(PlanarDomain, NamesWhatIsWrongWithAnImage) {
   refuses({2, 2, {0, 0, 0, 0}}, {"density", "0 everywhere"});
 }
 
-TEST(PlanarDomain, NamesTheFirstSiteOutside) {
-  const PlanarDomain domain = notched();
+TEST(Plane, NamesTheFirstSiteOutside) {
+  const Plane domain = notched();
   const auto at = [&](const Vec2& p) { return domain.sites(Points{{0.1, 0.1}, p}); };
   expect_message<ArgumentError>([&] { (void)at({2.4, 0.5}); }, {"positions[1]", "outside"});
   expect_message<ArgumentError>([&] { (void)at({0.2, kNan}); }, {"positions[1]", "nan"});
-  expect_message<ArgumentError>([&] { (void)TorusDomain().sites(Points{{kNan, 0}}); },
+  expect_message<ArgumentError>([&] { (void)Torus().sites(Points{{kNan, 0}}); },
                                 {"positions[0]", "nan"});
 }
 
 TEST(SamplePlanar, StopsWhenCancelled) {
   Context context;
   context.cancel();
-  EXPECT_THROW((void)sample_planar(TorusDomain(), 100, {}, &context), Cancelled);
+  EXPECT_THROW((void)sample(Torus(), 100, {}, &context), Cancelled);
 }
 
-TEST(PlanarDomain, NamesASiteBeyondAllMeasure) {
+TEST(Plane, NamesASiteBeyondAllMeasure) {
   for (const double far : {1e12, 1e159, 1e308}) {
     const std::vector<Vec2> points = {{0.5, 0.5}, {far, -far}};
-    expect_message<ArgumentError>([&] { (void)PlanarDomain::rectangle(1, 1).sites(points); },
+    expect_message<ArgumentError>([&] { (void)Plane::rectangle(1, 1).sites(points); },
                                   {"positions[1]", "outside the domain"});
   }
 }
 
 TEST(SamplePlanar, KeepsLockedSites) {
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
-  const TorusDomain torus;
+  const Plane square = Plane::rectangle(1.0, 1.0);
+  const Torus torus;
   const std::vector<Vec2> places = {{0.2, 0.25}, {0.7, 0.3}, {0.4, 0.8}};
   for (const FlatDomain* domain :
        {static_cast<const FlatDomain*>(&square), static_cast<const FlatDomain*>(&torus)}) {
-    const PlanarSamples samples = sample_planar(*domain, 40, {.locked = domain->sites(places)});
+    const PlanarSamples samples = sample(*domain, 40, {.locked = domain->sites(places)});
     ASSERT_EQ(samples.positions.size(), 40u);
     for (std::size_t k = 0; k < places.size(); ++k)
       EXPECT_LE((samples.positions[k] - places[k]).norm(), 1e-12);
@@ -537,11 +535,11 @@ TEST(SamplePlanar, KeepsLockedSites) {
 }
 
 TEST(SamplePlanar, KeepsLockedSitesOfEachClass) {
-  const PlanarDomain square = PlanarDomain::rectangle(1.0, 1.0);
+  const Plane square = Plane::rectangle(1.0, 1.0);
   const std::vector<Vec2> places = {{0.2, 0.25}, {0.7, 0.3}};
-  const std::vector<PlanarClass> classes = {{.count = 10},
+  const std::vector<SampleClass> classes = {{.count = 10},
                                             {.count = 20, .locked = square.sites(places)}};
-  const PlanarSamples samples = sample_planar_classes(square, classes);
+  const PlanarSamples samples = sample_classes(square, classes);
   for (std::size_t k = 0; k < places.size(); ++k)
     EXPECT_LE((samples.positions[10 + k] - places[k]).norm(), 1e-12);
 }

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/relax.hpp>
+#include <dapple/sampler.hpp>
 #include <numeric>
 
 #include "invariants.hpp"
@@ -32,9 +32,9 @@ Surface with_ball(const Surface& surface, double inside) {
 }
 
 RelaxOptions relaxing(std::vector<SampleClass> classes, bool free_counts = false) {
-  return {.optimizer = {.repulsion_weight = 5.0, .tolerance = 1e-4},
-          .classes = std::move(classes),
-          .free_counts = free_counts};
+  return {.free_counts = free_counts,
+          .optimizer = {.repulsion_weight = 5.0, .tolerance = 1e-4},
+          .classes = std::move(classes)};
 }
 
 std::size_t count_of(const Samples& samples, std::int32_t c) {

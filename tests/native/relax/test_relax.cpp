@@ -110,7 +110,7 @@ TEST(Relax, KeepsTheCapacityOfASample) {
   for (const double density : {0.0, 0.3, 1.0, 4.0}) {
     const Surface after = with_ball(surface, before.positions[0], 0.4, density);
     const Samples relaxed = relax(after, before, changed_faces(surface, after));
-    const double wanted = 2000.0 * after.mass() / surface.mass();
+    const double wanted = 2000.0 * after.capacity() / surface.capacity();
     EXPECT_NEAR(static_cast<double>(relaxed.size()), wanted, 0.002 * wanted + 1.0) << density;
   }
 }
@@ -438,7 +438,8 @@ TEST(Relax, IsEvenBesideACrowdOfLockedSamples) {
                                 {.count = 500, .locked = first_ones(100)});
   ASSERT_EQ(relaxed.size(), 500u);
   double sum = 0.0, squares = 0.0;
-  const RestrictedVoronoi diagram = restricted_voronoi(surface, sites_of(relaxed));
+  const RestrictedVoronoi diagram =
+      restricted_voronoi(surface, sites_of(relaxed), Cells::kEuclidean);
   for (std::size_t k = 100; k < 500; ++k) {
     sum += diagram.cells[k].capacity;
     squares += diagram.cells[k].capacity * diagram.cells[k].capacity;

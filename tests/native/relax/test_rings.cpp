@@ -17,7 +17,8 @@ using Indices = std::vector<std::int32_t>;
 struct Known {
   explicit Known(const Surface& surface, const Sites& sites)
       : neighbors(sites.size()), faces(sites.size()) {
-    for (const CellPolygon& piece : restricted_voronoi_polygons(surface, sites)) {
+    for (const CellPolygon& piece :
+         restricted_voronoi_polygons(surface, sites, Cells::kEuclidean)) {
       const auto s = static_cast<std::size_t>(piece.site);
       faces[s].insert(surface.ordered().ordered_face(piece.face));
       for (const std::int32_t edge : piece.edges)

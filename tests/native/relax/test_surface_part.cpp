@@ -25,7 +25,7 @@ TEST_P(SurfacePartOf, HasTheSameCellsInside) {
   const Surface surface = shape.surface();
   Random random(3);
   const Sites sites = random_sites(shape, 80, random);
-  const RestrictedVoronoi whole = restricted_voronoi(surface, sites, nullptr, Cells::kConnected);
+  const RestrictedVoronoi whole = restricted_voronoi(surface, sites, Cells::kConnected);
   Rings rings(surface, sites);
   const Indices inner = {0};
   const Indices around = rings.grown(rings.grown(inner, nullptr), nullptr);
@@ -42,10 +42,9 @@ TEST_P(SurfacePartOf, HasTheSameCellsInside) {
     there.faces.push_back(face);
   }
   ASSERT_GE(place, 0);
-  const RestrictedVoronoi cut =
-      restricted_voronoi(part.surface(), there, nullptr, Cells::kConnected);
+  const RestrictedVoronoi cut = restricted_voronoi(part.surface(), there, Cells::kConnected);
   const Moments& found = cut.cells[static_cast<std::size_t>(place)];
-  EXPECT_NEAR(found.capacity, whole.cells[0].capacity, 1e-12 * surface.mass());
+  EXPECT_NEAR(found.capacity, whole.cells[0].capacity, 1e-12 * surface.capacity());
   EXPECT_NEAR(found.area, whole.cells[0].area, 1e-12 * surface.area());
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/sampler.hpp>
@@ -242,6 +241,12 @@ TEST(Classes, NameWhatCannotBe) {
   const std::vector<SampleClass> foreign = {{.count = 10},
                                             {.count = 10, .surface = box(2).surface()}};
   expect_message<ArgumentError>([&] { (void)sample_classes(surface, foreign); }, {"classes[1]"});
+  const std::vector<SampleClass> pictured = {{.count = 3, .image = Image{1, 1, {1.0}}}};
+  expect_message<ArgumentError>([&] { (void)sample_classes(surface, pictured); },
+                                {"classes[0].image", "as a surface"});
+  const std::vector<SampleClass> curved = {{.count = 3, .surface = surface}};
+  expect_message<ArgumentError>([&] { (void)sample_classes(Plane::rectangle(1.0, 1.0), curved); },
+                                {"classes[0].surface", "as an image"});
 }
 
 TEST(Classes, KeepLockedSitesWhereTheyAre) {
@@ -298,8 +303,9 @@ TEST(Classes, StayEvenOnADeformingSurface) {
   const Surface surface = blob(3).surface();
   const std::vector<SampleClass> classes = {{.count = 100}, {.count = 200}};
   const Samples samples = sample_classes(surface, classes);
-  Tracker tracker(surface, samples, {.optimizer = {.repulsion_weight = 5.0, .max_evaluations = 30}},
-                  classes);
+  Tracker tracker(
+      surface, samples,
+      {.optimizer = {.repulsion_weight = 5.0, .max_evaluations = 30}, .classes = classes});
   for (int frame = 1; frame <= 5; ++frame) {
     std::vector<Vec3> vertices = surface.vertices();
     for (Vec3& x : vertices) x.z() *= 1.0 + 0.1 * frame;
@@ -314,10 +320,10 @@ TEST(Classes, StayEvenOnADeformingSurface) {
 }
 
 TEST(PlanarClasses, AreEvenOnTheTorus) {
-  const std::vector<PlanarClass> classes = {{.count = 500}, {.count = 500}};
+  const std::vector<SampleClass> classes = {{.count = 500}, {.count = 500}};
   ClassOptions options;
   options.sample.optimizer.max_evaluations = 25;
-  const PlanarSamples samples = sample_planar_classes(TorusDomain(), classes, options);
+  const PlanarSamples samples = sample_classes(Torus(), classes, options);
   EXPECT_EQ(counts(samples.classes, 2), (std::vector<std::size_t>{500, 500}));
   EXPECT_GT(samples.report.evenness.alpha_min, 0.5);
   for (const Quality& quality : samples.report.classes) {
@@ -328,19 +334,18 @@ TEST(PlanarClasses, AreEvenOnTheTorus) {
 
 TEST(PlanarClasses, FollowTheirImages) {
   Image right{1, 8, {0, 1, 2, 3, 4, 5, 6, 7}}, left{1, 8, {7, 6, 5, 4, 3, 2, 1, 0}};
-  const std::vector<PlanarClass> classes = {{.count = 200, .density = right},
-                                            {.count = 200, .density = left}};
-  const PlanarSamples samples = sample_planar_classes(PlanarDomain::rectangle(2.0, 1.0), classes);
+  const std::vector<SampleClass> classes = {{.count = 200, .image = right},
+                                            {.count = 200, .image = left}};
+  const PlanarSamples samples = sample_classes(Plane::rectangle(2.0, 1.0), classes);
   std::vector<double> mean(2, 0.0);
   for (std::size_t k = 0; k < samples.positions.size(); ++k)
     mean[static_cast<std::size_t>(samples.classes[k])] += samples.positions[k].x() / 200.0;
   EXPECT_GT(mean[0], 1.2);
   EXPECT_LT(mean[1], 0.8);
-  std::vector<PlanarClass> unlike = classes;
-  unlike[1].density = Image{1, 2, {1, 1}};
-  expect_message<ArgumentError>(
-      [&] { (void)sample_planar_classes(PlanarDomain::rectangle(2.0, 1.0), unlike); },
-      {"density of class 1 is 1 x 2 pixels"});
+  std::vector<SampleClass> unlike = classes;
+  unlike[1].image = Image{1, 2, {1, 1}};
+  expect_message<ArgumentError>([&] { (void)sample_classes(Plane::rectangle(2.0, 1.0), unlike); },
+                                {"density of class 1 is 1 x 2 pixels"});
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <dapple/classes.hpp>
 #include <dapple/optimizer.hpp>
 #include <dapple/planar_sampler.hpp>
 #include <dapple/poisson_start.hpp>
@@ -10,7 +9,7 @@
 #include <dapple/sampler.hpp>
 #include <dapple/stipple.hpp>
 #include <dapple/tracker.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 
 #include "base/stopwatch.hpp"
 #include "invariants.hpp"
@@ -72,15 +71,15 @@ TEST(Profile, OfRelaxedSamplesHasEveryStage) {
 }
 
 TEST(Profile, OnFlatDomainsHasEveryStage) {
-  expect_stages(sample_planar(PlanarDomain::rectangle(2, 1), kCount).report, kAll);
-  expect_stages(sample_planar(TorusDomain(), kCount).report, kAll);
+  expect_stages(sample(Plane::rectangle(2, 1), kCount).report, kAll);
+  expect_stages(sample(Torus(), kCount).report, kAll);
 }
 
 TEST(Profile, OfStipplesHasEveryStage) {
   Image image{40, 60, {}};
   for (std::size_t k = 0; k < image.rows * image.columns; ++k)
     image.values.push_back(0.1 + static_cast<double>(k % 7));
-  expect_stages(stipple({&image, 1}, kCount).report, kAll);
+  expect_stages(stipple_inks({&image, 1}, kCount).report, kAll);
 }
 
 TEST(Profile, OfTrackedFramesIsOfEachFrame) {
@@ -103,7 +102,7 @@ TEST(Profile, OfAWindowCountsEveryPassOverAFrame) {
   WindowOptions once;
   once.sweeps = 0;
   for (const WindowOptions& options : {once, WindowOptions()}) {
-    const std::vector<Samples> found = track_window(shape.surface(), frames, samples, options);
+    const std::vector<Samples> found = track_window(shape.surface(), samples, frames, options);
     for (std::size_t t = 1; t < found.size(); ++t)
       expect_stages(found[t].report, {Stage::kNeighbors, Stage::kCells, Stage::kReporting});
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/neighbors.hpp>
 #include <dapple/progressive.hpp>

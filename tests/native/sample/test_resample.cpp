@@ -119,7 +119,7 @@ double worst_local_slide(const Surface& surface, const Samples& before, const Sa
     const double density = after.barycentric[k].dot(
         surface.ordered().densities(surface.ordered().ordered_face(after.faces[k])));
     const double local =
-        surface.spacing(after.size()) * std::sqrt(surface.mass() / surface.area() / density);
+        surface.spacing(after.size()) * std::sqrt(surface.capacity() / surface.area() / density);
     const auto b = static_cast<std::size_t>(found - before.ids.begin());
     worst = std::max(worst, (after.positions[k] - before.positions[b]).norm() / local);
   }
@@ -219,7 +219,7 @@ TEST(Resample, KeepsLockedSamples) {
   const Samples before = sample(surface, 300);
   const std::vector<std::int32_t> locked = rows_below(30);
   for (const std::size_t count : {30U, 200U, 300U, 900U}) {
-    const Samples after = resample(surface, before, count, {}, nullptr, locked);
+    const Samples after = resample(surface, before, count, {.locked = locked});
     ASSERT_EQ(after.size(), count);
     check(surface, after);
     for (std::size_t k = 0; k < 30; ++k) {
@@ -254,7 +254,7 @@ TEST(Resample, NamesWhatIsWrongWithLockedRows) {
   const auto refuses = [&](std::size_t count, const std::vector<std::int32_t>& locked,
                            std::initializer_list<std::string> parts) {
     expect_message<ArgumentError>(
-        [&] { (void)resample(surface, before, count, {}, nullptr, locked); }, parts);
+        [&] { (void)resample(surface, before, count, {.locked = locked}); }, parts);
   };
   refuses(9, {0, 20}, {"locked[1] is 20", "0..19"});
   refuses(9, rows_below(10), {"count is 9", "10 samples are locked"});
@@ -267,7 +267,7 @@ TEST(Resample, PutsLockedSamplesWithoutAPositionWhereTheirFacesSay) {
   for (const Eigen::Index axis : {0, 1, 2}) {
     Samples before = whole;
     before.positions[3][axis] = std::numeric_limits<double>::quiet_NaN();
-    const Samples after = resample(surface, before, 25, {}, nullptr, rows_below(10));
+    const Samples after = resample(surface, before, 25, {.locked = rows_below(10)});
     EXPECT_LE((after.positions[3] - whole.positions[3]).norm(), 1e-12) << "axis " << axis;
   }
 }

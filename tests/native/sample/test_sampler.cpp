@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/energy.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/restricted_voronoi.hpp>
@@ -232,7 +231,7 @@ TEST(Sampler, GivesTheSameUnderADensityOfAnyScale) {
                 expected.report.evenness.capacity_variation, 2e-3)
         << scale;
     EXPECT_NEAR(analyze(surface, expected).energy, expected.report.energy, 1e-12) << scale;
-    EXPECT_NEAR(surface.mass() / scale, scaled(1.0).mass(), 1e-12 * scaled(1.0).mass());
+    EXPECT_NEAR(surface.capacity() / scale, scaled(1.0).capacity(), 1e-12 * scaled(1.0).capacity());
   }
   // A power of two changes no digit of the values, and none of the samples.
   for (const double scale : {0x1p-1000, 0x1p-664, 0x1p-40, 0x1p664, 0x1p1000})
@@ -261,12 +260,13 @@ TEST(Sampler, GivesCapacitiesInTheCallersUnit) {
         with_density(blob(2), [scale](const Vec3& p) { return scale * (1.5 + std::sin(p.x())); });
     const Surface surface = shape.surface();
     const Samples samples = sample(surface, 50);
-    const RestrictedVoronoi diagram = restricted_voronoi(surface, sites_of(samples));
+    const RestrictedVoronoi diagram =
+        restricted_voronoi(surface, sites_of(samples), Cells::kEuclidean);
     double sum = 0.0;
     for (const Moments& cell : diagram.cells) sum += cell.capacity;
-    EXPECT_NEAR(sum / shape.mass(), 1.0, 1e-10) << scale;
-    EXPECT_NEAR(evaluate_energy(surface, sites_of(samples), 30.0).normalized, samples.report.energy,
-                0.1);
+    EXPECT_NEAR(sum / shape.capacity(), 1.0, 1e-10) << scale;
+    EXPECT_NEAR(evaluate_energy(surface, sites_of(samples), 30.0, Cells::kEuclidean).normalized,
+                samples.report.energy, 0.1);
   }
 }
 

@@ -113,23 +113,23 @@ TEST(DoubledFaces, HaveTheDensityOfTheFirst) {
   std::vector<double> density(shape.faces.size(), 1.0);
   std::fill(density.begin() + 8, density.end(), 5.0);
   const Surface surface(shape.vertices, shape.faces, Density{DensityAt::kFaces, density});
-  EXPECT_DOUBLE_EQ(surface.mass(), 1.0);
+  EXPECT_DOUBLE_EQ(surface.capacity(), 1.0);
   EXPECT_EQ(surface.density(), density);
   std::reverse(density.begin(), density.end());
-  EXPECT_DOUBLE_EQ(surface.with_density(Density{DensityAt::kFaces, density}).mass(), 5.0);
+  EXPECT_DOUBLE_EQ(surface.with_density(Density{DensityAt::kFaces, density}).capacity(), 5.0);
 }
 
 TEST(DoubledFaces, CellsAreThoseOfTheSingleSurface) {
   Random random(2);
   const Sites sites = random_sites(box(3), 60, random);
-  const RestrictedVoronoi single = restricted_voronoi(box(3).surface(), sites);
+  const RestrictedVoronoi single = restricted_voronoi(box(3).surface(), sites, Cells::kEuclidean);
   for (const Shape& shape : doubled_in_all_ways(box(3))) {
     Sites there = sites;
     for (std::size_t k = 0; k < there.size(); k += 2) {  // half of them on faces that do not count
       there.faces[k] += static_cast<std::int32_t>(shape.faces.size() / 2);
       there.barycentric.clear();
     }
-    const RestrictedVoronoi found = restricted_voronoi(shape.surface(), there);
+    const RestrictedVoronoi found = restricted_voronoi(shape.surface(), there, Cells::kEuclidean);
     for (std::size_t k = 0; k < sites.size(); ++k)
       EXPECT_NEAR(found.cells[k].area, single.cells[k].area, 1e-12);
   }

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/resample.hpp>
 #include <dapple/sampler.hpp>
 
@@ -35,9 +34,9 @@ TEST(Islands, ThatTouchAtACornerAreTwo) {
   const Islands islands(surface);
   EXPECT_TRUE(islands.has_gaps());
   EXPECT_EQ(islands.count(), 1u + 18u);
-  EXPECT_EQ(islands.masses()[0], 0.0);
+  EXPECT_EQ(islands.capacities()[0], 0.0);
   for (std::size_t k = 1; k < islands.count(); ++k)
-    EXPECT_NEAR(islands.masses()[k], surface.mass() / 18.0, 1e-12);
+    EXPECT_NEAR(islands.capacities()[k], surface.capacity() / 18.0, 1e-12);
 }
 
 TEST(Islands, AnEdgeWithoutDensityParts) {

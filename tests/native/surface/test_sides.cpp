@@ -44,11 +44,11 @@ TEST(Sides, APlateHasTwoHoweverFewItsFacesAre) {
     const auto sided = with_sides(surface, 500);
     ASSERT_NE(sided, nullptr) << cells;
     EXPECT_EQ(components(sided->all), 2);
-    EXPECT_NEAR(mass_of(sided->all, 0), 0.5 * surface.mass(), 0.01 * surface.mass());
+    EXPECT_NEAR(mass_of(sided->all, 0), 0.5 * surface.capacity(), 0.01 * surface.capacity());
     EXPECT_NEAR(sided->all.area(), surface.area(), 1e-12);
     EXPECT_EQ(sided->all.faces(), surface.faces());
     EXPECT_EQ(sided->all.vertices(), surface.vertices());
-    EXPECT_NEAR(sided->without_rims.mass(), 2.0, 1e-12);
+    EXPECT_NEAR(sided->without_rims.capacity(), 2.0, 1e-12);
   }
 }
 
@@ -100,9 +100,9 @@ TEST(Sides, NoCellOfOneSideHasAPieceOfTheOther) {
   Random random(3);
   const Sites sites = random_sites(shape, 300, random);
   double capacity = 0.0;
-  for (const Moments& cell : restricted_voronoi(surface, sites, nullptr, Cells::kConnected).cells)
+  for (const Moments& cell : restricted_voronoi(surface, sites, Cells::kConnected).cells)
     capacity += cell.capacity;
-  EXPECT_NEAR(capacity, surface.mass(), 1e-12);
+  EXPECT_NEAR(capacity, surface.capacity(), 1e-12);
   const auto is_above = [&](std::int32_t face) {
     return surface.ordered().geometry(surface.ordered().ordered_face(face)).normal.z();
   };

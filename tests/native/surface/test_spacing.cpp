@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <dapple/errors.hpp>
-#include <dapple/spacing.hpp>
+#include <dapple/surface.hpp>
 #include <vector>
 
 #include "shapes.hpp"
@@ -15,8 +15,8 @@ namespace {
 TEST(CountAtSpacing, IsTheInverseOfSpacing) {
   const Surface surface = grid(2).surface();
   for (const std::size_t count : {1, 2, 50, 1'000'000})
-    EXPECT_EQ(count_at_spacing(surface, surface.spacing(count)), count);
-  EXPECT_EQ(count_at_spacing(surface, 1e9), 1U);
+    EXPECT_EQ(surface.count(surface.spacing(count)), count);
+  EXPECT_EQ(surface.count(1e9), 1U);
 }
 
 TEST(CountAtSpacing, IsOfThePlacesWhereTheDensityIsLargest) {
@@ -26,17 +26,17 @@ TEST(CountAtSpacing, IsOfThePlacesWhereTheDensityIsLargest) {
     std::vector<double> halves(shape.faces.size(), 0.0);
     std::fill(halves.begin(), halves.begin() + 4, largest);  // of eight of one area
     const Surface half = shape.surface().with_density({DensityAt::kFaces, halves});
-    EXPECT_EQ(count_at_spacing(half, spacing), 500U);
+    EXPECT_EQ(half.count(spacing), 500U);
     const std::vector<double> same(shape.vertices.size(), largest);
     const Surface whole = shape.surface().with_density({DensityAt::kVertices, same});
-    EXPECT_EQ(count_at_spacing(whole, spacing), 1000U);
+    EXPECT_EQ(whole.count(spacing), 1000U);
   }
 }
 
 TEST(CountAtSpacing, RefusesASpacingThatIsNone) {
   const Surface surface = grid(2).surface();
   for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL, 1e-9, 1e-300})
-    EXPECT_THROW(static_cast<void>(count_at_spacing(surface, spacing)), ArgumentError) << spacing;
+    EXPECT_THROW(static_cast<void>(surface.count(spacing)), ArgumentError) << spacing;
 }
 
 }  // namespace

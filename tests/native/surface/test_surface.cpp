@@ -26,7 +26,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceOf, testing::ValuesIn(all_shapes()),
 TEST_P(SurfaceOf, MeasuresAreaAndMass) {
   const Surface surface = GetParam().surface();
   EXPECT_NEAR(surface.area(), GetParam().area(), 1e-12 * GetParam().area());
-  EXPECT_NEAR(surface.mass(), GetParam().mass(), 1e-12 * GetParam().mass());
+  EXPECT_NEAR(surface.capacity(), GetParam().capacity(), 1e-12 * GetParam().capacity());
   EXPECT_EQ(surface.uniform(), GetParam().density.empty());
 }
 
@@ -89,7 +89,7 @@ TEST_P(SurfaceOf, DeformsAsIfBuiltAnew) {
   EXPECT_EQ(carried.density(), shape.density);
   EXPECT_EQ(carried.density_at(), shape.density_at);
   EXPECT_NEAR(carried.area(), fresh.area(), 1e-14 * fresh.area());
-  EXPECT_NEAR(carried.mass(), fresh.mass(), 1e-14 * fresh.mass());
+  EXPECT_NEAR(carried.capacity(), fresh.capacity(), 1e-14 * fresh.capacity());
 }
 
 TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
@@ -99,7 +99,7 @@ TEST_P(SurfaceOf, ExchangesItsDensityAsIfBuiltAnew) {
   const Surface fresh = shape.surface();
   EXPECT_EQ(same.density(), shape.density);
   EXPECT_EQ(same.uniform(), fresh.uniform());
-  EXPECT_EQ(same.mass(), fresh.mass());
+  EXPECT_EQ(same.capacity(), fresh.capacity());
   for (std::int32_t f = 0; f < static_cast<std::int32_t>(shape.faces.size()); ++f) {
     ASSERT_EQ(same.ordered().densities(OrderedFace{f}), fresh.ordered().densities(OrderedFace{f}));
     ASSERT_EQ(same.ordered().geometry(OrderedFace{f}).moments.second,
@@ -138,7 +138,7 @@ TEST(Surface, MeasuresAnewOnlyWhatHasChanged) {
     }
     EXPECT_GT(shared, surface.face_count() / 2);
     EXPECT_LT(shared, surface.face_count());
-    EXPECT_NEAR(cases[k][1].mass(), anew[k].mass(), 1e-12 * anew[k].mass());
+    EXPECT_NEAR(cases[k][1].capacity(), anew[k].capacity(), 1e-12 * anew[k].capacity());
     EXPECT_NEAR(cases[k][1].area(), anew[k].area(), 1e-12 * anew[k].area());
   }
 }
@@ -290,7 +290,7 @@ TEST(Surface, RefusesADensityWhoseIntegralIsNotFinite) {
   expect_message<SurfaceError>([&] { (void)shape.surface(); }, {"density", "not finite"});
   for (Vec3& v : shape.vertices) v /= 20.0;
   const Surface surface = shape.surface();
-  EXPECT_TRUE(std::isfinite(surface.mass()));
+  EXPECT_TRUE(std::isfinite(surface.capacity()));
   std::vector<Vec3> larger = surface.vertices();
   for (Vec3& v : larger) v *= 100.0;
   expect_message<SurfaceError>([&] { (void)surface.deformed(larger); }, {"density", "not finite"});

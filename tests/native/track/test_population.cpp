@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
 #include <dapple/sampler.hpp>
@@ -39,14 +38,14 @@ Population population_of(const Shape& shape) {
 TEST(Population, KeepsTheDensity) {
   const Shape shape = blob(4);
   Population population = population_of(shape);
-  const double density = kCount / population.surface().mass();
+  const double density = kCount / population.surface().capacity();
   std::size_t most = 0;
   for (int frame = 1; frame <= kPeriod; ++frame) {
     const Samples& samples = population.advance(frame_of(shape, frame));
     double there = 0.0;  // those that do not vanish
     const std::size_t staying = samples.report.count;
     for (std::size_t k = 0; k < staying; ++k) there += 1.0;
-    EXPECT_NEAR(there, density * population.surface().mass(), 1.0) << "frame " << frame;
+    EXPECT_NEAR(there, density * population.surface().capacity(), 1.0) << "frame " << frame;
     EXPECT_LE(samples.report.evenness.capacity_variation, 0.02) << "frame " << frame;
     most = std::max(most, staying);
   }
@@ -92,12 +91,13 @@ TEST(Population, KeepsTheDensityOfEachClass) {
   const Shape shape = blob(4);
   const Surface surface = shape.surface();
   const std::vector<SampleClass> classes = {{.count = 150}, {.count = 50}};
-  Population population(surface, sample_classes(surface, classes), {.fade = kFade}, classes);
+  Population population(surface, sample_classes(surface, classes),
+                        {.fade = kFade, .tracker = {.classes = classes}});
   std::map<std::int32_t, std::int32_t> class_of;
   double worst = 0.0, least = 1.0;
   for (int frame = 1; frame <= kPeriod; ++frame) {
     const Samples& samples = population.advance(frame_of(shape, frame));
-    const double growth = population.surface().mass() / surface.mass();
+    const double growth = population.surface().capacity() / surface.capacity();
     for (const std::int32_t one : {0, 1}) {
       const Samples own = staying(population, one);
       EXPECT_NEAR(static_cast<double>(own.size()), growth * (one == 0 ? 150.0 : 50.0), 1.0);
@@ -123,7 +123,8 @@ TEST(Population, KeepsTheDensityOfAClassWithADensityOfItsOwn) {
   const Surface surface(shape.vertices, shape.faces);
   const Surface above = surface.with_density({DensityAt::kFaces, shape.density});
   const std::vector<SampleClass> classes = {{.count = 60, .surface = above}, {.count = 60}};
-  Population population(surface, sample_classes(surface, classes), {.fade = kFade}, classes);
+  Population population(surface, sample_classes(surface, classes),
+                        {.fade = kFade, .tracker = {.classes = classes}});
   for (int frame = 1; frame <= 8; ++frame) {
     const double height = 1.0 + 0.1 * frame;
     population.advance(mapped(shape, [height](const Vec3& p) {
@@ -131,7 +132,8 @@ TEST(Population, KeepsTheDensityOfAClassWithADensityOfItsOwn) {
                                      std::max(p.z(), 0.0) * height + std::min(p.z(), 0.0));
                        }).vertices);
   }
-  const double growth = above.deformed(population.surface().vertices()).mass() / above.mass();
+  const double growth =
+      above.deformed(population.surface().vertices()).capacity() / above.capacity();
   const Samples own = staying(population, 0);
   EXPECT_NEAR(static_cast<double>(own.size()), 60.0 * growth, 1.0);
   for (const Vec3& place : own.positions) EXPECT_GT(place.z(), -0.2);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/population.hpp>
 #include <dapple/sampler.hpp>
@@ -44,7 +43,8 @@ Population two_classes(const Surface& surface) {
   for (const Vec3& p : surface.vertices()) above.push_back(p.z() > 0.0 ? 1.0 : 0.1);
   const std::vector<SampleClass> classes = {
       {.count = 60, .surface = surface.with_density({DensityAt::kVertices, above})}, {.count = 60}};
-  return {surface, sample_classes(surface, classes), {.fade = kFade}, classes};
+  return {
+      surface, sample_classes(surface, classes), {.fade = kFade, .tracker = {.classes = classes}}};
 }
 
 /// Its faces change in some frames only.
@@ -125,7 +125,9 @@ TEST(PopulationState, MayAskForMoreThanThereAre) {
 
 TEST(PopulationState, MayHaveNoSampleOfAClass) {
   const Surface surface = growing(0).surface();
-  const auto begin = [&] { return Population(surface, sample(surface, 40), {}, {{}, {}}); };
+  const auto begin = [&] {
+    return Population(surface, sample(surface, 40), {.tracker = {.classes = {{}, {}}}});
+  };
   Population whole = begin(), resumed = begin();
   whole.advance(growing(1).surface());
   EXPECT_EQ(whole.state().densities[1], 0.0);

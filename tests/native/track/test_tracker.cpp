@@ -247,14 +247,16 @@ TEST(Tracker, StaysAsEvenAsTheFirstFrame) {
   const Shape shape = body();
   Tracker tracker = tracker_of(shape);
   const double first =
-      evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0).normalized;
+      evaluate_energy(tracker.surface(), sites_of(tracker.samples()), 30.0, Cells::kEuclidean)
+          .normalized;
   double worst_left = 0.0;
   for (int frame = 1; frame <= 20; ++frame) {
     const Samples before = tracker.samples();
     const std::vector<Vec3> vertices = deformed(shape.vertices, 0.15 * frame);
     const Surface moved = tracker.surface().deformed(vertices);
     const Samples carried = bind_samples(moved, before.faces, before.barycentric);
-    worst_left = std::max(worst_left, evaluate_energy(moved, sites_of(carried), 30.0).normalized);
+    worst_left = std::max(
+        worst_left, evaluate_energy(moved, sites_of(carried), 30.0, Cells::kEuclidean).normalized);
     const Samples& samples = tracker.advance(vertices);
     EXPECT_LE(samples.report.energy, first + 2e-3) << "frame " << frame;
     EXPECT_GE(samples.report.energy, 0.16037) << "frame " << frame;

@@ -12,7 +12,7 @@ namespace dapple::test {
 namespace {
 
 double density_of(const Surface& surface, const Samples& samples) {
-  return static_cast<double>(samples.size()) / surface.mass();
+  return static_cast<double>(samples.size()) / surface.capacity();
 }
 
 Transfer transfer_of(const Surface& before, const Surface& next, const Samples& samples,

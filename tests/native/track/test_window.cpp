@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/sampler.hpp>
-#include <dapple/window.hpp>
+#include <dapple/window_tracker.hpp>
 #include <numbers>
 
 #include "invariants.hpp"
@@ -17,6 +16,11 @@ namespace {
 
 constexpr std::size_t kCount = 300;
 constexpr int kPeriod = 16;
+
+WindowOptions with_classes(std::vector<SampleClass> classes, WindowOptions options = {}) {
+  options.tracker.classes = std::move(classes);
+  return options;
+}
 
 /// A loop: frames 1 .. kPeriod - 1, the next one would be the shape itself.
 std::vector<std::vector<Vec3>> loop(const Shape& shape) {
@@ -74,7 +78,7 @@ TEST(Window, EvaluatesNothingWhereNothingMoves) {
   const Surface surface = shape.surface();
   const Samples first = sample(surface, kCount);
   const std::vector<std::vector<Vec3>> still(5, shape.vertices);
-  const std::vector<Samples> found = track_window(surface, still, first);
+  const std::vector<Samples> found = track_window(surface, first, still);
   for (const Samples& samples : found) EXPECT_TRUE(same_bytes(samples.positions, first.positions));
   for (std::size_t t = 1; t < found.size(); ++t) {
     EXPECT_EQ(found[t].report.evaluations, 0) << "frame " << t;
@@ -89,9 +93,9 @@ TEST(TrackWindow, SmoothsBothWaysAndClosesALoop) {
   const Samples start = sample(surface, kCount);
   const std::vector<std::vector<Vec3>> frames = loop(shape);
   const WindowOptions tracked{.sweeps = 0};
-  const std::vector<Samples> plain = track_window(surface, frames, start, tracked);
+  const std::vector<Samples> plain = track_window(surface, start, frames, tracked);
   const std::vector<Samples> smooth =
-      track_window(surface, frames, start, {.sweeps = 4, .closed = true});
+      track_window(surface, start, frames, {.closed = true, .sweeps = 4});
   ASSERT_EQ(smooth.size(), static_cast<std::size_t>(kPeriod));
   EXPECT_TRUE(same_bytes(smooth[0].positions, start.positions));
   double worst = 0.0;
@@ -118,7 +122,7 @@ TEST(TrackWindow, WithoutSweepsIsATracker) {
   const Surface surface = shape.surface();
   const Samples start = sample(surface, 100);
   const std::vector<std::vector<Vec3>> frames = loop(shape);
-  const std::vector<Samples> found = track_window(surface, frames, start, {.sweeps = 0});
+  const std::vector<Samples> found = track_window(surface, start, frames, {.sweeps = 0});
   Tracker tracker(surface, start);
   for (std::size_t t = 1; t < found.size(); ++t)
     EXPECT_TRUE(same_bytes(tracker.advance(frames[t - 1]).positions, found[t].positions));
@@ -130,8 +134,9 @@ TEST(TrackWindow, WithoutSweepsIsATrackerOfClassesToo) {
   const std::vector<SampleClass> classes = {{.count = 60}, {.count = 40}};
   const Samples start = sample_classes(surface, classes);
   const std::vector<std::vector<Vec3>> frames = loop(shape);
-  const std::vector<Samples> found = track_window(surface, frames, start, {.sweeps = 0}, classes);
-  Tracker tracker(surface, start, {}, classes);
+  const std::vector<Samples> found =
+      track_window(surface, start, frames, with_classes(classes, {.sweeps = 0}));
+  Tracker tracker(surface, start, {.classes = classes});
   for (std::size_t t = 1; t < found.size(); ++t)
     EXPECT_TRUE(same_bytes(tracker.advance(frames[t - 1]).positions, found[t].positions));
 }
@@ -166,8 +171,8 @@ TEST(TrackWindow, KeepsEachClassEven) {
   const Samples start = sample_classes(surface, classes);
   const std::vector<std::vector<Vec3>> frames = loop(shape);
   const std::vector<Samples> apart =
-      track_window(surface, frames, start, {.closed = true}, classes);
-  const std::vector<Samples> as_one = track_window(surface, frames, start, {.closed = true});
+      track_window(surface, start, frames, with_classes(classes, {.closed = true}));
+  const std::vector<Samples> as_one = track_window(surface, start, frames, {.closed = true});
   EXPECT_EQ(apart.back().classes, start.classes);
   for (const std::int32_t one : {0, 1}) {
     const double worst = worst_of_class(surface, frames, apart, one);
@@ -182,7 +187,7 @@ TEST(TrackWindow, RefusesAClassThatIsNotGiven) {
   const std::vector<SampleClass> classes = {{.count = 30}, {.count = 20}};
   const Samples start = sample_classes(surface, classes);
   expect_message<ArgumentError>(
-      [&] { (void)track_window(surface, {}, start, {}, {{.count = 50}}); },
+      [&] { (void)track_window(surface, start, {}, with_classes({{.count = 50}})); },
       {"samples.classes", "1"});
 }
 
@@ -191,11 +196,13 @@ TEST(TrackWindow, GivesTheSameBytesForAnyNumberOfThreads) {
   const Surface surface = shape.surface();
   const std::vector<SampleClass> classes = {{.count = 60}, {.count = 40}};
   const Samples start = sample_classes(surface, classes);
-  WindowOptions options{.sweeps = 1, .closed = true};
+  WindowOptions options{.closed = true, .sweeps = 1};
   options.tracker.threads = 1;
-  const std::vector<Samples> one = track_window(surface, loop(shape), start, options, classes);
+  const std::vector<Samples> one =
+      track_window(surface, start, loop(shape), with_classes(classes, options));
   options.tracker.threads = 4;
-  const std::vector<Samples> four = track_window(surface, loop(shape), start, options, classes);
+  const std::vector<Samples> four =
+      track_window(surface, start, loop(shape), with_classes(classes, options));
   for (std::size_t t = 0; t < one.size(); ++t)
     EXPECT_TRUE(same_bytes(one[t].positions, four[t].positions));
 }
@@ -203,7 +210,7 @@ TEST(TrackWindow, GivesTheSameBytesForAnyNumberOfThreads) {
 TEST(TrackWindow, TakesNoSampleAtAll) {
   const Surface surface = icosphere(1).surface();
   const std::vector<std::vector<Vec3>> frames = {deformed(surface.vertices(), 0.2)};
-  for (const Samples& samples : track_window(surface, frames, Samples{}, {}))
+  for (const Samples& samples : track_window(surface, Samples{}, frames, {}))
     EXPECT_EQ(samples.size(), 0u);
 }
 
@@ -212,7 +219,7 @@ TEST(TrackWindow, StopsWhenCancelled) {
   const Surface surface = shape.surface();
   Context context;
   context.cancel();
-  EXPECT_THROW((void)track_window(surface, loop(shape), sample(surface, 50), {}, {}, &context),
+  EXPECT_THROW((void)track_window(surface, sample(surface, 50), loop(shape), {}, &context),
                Cancelled);
 }
 
@@ -221,10 +228,10 @@ TEST(TrackWindow, NamesWhatIsOutOfRange) {
   const Surface surface = shape.surface();
   const Samples start = sample(surface, 50);
   expect_message<ArgumentError>(
-      [&] { (void)track_window(surface, loop(shape), start, {.sweeps = -1}); }, {"sweeps", "-1"});
+      [&] { (void)track_window(surface, start, loop(shape), {.sweeps = -1}); }, {"sweeps", "-1"});
   std::vector<std::vector<Vec3>> frames = loop(shape);
   frames[3].pop_back();
-  EXPECT_THROW((void)track_window(surface, frames, start), SurfaceError);
+  EXPECT_THROW((void)track_window(surface, start, frames), SurfaceError);
 }
 
 }  // namespace

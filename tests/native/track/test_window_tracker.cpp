@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <dapple/classes.hpp>
 #include <dapple/errors.hpp>
 #include <dapple/sampler.hpp>
 #include <dapple/window_tracker.hpp>
@@ -16,6 +15,12 @@
 
 namespace dapple::test {
 namespace {
+
+WindowOptions with_classes(std::vector<SampleClass> classes) {
+  WindowOptions options;
+  options.tracker.classes = std::move(classes);
+  return options;
+}
 
 using Frames = std::vector<std::vector<Vec3>>;
 
@@ -91,7 +96,7 @@ TEST(WindowTracker, MovesAsSmoothlyWherePiecesMeetAsElsewhere) {
   std::vector<double> seams;
   for (std::size_t at = kPiece - kOverlap; at + kPiece <= frames.size(); at += kPiece - kOverlap)
     for (std::size_t k = at - 2; k <= at + kOverlap; ++k) seams.push_back(all[k]);
-  const std::vector<Samples> whole = track_window(surface, frames, start);
+  const std::vector<Samples> whole = track_window(surface, start, frames);
   const std::vector<double> at_once =
       jerks(surface, start, frames, std::vector<Samples>(whole.begin() + 1, whole.end()));
   std::cout << "jerk " << mean(all) << ", at seams " << mean(seams) << ", worst "
@@ -114,7 +119,7 @@ TEST(WindowTracker, IsAWindowWhereOnePieceIsAll) {
   const Frames frames = motion(shape, 8);
   for (const bool closed : {false, true}) {
     const WindowOptions options{.closed = closed};
-    const std::vector<Samples> whole = track_window(surface, frames, start, options);
+    const std::vector<Samples> whole = track_window(surface, start, frames, options);
     const std::vector<Samples> found =
         WindowTracker(surface, start, options).advance(frames, frames.size());
     for (std::size_t t = 0; t < found.size(); ++t)
@@ -157,13 +162,13 @@ TEST(WindowTracker, GoesOnFromStoredFramesWithTheSameBytes) {
   const Samples start = sample_classes(surface, classes);
   const Frames frames = motion(shape, 24);
   const std::span<const std::vector<Vec3>> all(frames);
-  WindowTracker whole(surface, start, {}, classes);
+  WindowTracker whole(surface, start, with_classes(classes));
   const std::vector<Samples> first = whole.advance(all.first(12), 8);
   const std::vector<Samples> second = whole.advance(all.subspan(8), 16);
   const auto stored = [&](std::size_t t) {
     return bind_samples(surface, first[t].faces, first[t].barycentric);
   };
-  WindowTracker again(surface, start, {}, classes);
+  WindowTracker again(surface, start, with_classes(classes));
   again.resume(frames[7], stored(7), {stored(8), stored(9), stored(10), stored(11)});
   const std::vector<Samples> found = again.advance(all.subspan(8), 16);
   for (std::size_t t = 0; t < found.size(); ++t) {
@@ -177,7 +182,7 @@ TEST(WindowTracker, GivesTheSameBytesForAnyNumberOfThreads) {
   const Surface surface = shape.surface();
   const Samples start = sample(surface, 100);
   const Frames frames = motion(shape, 20);
-  WindowOptions options{.sweeps = 1, .closed = true};
+  WindowOptions options{.closed = true, .sweeps = 1};
   options.tracker.threads = 1;
   WindowTracker one(surface, start, options);
   options.tracker.threads = 4;

@@ -15,7 +15,7 @@ namespace dapple::test {
 namespace {
 
 Evenness evenness(const Surface& surface, const Sites& sites) {
-  return measure_evenness(restricted_voronoi(surface, sites));
+  return measure_evenness(restricted_voronoi(surface, sites, Cells::kEuclidean));
 }
 
 /// A sheet as wide and high as whole hexagons in offset rows, so that the mean cell is a hexagon's
@@ -60,7 +60,7 @@ Rows rows_of(int columns, int rows, double distance, double shift) {
 
 double order_of(const Shape& shape, const Sites& sites) {
   const Surface surface = shape.surface();
-  const RestrictedVoronoi diagram = restricted_voronoi(surface, sites);
+  const RestrictedVoronoi diagram = restricted_voronoi(surface, sites, Cells::kEuclidean);
   std::vector<Vec3> normals;
   for (const std::int32_t face : sites.faces)
     normals.push_back(surface.ordered().geometry(surface.ordered().ordered_face(face)).normal);
@@ -111,8 +111,8 @@ TEST(BondOrder, IsReported) {
 TEST(BondOrder, LeavesOutSitesWithoutANormal) {
   const Surface surface = blob(3).surface();
   const Samples samples = sample(surface, 100);
-  const RestrictedVoronoi diagram =
-      restricted_voronoi(surface, {samples.positions, samples.faces, samples.barycentric});
+  const RestrictedVoronoi diagram = restricted_voronoi(
+      surface, {samples.positions, samples.faces, samples.barycentric}, Cells::kEuclidean);
   std::vector<Vec3> normals = samples.normals;
   std::vector<bool> left_out(100, false);
   normals[17] = Vec3::Zero();
@@ -158,8 +158,7 @@ TEST(CellsOnBorder, AreThoseWithAPieceThere) {
     for (const std::size_t count : {1u, 5u, 60u, 300u}) {
       const Surface surface = shape.surface();
       const Sites sites = random_sites(shape, count, random);
-      const RestrictedVoronoi diagram =
-          restricted_voronoi(surface, sites, nullptr, Cells::kConnected);
+      const RestrictedVoronoi diagram = restricted_voronoi(surface, sites, Cells::kConnected);
       EXPECT_EQ(cells_on_border(surface, sites, diagram),
                 with_a_piece_on_the_border(surface, sites, Cells::kConnected))
           << shape.name << ' ' << count;
@@ -173,7 +172,7 @@ TEST(Analysis, AgreesWithBruteForceInThePlane) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Random random(seed);
     const Sites sites = random_sites(shape, 60, random);
-    const RestrictedVoronoi diagram = restricted_voronoi(surface, sites);
+    const RestrictedVoronoi diagram = restricted_voronoi(surface, sites, Cells::kEuclidean);
     double least = 1e9, sum = 0.0, squares = 0.0;
     for (std::size_t i = 0; i < sites.size(); ++i) {
       double nearest = 1e9;

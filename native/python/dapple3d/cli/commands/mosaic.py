@@ -34,8 +34,8 @@ GROUT = 0.1  # spacings
     type=options.NOT_NEGATIVE,
     help=f"Width of the gap, in the mesh's units.  [default: {GROUT} spacings]",
 )
-@options.library_options("mosaic", only=["thickness", "tolerance"])
-@options.library_options("sample", without=["tolerance"])
+@options.library_options("mosaic", only=["thickness", "shortest_edge"])
+@options.library_options("sample")
 @options.surface_options
 @options.profile_option
 @options.report_options
@@ -71,7 +71,8 @@ def command(
         raise click.UsageError("--profile needs --count: nothing is solved for --points")
     check_outputs([mesh, points, options.density_file(density)], [out, reporter.file])
     loaded = meshes.load(meshes.read_mesh(mesh), density, density_at, surface_options)
-    shape = options.given({name: chosen.pop(name) for name in ("grout", "thickness", "tolerance")})
+    names = ("grout", "thickness", "shortest_edge")
+    shape = options.given({name: chosen.pop(name) for name in names})
     given = options.given(chosen)
     with Work("tiling", steps=2, quiet=quiet) as work:
         if points:

@@ -289,7 +289,7 @@ def follow_population(
 ) -> list[Any]:
     """Frame after frame, of any faces or none."""
     population: dapple.Population | None = dapple.Population(surface, first, **given)
-    density, next_id = len(first) / surface.mass, 0
+    density, next_id = len(first) / surface.capacity, 0
     results: list[Any] = [first]
     last = motion[0][1]
     for name, mesh in motion[1:]:
@@ -337,7 +337,7 @@ def begun(
     """
     if "classes" in given:
         raise ValueError("comes behind a frame without faces, where classes cannot begin anew")
-    count = max(1, round(density * surface.mass))
+    count = max(1, round(density * surface.capacity))
     sampling = {name: given[name] for name in START if name in given}
     found = dapple.sample(surface, count, seed=next_id, context=context, **sampling)
     ids = np.arange(next_id, next_id + count, dtype=np.int32)
@@ -359,4 +359,4 @@ def follow_together(
     """All frames at once."""
     frames = [masked.vertices(mesh.vertices) for _, mesh in motion[1:]]
     with about(motion[0][0]):
-        return work.run(partial(dapple.track_window, masked.surface, frames, first, **given))
+        return work.run(partial(dapple.track_window, masked.surface, first, frames, **given))

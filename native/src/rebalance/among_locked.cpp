@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/among_locked.hpp"
+#include "rebalance/among_locked.hpp"
 
 #include <algorithm>
 #include <cmath>

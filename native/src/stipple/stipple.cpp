@@ -9,11 +9,11 @@
 #include "base/parallel.hpp"
 #include "base/progress.hpp"
 #include "base/validate.hpp"
-#include "plane/error_diffusion.hpp"
-#include "plane/raster_domain.hpp"
 #include "sample/outcome.hpp"
 #include "sample/solve_classes.hpp"
 #include "sample/timed_call.hpp"
+#include "stipple/error_diffusion.hpp"
+#include "stipple/raster_domain.hpp"
 
 namespace dapple {
 namespace {
@@ -181,8 +181,8 @@ Stipples solve_stipple(std::span<const Image> inks, std::span<const std::size_t>
 
 }  // namespace
 
-Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOptions& options,
-                 Context* context) {
+Stipples stipple_inks(std::span<const Image> inks, std::size_t count, const StippleOptions& options,
+                      Context* context) {
   TimedCall call(context);
   if (context) context->check();
   check(inks, count, options);
@@ -199,7 +199,7 @@ Stipples stipple(std::span<const Image> inks, std::size_t count, const StippleOp
 
 // ---- color ----
 
-std::array<Image, kInks> separate(const ColorImage& picture) {
+std::array<Image, kInks> separate_inks(const ColorImage& picture) {
   constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
   // Of the three process colors, the ink that two make and the one that is left alone.
   constexpr std::array<Ink, 3> kWithout = {Ink::kRed, Ink::kGreen, Ink::kBlue};
@@ -233,7 +233,7 @@ std::array<Image, kInks> separate(const ColorImage& picture) {
   return inks;
 }
 
-ColorImage mix(const std::array<Image, kInks>& inks) {
+ColorImage mix_inks(const std::array<Image, kInks>& inks) {
   // What each ink takes from red, green and blue light.
   constexpr std::array<std::array<double, 3>, kInks> kTakes = {
       {{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};

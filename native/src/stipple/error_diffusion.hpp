@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dapple/context.hpp>
-#include <dapple/image.hpp>
 #include <dapple/types.hpp>
 #include <span>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "plane/pixel_integrals.hpp"
+#include "stipple/pixel_integrals.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/lead_to_density.hpp"
+#include "rebalance/lead_to_density.hpp"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 #include <dapple/sampler.hpp>
 
 #include "invariants.hpp"
-#include "sample/widest_gaps.hpp"
+#include "rebalance/widest_gaps.hpp"
 #include "shapes.hpp"
 
 namespace dapple::test {
@@ -15,7 +15,7 @@ namespace {
 TEST(WidestGaps, FillTheEmptyHalfApart) {
   const Surface surface = icosphere(4).surface();
   const Samples samples = sample(surface, 400);
-  Gaps gaps{{}, {}, surface.mass() / 400.0};
+  Gaps gaps{{}, {}, surface.capacity() / 400.0};
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (samples.positions[k].z() > 0.0) continue;
     gaps.sites.positions.push_back(samples.positions[k]);
@@ -42,7 +42,7 @@ TEST(WidestGaps, AreInOpenCells) {
   const Samples samples = sample(surface, 60);
   Gaps gaps{{samples.positions, samples.faces, samples.barycentric},
             std::vector<bool>(60, false),
-            surface.mass() / 60.0};
+            surface.capacity() / 60.0};
   EXPECT_EQ(widest_gaps(surface, gaps, 5, 1, nullptr).size(), 0u);
   gaps.open[7] = true;
   const Sites found = widest_gaps(surface, gaps, 3, 1, nullptr);
@@ -60,7 +60,7 @@ TEST(WidestGaps, AreAsManyAsAskedWhereOpenCellsAreASmallPart) {
   const Samples samples = sample(surface, 400);
   Gaps gaps{{samples.positions, samples.faces, samples.barycentric},
             std::vector<bool>(400, false),
-            surface.mass() / 400.0};
+            surface.capacity() / 400.0};
   gaps.open[100] = true;
   EXPECT_EQ(widest_gaps(surface, gaps, 40, 1, nullptr).size(), 40u);
 }

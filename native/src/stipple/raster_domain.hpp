@@ -2,7 +2,7 @@
 #pragma once
 
 #include <dapple/domain.hpp>
-#include <dapple/image.hpp>
+#include <dapple/types.hpp>
 
 namespace dapple {
 
@@ -16,14 +16,14 @@ class RasterDomain final : public Domain {
   /// \throw ArgumentError as check_image("density", density)
   explicit RasterDomain(Image density);
 
-  [[nodiscard]] RestrictedVoronoi cells(const Sites& sites, Context* context) const override;
-  void update_cells(const Sites& sites, Context* context, RestrictedVoronoi& result) const override;
+  void update_cells(RestrictedVoronoi& diagram, const Sites& sites,
+                    Context* context) const override;
   /// The nearest points in pixels with density.
   [[nodiscard]] Sites project(std::span<const Vec3> points, std::span<const std::int32_t> hints,
                               const Context* context = nullptr) const override;
   [[nodiscard]] Vec3 normal(std::int32_t) const override { return Vec3::UnitZ(); }
   [[nodiscard]] double area() const override { return size_.x() * size_.y(); }
-  [[nodiscard]] double mass() const override { return mass_; }
+  [[nodiscard]] double capacity() const override { return capacity_; }
   [[nodiscard]] bool uniform() const override { return false; }
   [[nodiscard]] std::vector<bool> on_border(const Sites& sites,
                                             const RestrictedVoronoi& diagram) const override;
@@ -37,7 +37,7 @@ class RasterDomain final : public Domain {
 
   Image density_;
   Vec2 size_;
-  double mass_;
+  double capacity_;
   Surface frame_;
 };
 

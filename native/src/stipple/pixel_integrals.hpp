@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <dapple/image.hpp>
-#include <dapple/moments.hpp>
+#include <dapple/restricted_voronoi.hpp>
+#include <dapple/types.hpp>
 #include <span>
 
 #include "plane/flat_polygon.hpp"

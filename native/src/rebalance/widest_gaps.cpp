@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/widest_gaps.hpp"
+#include "rebalance/widest_gaps.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +132,7 @@ Sites widest_gaps(const Surface& surface, const Gaps& gaps, std::size_t count, s
   const std::size_t most =
       std::max(kFew, kMore * static_cast<std::size_t>(kDraws) * (count + gaps.sites.size()));
   auto draws = static_cast<std::size_t>(
-      std::min(std::ceil(kDraws * surface.ordered().unit_mass() / gaps.capacity),
+      std::min(std::ceil(kDraws * surface.ordered().unit_capacity() / gaps.capacity),
                static_cast<double>(most)));
   std::vector<Place> places = draw_places(surface, gaps, draws, seed, context);
   // The cells of open sites may be a small part of the surface.

@@ -11,9 +11,9 @@
 #include <numeric>
 
 #include "base/random.hpp"
-#include "plane/error_diffusion.hpp"
-#include "plane/pixel_integrals.hpp"
-#include "plane/raster_domain.hpp"
+#include "stipple/error_diffusion.hpp"
+#include "stipple/pixel_integrals.hpp"
+#include "stipple/raster_domain.hpp"
 #include "throws.hpp"
 
 namespace dapple::test {
@@ -86,7 +86,7 @@ TEST(StippleCells, AgreeWithTheFlatMesh) {
   const Sites sites = random_sites(domain, image, 40);
   const Surface surface = mesh_of(image);
   const Sites there = SurfaceDomain(surface).project(sites.positions, {});
-  const Energy expected = evaluate_energy(surface, there, kLambda);
+  const Energy expected = evaluate_energy(surface, there, kLambda, Cells::kEuclidean);
   const Energy found = evaluate_energy(domain, sites, kLambda);
   EXPECT_NEAR(found.total, expected.total, 1e-10 * expected.total);
   for (std::size_t k = 0; k < sites.size(); ++k) {
@@ -134,7 +134,7 @@ TEST(StippleCells, ShareOutThePictureEvenIfSitesCoincideOrLieOnLinesOfPixels) {
     capacity += cell.capacity;
   }
   EXPECT_NEAR(area, 600.0, 1e-9);
-  EXPECT_NEAR(capacity, domain.mass(), 1e-9);
+  EXPECT_NEAR(capacity, domain.capacity(), 1e-9);
   EXPECT_GT(diagram.cells[3].area, 0.0);
   EXPECT_EQ(diagram.cells[7].area, 0.0);
   EXPECT_EQ(diagram.cells[11].area, 0.0);
@@ -147,7 +147,7 @@ TEST(StippleCells, OverwriteOthers) {
   Sites sites = random_sites(domain, image, 20);
   RestrictedVoronoi kept = domain.cells(sites, nullptr);
   sites.positions[3] = sites.positions[7] = sites.positions[11];
-  domain.update_cells(sites, nullptr, kept);
+  domain.update_cells(kept, sites, nullptr);
   const RestrictedVoronoi fresh = domain.cells(sites, nullptr);
   ASSERT_EQ(kept.boundaries.size(), fresh.boundaries.size());
   for (std::size_t k = 0; k < sites.size(); ++k) {
@@ -206,7 +206,7 @@ TEST(StippleStart, FollowsTheDensity) {
 TEST(Stipple, HasExactlyAsManyDotsAsWantedWhereThereIsInk) {
   const Image image = waves(40, 60);
   for (const std::size_t count : {1u, 2u, 3u, 50u, 1000u}) {
-    const Stipples dots = stipple({&image, 1}, count);
+    const Stipples dots = stipple_inks({&image, 1}, count);
     ASSERT_EQ(dots.positions.size(), count);
     EXPECT_EQ(dots.report.count, count);
     for (const Vec2& x : dots.positions) {
@@ -219,7 +219,7 @@ TEST(Stipple, HasExactlyAsManyDotsAsWantedWhereThereIsInk) {
 
 TEST(Stipple, IsEven) {
   const Image image = waves(80, 100);
-  const Stipples dots = stipple({&image, 1}, 800);
+  const Stipples dots = stipple_inks({&image, 1}, 800);
   EXPECT_LT(dots.report.evenness.capacity_variation, 0.02);
   EXPECT_GT(dots.report.evenness.alpha_mean, 0.75);
   EXPECT_TRUE(dots.report.converged);
@@ -227,23 +227,23 @@ TEST(Stipple, IsEven) {
 
 TEST(Stipple, GivesTheSameBytesForAnyThreads) {
   const std::array<Image, 2> inks = {waves(40, 60), noise(40, 60, 4)};
-  const Stipples base = stipple(inks, 300, {.seed = 3, .threads = 1});
-  const Stipples again = stipple(inks, 300, {.seed = 3, .threads = 2});
+  const Stipples base = stipple_inks(inks, 300, {.seed = 3, .threads = 1});
+  const Stipples again = stipple_inks(inks, 300, {.seed = 3, .threads = 2});
   EXPECT_EQ(base.positions, again.positions);
   EXPECT_EQ(base.classes, again.classes);
-  EXPECT_NE(base.positions, stipple(inks, 300, {.seed = 4}).positions);
+  EXPECT_NE(base.positions, stipple_inks(inks, 300, {.seed = 4}).positions);
 }
 
 TEST(Stipple, OfAnAllBlackPictureIsEven) {
   const Image image = filled(20, 30, 1.0);
-  const Stipples dots = stipple({&image, 1}, 200);
+  const Stipples dots = stipple_inks({&image, 1}, 200);
   EXPECT_LT(dots.report.evenness.capacity_variation, 0.02);
   EXPECT_NEAR(dots.radius, std::sqrt(600.0 / (200.0 * 3.14159265358979)), 1e-9);
 }
 
 TEST(Stipple, OfOnePixel) {
   const Image image = filled(1, 1, 0.5);
-  const Stipples dots = stipple({&image, 1}, 30);
+  const Stipples dots = stipple_inks({&image, 1}, 30);
   ASSERT_EQ(dots.positions.size(), 30u);
   for (const Vec2& x : dots.positions) {
     EXPECT_GE(x.minCoeff(), 0.0);
@@ -255,15 +255,15 @@ TEST(Stipple, OfOnePixel) {
 TEST(Stipple, AllotsInksByTheirSums) {
   const std::vector<Image> inks = {filled(8, 8, 0.5), filled(8, 8, 0.0), filled(8, 8, 0.25),
                                    filled(8, 8, 0.25)};
-  EXPECT_EQ(counts_of(stipple(inks, 101), 4), (std::vector<std::size_t>{51, 0, 25, 25}));
+  EXPECT_EQ(counts_of(stipple_inks(inks, 101), 4), (std::vector<std::size_t>{51, 0, 25, 25}));
   StippleOptions options;
   options.counts = {1, 0, 60, 40};
-  EXPECT_EQ(counts_of(stipple(inks, 101, options), 4), options.counts);
+  EXPECT_EQ(counts_of(stipple_inks(inks, 101, options), 4), options.counts);
 }
 
 TEST(Stipple, KeepsInksEvenEachAndTogether) {
   const std::vector<Image> inks = {filled(30, 40, 0.5), waves(30, 40)};
-  const Stipples dots = stipple(inks, 800);
+  const Stipples dots = stipple_inks(inks, 800);
   EXPECT_LT(dots.report.evenness.capacity_variation, 0.05);
   for (const Quality& one : dots.report.classes) EXPECT_LT(one.evenness.capacity_variation, 0.06);
 }
@@ -272,7 +272,7 @@ TEST(Stipple, InksNeedNotBeEvenTogether) {
   StippleOptions options;
   options.union_weight = 0.0;
   const std::vector<Image> inks = {waves(8, 8), noise(8, 8, 3)};
-  const Stipples dots = stipple(inks, 20, options);
+  const Stipples dots = stipple_inks(inks, 20, options);
   EXPECT_EQ(dots.positions.size(), 20u);
 }
 
@@ -286,13 +286,13 @@ TEST(Stipple, StopsWhenCancelled) {
   const Image image = waves(40, 60);
   Context context;
   context.cancel();
-  EXPECT_THROW((void)stipple({&image, 1}, 50, {}, &context), Cancelled);
+  EXPECT_THROW((void)stipple_inks({&image, 1}, 50, {}, &context), Cancelled);
 }
 
 TEST(Stipple, NamesWhatIsWrong) {
   const auto fails = [](std::vector<Image> inks, std::size_t count, const StippleOptions& options,
                         std::initializer_list<std::string> parts) {
-    expect_message<ArgumentError>([&] { (void)stipple(inks, count, options); }, parts);
+    expect_message<ArgumentError>([&] { (void)stipple_inks(inks, count, options); }, parts);
   };
   fails({filled(4, 5, 0.0)}, 10, {}, {"white", "nothing to put dots on"});
   fails({filled(4, 5, 1.0)}, 0, {}, {"count is 0"});
@@ -314,8 +314,8 @@ TEST(Stipple, NamesWhatIsWrong) {
 
 TEST(StippleInks, MixToThePictureTheyCameFrom) {
   const ColorImage picture = {noise(20, 20, 1), noise(20, 20, 2), noise(20, 20, 3)};
-  const std::array<Image, kInks> inks = separate(picture);
-  const ColorImage mixed = mix(inks);
+  const std::array<Image, kInks> inks = separate_inks(picture);
+  const ColorImage mixed = mix_inks(inks);
   for (std::size_t p = 0; p < 400; ++p) {
     double all = 0.0;
     int present = 0;
@@ -336,7 +336,7 @@ TEST(StippleInks, ArePureForPureColors) {
   const ColorImage picture = {Image{1, 8, {1, 0, 0, 0, 1, 1, 0, 1}},
                               Image{1, 8, {0, 1, 0, 1, 0, 1, 0, 1}},
                               Image{1, 8, {0, 0, 1, 1, 1, 0, 0, 1}}};
-  const std::array<Image, kInks> inks = separate(picture);
+  const std::array<Image, kInks> inks = separate_inks(picture);
   for (std::size_t p = 0; p < 8; ++p)
     for (std::size_t c = 0; c < kInks; ++c)
       EXPECT_EQ(inks[c].values[p], p == c ? 1.0 : 0.0) << p << ", " << c;
@@ -345,9 +345,10 @@ TEST(StippleInks, ArePureForPureColors) {
 TEST(StippleInks, NameWhatIsWrong) {
   ColorImage picture = {noise(4, 4, 1), noise(4, 4, 2), noise(4, 4, 3)};
   picture[1].values[6] = 1.5;
-  expect_message<ArgumentError>([&] { (void)separate(picture); }, {"green[6]", "1.5", "[0, 1]"});
+  expect_message<ArgumentError>([&] { (void)separate_inks(picture); },
+                                {"green[6]", "1.5", "[0, 1]"});
   picture[1] = noise(4, 5, 2);
-  expect_message<ArgumentError>([&] { (void)separate(picture); }, {"green", "4 x 5"});
+  expect_message<ArgumentError>([&] { (void)separate_inks(picture); }, {"green", "4 x 5"});
 }
 
 }  // namespace

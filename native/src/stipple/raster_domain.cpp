@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "plane/raster_domain.hpp"
+#include "stipple/raster_domain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "base/segment.hpp"
 #include "base/validate.hpp"
 #include "plane/flat_cells.hpp"
-#include "plane/pixel_integrals.hpp"
+#include "stipple/pixel_integrals.hpp"
 
 namespace dapple {
 namespace {
@@ -133,18 +133,12 @@ void join_boundaries(const FlatSites& sites, const std::vector<Chunk>& chunks,
 RasterDomain::RasterDomain(Image density)
     : density_(checked(std::move(density))),
       size_(static_cast<double>(density_.columns), static_cast<double>(density_.rows)),
-      mass_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
+      capacity_(std::accumulate(density_.values.begin(), density_.values.end(), 0.0)),
       frame_(rectangle(size_)) {}
 
-RestrictedVoronoi RasterDomain::cells(const Sites& sites, Context* context) const {
-  RestrictedVoronoi result;
-  update_cells(sites, context, result);
-  return result;
-}
-
 // Only the first of coincident sites has a cell.
-void RasterDomain::update_cells(const Sites& sites, Context* context,
-                                RestrictedVoronoi& result) const {
+void RasterDomain::update_cells(RestrictedVoronoi& result, const Sites& sites,
+                                Context* context) const {
   const FlatSites places =
       in_stage(context, Stage::kNeighbors, [&] { return FlatSites(sites.positions, false); });
   result.cells.assign(sites.size(), {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "plane/error_diffusion.hpp"
+#include "stipple/error_diffusion.hpp"
 
 #include <algorithm>
 #include <array>

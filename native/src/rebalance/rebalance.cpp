@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/rebalance.hpp"
+#include "rebalance/rebalance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -167,9 +167,9 @@ class Round {
     for (std::size_t k = 0; k < surface_.face_count(); ++k) {
       const OrderedFace f = nth_face(k);
       const std::size_t c = islands_.at(f);
-      result[c] += mass(f);
-      sum += mass(f);
-      if (largest_[c] == kNone || mass(f) > mass(largest_[c])) largest_[c] = f;
+      result[c] += capacity(f);
+      sum += capacity(f);
+      if (largest_[c] == kNone || capacity(f) > capacity(largest_[c])) largest_[c] = f;
     }
     for (std::size_t c = 0; c < held.size(); ++c)
       result[c] = static_cast<double>(rule_.count) * result[c] / sum - static_cast<double>(held[c]);
@@ -187,7 +187,7 @@ class Round {
     return result;
   }
 
-  [[nodiscard]] double mass(OrderedFace face) const {
+  [[nodiscard]] double capacity(OrderedFace face) const {
     return surface_.ordered().geometry(face).moments.capacity;
   }
 
@@ -434,7 +434,7 @@ class Round {
   Context* context_;
   RestrictedVoronoi diagram_;
   std::vector<std::int32_t> order_;      // sites by island, in each along a curve that fills space
-  std::vector<OrderedFace> largest_;     // per island: the face of most mass
+  std::vector<OrderedFace> largest_;     // per island: the face of largest capacity
   std::vector<double> fill_;             // per site: how many samples what it owns is worth
   std::vector<std::size_t> patch_;       // per site
   std::vector<std::ptrdiff_t> changes_;  // per patch: samples still to come or to go
