@@ -41,7 +41,7 @@ def check_same_surface(found, surface):
     density, expected = found.density, surface.density
     assert (density is None) == (expected is None)
     assert density is None or density.tobytes() == expected.tobytes()
-    names = ("density_at", "weld", "sharp_angle", "doubled_faces", "merge_doubled", "area", "mass")
+    names = ("density_at", "weld", "sharp_angle", "doubled_faces", "merge_doubled", "area", "capacity")
     for name in names:
         assert getattr(found, name) == getattr(surface, name)
     options = {"max_evaluations": 4}

@@ -140,7 +140,7 @@ def test_says_when_faces_are_too_few():
         ({"image": np.ones(9)}, r"image.*\(9,\)"),
         ({"image": np.zeros((3, 3))}, "image.*0 everywhere"),
         ({"image": [[1, 2], [3, -4]]}, r"image\[1, 1\].*-4"),
-        ({"tolerance": 0}, "tolerance.*0"),
+        ({"max_error": 0}, "max_error.*0"),
         ({"texels": -1}, "texels.*-1"),
         ({"max_faces": 0}, "max_faces.*0"),
     ],
